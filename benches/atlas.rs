@@ -1,4 +1,4 @@
-//! The stability atlas: maps of the running engine beside theory, the survival table, and what is not finite.
+//! Stability atlas: maps of the running engine compared with theory, the survival table, and non-finite numbers.
 //!
 //! Prints the page; with `UPDATE=1` writes it to `docs/measured/atlas.md` and its maps to `docs/measured/atlas/`.
 #![allow(missing_docs)]
@@ -8,7 +8,7 @@ use ca_benches::atlas::{MAPS, svg};
 use std::path::Path;
 
 fn main() {
-    // `cargo test --benches` asks whether it runs at all
+    // `cargo test --benches` only checks that it runs
     let long = std::env::args().any(|a| a == "--bench");
     let (across, up) = if long { (80, 60) } else { (2, 2) };
     let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/measured");

@@ -1,8 +1,10 @@
-//! Contacts between all pairs of grains in a shell: each pair a module, all pairs tested in one pass, and by a list of
-//! neighbours. What is timed is that pass alone, inside the tick, on grains that go on flying, each time from the same
-//! state. The constants of `ca_core::internal::numeric::VerletList` and the least number of pairs that make a set come from here.
+//! Contacts between all pairs of grains in a shell: as a module for each pair, as one pass over all pairs, and by a
+//! list of neighbours.
 //!
-//! `… apart` is a set of which nothing ever touches: its time by its pairs is what a pair costs that is idle.
+//! Only that pass of the tick is timed, on flying grains, each time from the same state. The constants of
+//! `ca_core::internal::numeric::VerletList` and the least number of pairs in a set come from here.
+//!
+//! `… apart` is a set in which nothing touches: its time divided by its pairs is the cost of an idle pair.
 #![allow(missing_docs)]
 
 use ca_benches::{compiled, grains, model};
@@ -11,10 +13,10 @@ use ca_core::{Scene, State, integrate, tick};
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use std::time::{Duration, Instant};
 
-/// Ticks before anything is timed, so that the grains have met.
+/// Ticks before anything is timed, until the grains collide.
 const WARM: u64 = 500;
 
-/// Time of the pass of the grains in `ticks` ticks.
+/// Returns the time of the pass of the grains in `ticks` ticks.
 fn pass(scene: &Scene, s: &mut State, ticks: u64) -> Duration {
     let hits = scene.passes.forces.iter().rposition(|op| op.law.is_some()).expect("the contact of the grains");
     let mut retired = Duration::ZERO;
@@ -26,7 +28,7 @@ fn pass(scene: &Scene, s: &mut State, ticks: u64) -> Duration {
         }
         integrate(scene, s);
     }
-    // reading the clock is no part of it
+    // subtracts the time for reading the clock
     let begin = Instant::now();
     let clock = (0..1000).map(|_| Instant::now().elapsed()).sum::<Duration>();
     retired.saturating_sub(clock.min(begin.elapsed()) * u32::try_from(ticks).unwrap_or(u32::MAX) / 1000)

@@ -1,9 +1,9 @@
-//! What each guard, check and method costs: instructions, counted by valgrind so that they do not depend on what else
-//! the machine does, and ns, with and without in turn.
+//! Cost of each guard, check and method: instructions, counted by valgrind and so independent of the load on the
+//! machine, and ns, with and without in turn.
 //!
-//! It counts by running itself under `valgrind --tool=callgrind`, each run in two lengths whose difference counts, as
-//! many at a time as there are cores; without valgrind it says so and counts nothing. It fails where a scene pays for
-//! what it does not use. Prints the page; with `UPDATE=1` writes it to `docs/measured/costs.md`.
+//! The bench counts by running itself under `valgrind --tool=callgrind`, one process per core. Each run has two
+//! lengths, and the difference counts. Without valgrind it says so and counts nothing. It fails if a scene pays for
+//! something that it does not use. It prints the page; with `UPDATE=1` it writes the page to `docs/measured/costs.md`.
 
 use ca_benches::costs::page::{Price, page};
 use ca_benches::costs::{CostRow, Run, rows};
@@ -13,20 +13,17 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// Ticks or frames of the two runs whose difference counts: whole frames, and whole rounds of what is done every 1024
-/// ticks.
+/// Ticks of the two runs whose difference counts: whole frames, and multiples of the 1024 ticks between periodic tasks.
 const FEW: u32 = 1024;
 const MANY: u32 = 9 * FEW;
-/// Frames at the hand are many ticks each.
+/// The same in frames of a device, each of many ticks.
 const FRAMES: u32 = 256;
 const MORE: u32 = 5 * FRAMES;
 
-/// The lengths for a run.
 fn lengths(run: &Run) -> [u32; 2] {
     if run.is_hand() { [FRAMES, MORE] } else { [FEW, MANY] }
 }
 
-/// Every run there is, once.
 fn runs(rows: &[CostRow]) -> Vec<Run> {
     let mut all = Vec::new();
     for run in rows.iter().flat_map(|r| [Some(r.plain.clone()), Some(r.used.clone()), r.unheard()]).flatten() {
@@ -37,7 +34,7 @@ fn runs(rows: &[CostRow]) -> Vec<Run> {
     all
 }
 
-/// Instructions of run `i` with this length.
+/// Returns the instructions of run `i` with this length.
 fn counted(i: usize, length: u32) -> Option<u64> {
     let out = Command::new("valgrind")
         .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
@@ -50,7 +47,7 @@ fn counted(i: usize, length: u32) -> Option<u64> {
     reported.lines().find_map(|l| l.split("Collected : ").nth(1)).and_then(|n| n.trim().parse().ok())
 }
 
-/// Instructions per tick or frame of each run; `None` without valgrind.
+/// Returns the instructions per tick or frame of each run; `None` without valgrind.
 fn counts(runs: &[Run]) -> Option<Vec<f64>> {
     Command::new("valgrind").arg("--version").output().ok()?;
     let (next, all) = (AtomicUsize::new(0), Mutex::new(vec![None; runs.len()]));
@@ -69,7 +66,7 @@ fn counts(runs: &[Run]) -> Option<Vec<f64>> {
     all.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().collect()
 }
 
-/// ns per tick or frame of the row with its thing, less without: the best of each, in turn.
+/// Returns the ns per tick or frame of the row with its thing, less those without: the best of each, in turn.
 fn time(row: &CostRow) -> f64 {
     const TURNS: usize = 32;
     let n = lengths(&row.used)[0];
@@ -95,7 +92,7 @@ fn main() -> ExitCode {
         runs[i as usize].player()(length);
         return ExitCode::SUCCESS;
     }
-    // `cargo test --benches` asks whether it runs at all
+    // `cargo test --benches` only checks that it runs
     if !std::env::args().any(|a| a == "--bench") {
         for run in &runs {
             run.player()(16);

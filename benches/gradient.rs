@@ -1,9 +1,11 @@
-//! What derivatives cost: the time of a sample with several of them over that of a render, forward and in reverse, beside how far
-//! they are from a central difference of renders and from each other. Prints a page; with `UPDATE=1` writes it to
+//! Cost and error of derivatives, forward and in reverse.
+//!
+//! The cost is the time of a sample with several derivatives over the time in a render. The error is the distance from
+//! a central difference of renders, and of the two modes from each other. Prints a page; with `UPDATE=1` writes it to
 //! `docs/measured/gradients.md`.
 //!
-//! Decides on ratios within one turn, and the median of several turns: other programs take time too, and some processors change their
-//! speed within a second, so that the quickest of each may be of two speeds.
+//! The page has ratios within one turn, and the median of several turns. Other programs take time too, and some
+//! processors change their clock within a second, so that the fastest times of two programs may be at different clocks.
 #![allow(missing_docs)]
 
 use ca_benches::{at_most, machine, publish};
@@ -27,7 +29,7 @@ the step of the difference adds its own error, and in the bowed bar a contact th
 gradients of both modes are from each other, over the sum of the sizes of their terms.
 ";
 
-/// Title, text, parameters, and what reverse mode may take.
+/// Title, text, parameters, and the largest time of reverse mode.
 type Case = (&'static str, &'static str, &'static [&'static str], f64);
 
 const CASES: &[Case] = &[
@@ -64,14 +66,12 @@ const CASES: &[Case] = &[
 ];
 const NAMES: [&str; 7] = ["hammer.v", "hammer.m", "hammer.x", "strike.k", "low.m", "low.f", "low.t60"];
 
-/// Seconds of a call, and what it gave.
 fn timed<T>(call: impl FnOnce() -> T) -> (f64, T) {
     let begin = Instant::now();
     let made = call();
     (begin.elapsed().as_secs_f64(), made)
 }
 
-/// What is heard of the first output.
 fn rendered(scene: &Scene, frames: usize) -> Vec<f64> {
     let mut s = scene.state();
     let sample = |_| {
@@ -81,7 +81,7 @@ fn rendered(scene: &Scene, frames: usize) -> Vec<f64> {
     (0..frames).map(sample).collect()
 }
 
-/// How far the derivatives by the first parameter are from a central difference, over the largest.
+/// Returns the distance of the derivatives by the first parameter from a central difference, relative to the largest.
 fn from_difference(loaded: &Loaded, name: &str, t: &Tangents) -> f64 {
     let (p, h) = (&t.parameters[0], 1e-7);
     let moved = |v: f64| {
@@ -97,7 +97,7 @@ fn from_difference(loaded: &Loaded, name: &str, t: &Tangents) -> f64 {
     off / most
 }
 
-/// How far a gradient of the power is from forward mode's, over the sum of the sizes of its terms.
+/// Returns the distance of a gradient of the power from forward mode, relative to the sum of the sizes of its terms.
 fn apart(t: &Tangents, gradient: &[f64]) -> f64 {
     let p = gradient.len();
     let of = |q: usize| {
@@ -124,7 +124,7 @@ fn row(case: &Case, frames: usize, turns: usize) -> String {
         let mut s = scene.state();
         timed(|| (0..frames).for_each(|_| tick(&scene, &mut s))).0
     };
-    // renders, and what the rest takes over the renders around it
+    // renders, and times relative to the renders before and after
     let [mut plain, mut dual, mut play, mut back, mut both] = [const { Vec::new() }; 5];
     let mut found = None;
     for _ in 0..turns {
@@ -163,7 +163,7 @@ fn row(case: &Case, frames: usize, turns: usize) -> String {
 }
 
 fn main() {
-    // `cargo test --benches` asks whether it runs at all
+    // `cargo test --benches` only checks that it runs
     let long = std::env::args().any(|a| a == "--bench");
     let (frames, turns, cases) = if long { (24_000, 15, CASES) } else { (400, 1, &CASES[..1]) };
     let mut page = format!("{HEAD}\nThe machine of this page is {}.\n\n", machine());

@@ -1,7 +1,8 @@
-//! The page of instruments with its pictures and sounds: what does not depend on time is measured by
-//! `ca_benches::instruments`, as the test does; how fast each is by one thread, nothing else running, the best of three.
+//! Page of instruments with its pictures and sounds.
 //!
-//! Prints the page; with `UPDATE=1` writes it to `docs/instruments.md`, and pictures and sounds to `docs/instruments/`.
+//! `ca_benches::instruments` measures all that does not depend on the machine, as the test does. This bench measures
+//! the speed of each instrument by one thread, with nothing else running, as the best of three. It prints the page;
+//! with `UPDATE=1` it writes the page to `docs/instruments.md`, and pictures and sounds to `docs/instruments/`.
 
 use ca_benches::instruments::page::page;
 use ca_benches::instruments::{BUILT, Figures, Instrument, Plays, all, figures, on_all_cores};
@@ -10,12 +11,12 @@ use ca_io::format::Format;
 use ca_report::{Sound, spectrogram};
 use std::path::Path;
 
-/// Most bytes of a sound.
+/// Largest size of a sound \[bytes\].
 const LARGEST: usize = 110_000;
-/// What a sound that is cut is faded over \[s\].
+/// Fade at the end of a sound that is cut \[s\].
 const FADE: f64 = 0.05;
 
-/// The loudest channel as FLAC of 16 bits, cut where it would be too large.
+/// Returns the loudest channel as 16-bit FLAC, cut if it would be too large.
 fn sound(x: &[f64], rate: f64) -> Vec<u8> {
     let whole: Vec<f32> = x.iter().map(|v| v.clamp(-1.0, 1.0) as f32).collect();
     let mut n = whole.len();
@@ -34,7 +35,6 @@ fn sound(x: &[f64], rate: f64) -> Vec<u8> {
     }
 }
 
-/// The spectrogram of all channels.
 fn picture(channels: &[Vec<f64>], rate: f64) -> Vec<u8> {
     let names: Vec<String> = (0..channels.len()).map(|k| k.to_string()).collect();
     let mut sound = Sound::new(rate, &names);
@@ -45,7 +45,7 @@ fn picture(channels: &[Vec<f64>], rate: f64) -> Vec<u8> {
 }
 
 fn main() {
-    // `cargo test --benches` asks whether it runs at all
+    // `cargo test --benches` only checks that it runs
     if !std::env::args().any(|a| a == "--bench") {
         let p = Plays::new(all()[0]);
         assert!(!p.play(BUILT).sound.is_empty());
@@ -56,7 +56,7 @@ fn main() {
         let r = p.play(BUILT);
         (i, figures(&p), picture(&r.sound, r.rate), sound(r.heard(0.0, f64::INFINITY), r.rate))
     });
-    // one by one: nothing else runs
+    // one by one, so that nothing else runs
     let times: Vec<(&str, String)> = made
         .iter()
         .map(|(i, ..)| {
@@ -75,7 +75,7 @@ fn main() {
     if std::env::var_os("UPDATE").is_some() {
         let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs");
         let folder = docs.join("instruments");
-        // of models that are no more, too
+        // also removes files of models that no longer exist
         let _ = std::fs::remove_dir_all(&folder);
         std::fs::create_dir_all(&folder).expect("docs/ can be written");
         for (i, _, picture, sound) in &made {

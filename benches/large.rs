@@ -1,7 +1,7 @@
-//! Very many modules: what a tick of them costs, and what it costs to load them, in processor time and memory a module; beside what
-//! is expected. Prints a page; with `UPDATE=1` writes it to `docs/measured/large.md`.
+//! Very many modules: the cost of a tick and of loading, in processor time and memory a module, with what is expected.
 //!
-//! Decides to count bytes as they are asked of the allocator: what the system lends changes from run to run.
+//! Prints a page; with `UPDATE=1` writes it to `docs/measured/large.md`. Bytes are counted as requested from the
+//! allocator, because the memory from the system varies from run to run.
 #![allow(missing_docs)]
 
 use ca_accuracy::timing::processor;
@@ -15,7 +15,7 @@ use std::fmt::Write as _;
 #[path = "../tests/alloc/counting.rs"]
 mod counting;
 
-/// Modules of the strings that are played, and at most how many ns each may take in a tick.
+/// Modules of the strings played, and the largest time of each in a tick \[ns\].
 const STRINGS: [(usize, Option<f64>); 7] = [
     (100, None),
     (1000, None),
@@ -26,7 +26,7 @@ const STRINGS: [(usize, Option<f64>); 7] = [
     (1_000_000, Some(0.38)),
 ];
 
-/// Ticks of a block, as most programs play them.
+/// Ticks of a block, as in most programs.
 const BLOCK: usize = 64;
 
 const HEAD: &str = "# Very many modules
@@ -38,7 +38,6 @@ are those asked of the allocator. ns are of one machine; `ca bench --curve --pag
 its caches and its memory.
 ";
 
-/// What stands below the tables.
 const SHORT: &str = "
 What is short of what is expected, by samples of the processor (`perf record` of this bench):
 
@@ -52,7 +51,7 @@ What is short of what is expected, by samples of the processor (`perf record` of
   for the places of what is found. A reader by events, without the tree, would mend it.
 ";
 
-/// What a stage took: processor time, and of the allocator.
+/// Processor time of a stage, and its use of the allocator.
 struct Stage {
     ms: f64,
     taken: Taken,
@@ -64,7 +63,7 @@ fn stage<T>(f: impl FnOnce() -> T) -> (T, Stage) {
     (done, Stage { ms: processor().saturating_sub(begin).as_secs_f64() * 1e3, taken })
 }
 
-/// A scene of a text, and what reading and compiling it took.
+/// Loads the scene of a text, and measures reading and compiling.
 fn load(text: &str) -> (Scene, [Stage; 2]) {
     let catalog = catalog();
     let ((model, findings), reading) = stage(|| read(text, "bench.ca.toml", &catalog));
@@ -78,7 +77,7 @@ fn modules(scene: &Scene) -> usize {
     scene.mats() + scene.lias()
 }
 
-/// ns of a tick a module, the least of `rounds` that play so many modules in all.
+/// Returns the ns a module and tick, the least of `rounds` that play `in_all` modules in total.
 fn played(scene: &Scene, rounds: usize, in_all: usize) -> f64 {
     let blocks = (in_all / modules(scene)).div_ceil(BLOCK).max(1);
     let (mut s, mut heard) = (scene.state(), vec![0.0; BLOCK * scene.counts.n_out]);
@@ -92,14 +91,14 @@ fn played(scene: &Scene, rounds: usize, in_all: usize) -> f64 {
 }
 
 fn main() {
-    // `cargo test --benches` asks whether it runs at all
+    // `cargo test --benches` only checks that it runs
     let long = std::env::args().any(|a| a == "--bench");
     let (rounds, part) = if long { (7, 1) } else { (1, 1000) };
     let mut page = format!("{HEAD}\nThe machine of this page is {}.\n", machine());
 
     page += "\n## A string in a tick\n\n| modules | ns a module |\n|---|---|\n";
     for (n, most) in STRINGS {
-        // a mass and a link each, and two ends and a link beside
+        // a mass and a link each, plus two ends and a link
         let (scene, _) = load(&string((n / part).max(8) / 2 - 2));
         let ns = played(&scene, rounds, 100_000_000 / part);
         let _ = writeln!(page, "| {} | {} |", modules(&scene), at_most(ns, 3, most));

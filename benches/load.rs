@@ -1,6 +1,7 @@
-//! From text to a scene that can sound. The requirement: under 50 ms for a 1000-mass string and for a 20 × 30 mesh in
-//! the format of MIMS, read, recognised and compiled; and a mesh of 40 000 certified in under half a second, which is
-//! what the second of the two meshes takes longer than the first.
+//! Time from text to a playable scene.
+//!
+//! Requirements: less than 50 ms to read, recognise and compile a 1000-mass string and a 20 × 30 mesh in the format of
+//! MIMS; less than 0.5 s to certify a mesh of 40 000, which is the difference between the two meshes.
 #![allow(missing_docs)]
 
 use ca_benches::{by_hand, compiled, mims_mesh, string};
@@ -38,7 +39,7 @@ fn load(c: &mut Criterion) {
             b.iter(|| compiled(black_box(&model), KernelClass::Fast, false));
         });
     }
-    // models that others published, where they are at hand
+    // published models, if they are available
     for name in ["20x30mesh", "1000massString"] {
         let path = format!("{}/../../shared/data/mims/{name}.mdl", env!("CARGO_MANIFEST_DIR"));
         if let Ok(text) = std::fs::read_to_string(path) {

@@ -1,9 +1,10 @@
-//! The engine beside peers that play the same networks: Faust, flat C, boxed C++, numba, stencils by hand.
+//! The engine and peers that play the same networks: Faust, flat C, boxed C++, numba, stencils by hand.
 //!
-//! `cargo bench -p ca-benches --bench peers -- [--only NAME] [--rounds N] [--limit SECONDS] [--json]`. Makes the networks,
-//! compiles the peers into `target/peers`, fails where one plays something else, then times all of them in turn. Prints
-//! the page, or JSON; with `UPDATE=1` and all networks writes it to `docs/measured/peers.md`, or `peers-avx2.md` where there is no AVX-512; a page of
-//! another machine (`peers-xeon.md`) is one that was moved by hand. That a target is missed is reported and no failure: times are of the machine.
+//! `cargo bench -p ca-benches --bench peers -- [--only NAME] [--rounds N] [--limit SECONDS] [--json]` makes the
+//! networks, compiles the peers into `target/peers`, fails if one plays something else, and then times all of them in
+//! turn. It prints the page, or JSON. With `UPDATE=1` and all networks it writes the page to `docs/measured/peers.md`,
+//! or to `peers-avx2.md` without AVX-512. A page of another machine (`peers-xeon.md`) was moved by hand. A missed
+//! target is reported but is not a failure, because times depend on the machine.
 #![allow(missing_docs)]
 
 use ca_benches::peers::build::{Builder, Without, folder, numba, version};
@@ -15,10 +16,11 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// So often all players of a network are started anew, the engine too: where a process has its memory makes up to a fifth of
-/// its time, and more rounds of the same process do not show it.
+/// Number of starts of all players of a network, including the engine. The place of a process in memory makes up to a
+/// fifth of its time, and more rounds in the same process do not show this.
 const STARTS: usize = 6;
-/// A round of a player lasts about so long \[ns\]: shorter than what a scheduler gives, longer than its clock errs.
+/// Approximate length of a round of a player \[ns\]: shorter than a slice of the scheduler, longer than the error of
+/// its clock.
 const ROUND: f64 = 3e5;
 
 struct BenchOptions {
@@ -46,10 +48,10 @@ fn bench_options() -> Result<BenchOptions, String> {
     Ok(options)
 }
 
-/// Column, program with its arguments, what it is to play.
+/// Column, program with its arguments, and its input.
 type Plan = (usize, Result<Vec<PathBuf>, Without>, PathBuf);
 
-/// All peers of a network; those that cannot play such a one are not among them.
+/// Returns all peers that can play a network.
 fn plans(case: &Case, net: &Net, builder: &Builder) -> Result<Vec<Plan>, std::io::Error> {
     let table = builder.table(net)?;
     let one = |path: PathBuf| vec![path];
@@ -68,7 +70,7 @@ fn plans(case: &Case, net: &Net, builder: &Builder) -> Result<Vec<Plan>, std::io
         all.push((6, numba, table));
     }
     if let Some((shape, n)) = case.stencil {
-        // the better compiler of the two counts, and one column is enough to tell
+        // the faster of the two compilers counts, so one column is enough
         for (column, dampers) in [(7, "damped"), (8, "undamped")] {
             for compiler in ["clang", "gcc"] {
                 let what = PathBuf::from(format!("{shape}:{n}:{dampers}"));
@@ -79,7 +81,7 @@ fn plans(case: &Case, net: &Net, builder: &Builder) -> Result<Vec<Plan>, std::io
     Ok(all)
 }
 
-/// Plays one network by all who can, in turn.
+/// Plays one network with all its players, in turn.
 fn measure(case: &Case, builder: &Builder, rounds: usize) -> Result<Row, String> {
     let name = &case.net.name;
     let mut engine = Engine::new(&case.net);
@@ -97,7 +99,7 @@ fn measure(case: &Case, builder: &Builder, rounds: usize) -> Result<Row, String>
                 if let Without::Failed(text) = &why {
                     return Err(format!("{name}, {}: {text}", PEERS[column]));
                 }
-                // the other compiler of a column may be here
+                // the other compiler of this column may be installed
                 row.peers[column].get_or_insert(Err(why));
                 continue;
             }
@@ -156,7 +158,6 @@ fn time(row: &mut Row, players: &mut [(Option<usize>, Box<dyn Player>)], rounds:
     Ok(())
 }
 
-/// Whose times these are, and by what the peers were made.
 fn machine() -> String {
     let by = ["faust", "clang++", "g++"].map(|p| version(p).unwrap_or_else(|| format!("no {p}")));
     let numba = numba().map_or("no numba".into(), |(_, version)| version);
@@ -184,7 +185,7 @@ fn as_json(rows: &[Row], machine: &str, wide: bool) -> Value {
 
 fn run() -> Result<(), String> {
     let options = bench_options()?;
-    // `cargo test --benches` asks whether it runs at all
+    // `cargo test --benches` only checks that it runs
     if !std::env::args().any(|a| a == "--bench") {
         for case in cases() {
             Engine::new(&case.net).hear(BLOCK).map_err(|e| e.to_string())?;

@@ -1,7 +1,7 @@
-//! Energy of the rattle against the stiffness of its contacts, explicit and stable, with the run time beside it.
+//! Energy of the rattle over the stiffness of its contacts, explicit and stable, with run times.
 //!
-//! Prints the table; with `UPDATE=1` writes it to `docs/measured/rattle-energy.md`. The energies are the same on every machine
-//! and held by a test; the times are of the machine that made the page.
+//! Prints the table; with `UPDATE=1` writes it to `docs/measured/rattle-energy.md`. The energies are the same on every
+//! machine and checked by a test; the times depend on the machine of the page.
 #![allow(missing_docs)]
 
 use ca_benches::publish;
@@ -11,13 +11,13 @@ const STIFFNESSES: [f64; 11] = [1e-3, 1e-2, 0.1, 0.5, 1.0, 2.0, 2.5, 10.0, 100.0
 const SEEDS: [u64; 3] = [1, 2, 3];
 
 fn main() {
-    // `cargo test --benches` asks whether it runs at all
+    // `cargo test --benches` only checks that it runs
     let long = std::env::args().any(|a| a == "--bench");
     let (rows, seconds) = if long { (&STIFFNESSES[..], 10.0) } else { (&STIFFNESSES[..1], 0.01) };
     let row = |a: &f64| {
         let runs = |method: &str| SEEDS.map(|seed| fares(*a, method, seed, seconds));
         let cost = |method: &str| costs(*a, method, SEEDS[0], 0.2 * seconds);
-        // what has diverged is not timed
+        // a run that diverged is not timed
         let explicit = runs("ca");
         let first = explicit[0].worst.is_finite().then(|| cost("ca"));
         page::row(*a, &explicit, first, &runs("stable3d"), cost("stable3d"))

@@ -1,7 +1,7 @@
-//! What `ca render` costs beside the sound itself, for every bundled model, in processor time of one thread. The
-//! requirement: the audit of the energy costs at most one play, and the whole of it, from text to WAV, at most two.
+//! Cost of `ca render` beside the sound itself, for every bundled model, in processor time of one thread.
 //!
-//! Decides on ratios within one round, of which the least of several counts: times are of the machine, ratios hold.
+//! Requirements: the energy audit costs at most one play, and the whole render, from text to WAV, at most two. Ratios
+//! are within one round, and the least of several rounds counts: times depend on the machine, ratios do not.
 #![allow(missing_docs)]
 
 use ca_accuracy::timing::processor;
@@ -13,14 +13,14 @@ use ca_io::sound::WavOut;
 use ca_lab::play::{BLOCK, audit, frames, play, seconds};
 use std::path::Path;
 
-/// Milliseconds of processor time that `f` takes.
+/// Returns the result of `f` and its processor time \[ms\].
 fn cost<T>(f: impl FnOnce() -> T) -> (T, f64) {
     let begin = processor();
     let done = f();
     (done, processor().saturating_sub(begin).as_secs_f64() * 1e3)
 }
 
-/// One round: all, the play in it, the audit in it \[ms\].
+/// Runs one round and returns the times of all of it, of the play and of the audit \[ms\].
 fn round(text: &str, name: &str, to: &Path, part: f64) -> [f64; 3] {
     let (of, all) = cost(|| {
         let catalog = catalog();
@@ -53,7 +53,7 @@ fn round(text: &str, name: &str, to: &Path, part: f64) -> [f64; 3] {
 }
 
 fn main() {
-    // `cargo test --benches` asks whether it runs at all
+    // `cargo test --benches` only checks that it runs
     let long = std::env::args().any(|a| a == "--bench");
     let (rounds, part) = if long { (5, 1.0) } else { (1, 0.01) };
     let only: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();

@@ -1,5 +1,5 @@
-//! What one module in space costs per tick: a mass, a link, an LPR upon cells, a contact that is pressed and one that
-//! is idle. Each pass is run by itself; throughput is in modules, and only ratios within one run count.
+//! Cost per tick of one module in space: a mass, a link, an LPR upon cells, a contact that is closed and one that is
+//! open. Each pass runs alone. Throughput is in modules; only ratios within one run count.
 #![allow(missing_docs)]
 
 use ca_benches::scene;

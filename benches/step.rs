@@ -1,5 +1,5 @@
-//! One tick, by scene, kernel class and precision, and what the energy ledger costs. Throughput is in modules (MAT or
-//! LIA), so criterion prints modules per second; only ratios within one run count.
+//! Time of one tick, by scene, kernel class and precision, and the cost of the energy ledger. Throughput is in modules
+//! (MAT or LIA), so criterion prints modules per second; only ratios within one run count.
 #![allow(missing_docs)]
 
 use ca_benches::{catalog, compiled, mesh, model, random, scene, string};
@@ -32,7 +32,7 @@ fn step(c: &mut Criterion) {
     }
 }
 
-/// The same kernels in double and in single precision.
+/// The same scenes in double and in single precision.
 fn precision(c: &mut Criterion) {
     for (name, text) in [("string 1000", string(1000)), ("mesh 30x30", mesh(30))] {
         let mut g = c.benchmark_group(name);

@@ -1,5 +1,5 @@
-// Boxed C++: an object a module, called through a virtual function, in the order of the file. How a library of modules is
-// usually written.
+// Boxed C++: an object for each module, called through a virtual function, in the order of the file. Libraries of
+// modules are usually written in this way.
 #include "player.h"
 #include "table.h"
 #include <cmath>

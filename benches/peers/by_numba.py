@@ -1,4 +1,4 @@
-"""Loops over arrays, compiled by numba, asked by lines as the peers in C are (`player.h`, `table.h`)."""
+"""Loops over arrays, compiled by numba, with requests in lines as for the peers in C (`player.h`, `table.h`)."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ WARM, BLOCK = 1024, 64
 
 @numba.njit(fastmath=True)
 def line(x, y, f, now, before, c, at, a, b, p, q, d, outputs, out):
-    """A block of ticks of a network on a line."""
+    """Plays a block of ticks of a network on a line."""
     for t in range(out.size):
         for i in range(at[0], at[1]):
             force = p[i] * (x[b[i]] - x[a[i]]) + q[i] * ((x[b[i]] - y[b[i]]) - (x[a[i]] - y[a[i]]))

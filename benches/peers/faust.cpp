@@ -1,11 +1,11 @@
-// What Faust puts its program into: a peer that plays one network, by the modules of mi.lib.
+// Architecture file for Faust: makes a peer that plays one network, with the modules of mi.lib.
 #include "player.h"
 #include <algorithm>
 #include <cmath>
 
 #define FAUSTFLOAT double
 
-// what a generated class asks of its surroundings; nothing here is shown or turned
+// types that a generated class requires; nothing is displayed or controlled here
 struct Meta {
     void declare(const char *, const char *) {}
 };

@@ -1,5 +1,5 @@
-// Flat C: arrays of numbers, a loop over the links of each law, a loop over the masses. What somebody writes who wants it
-// fast and general and has an afternoon.
+// Flat C: arrays of numbers, a loop over the links of each law, and a loop over the masses: a fast and general program
+// written in an afternoon.
 #include "player.h"
 #include "table.h"
 #include <math.h>
@@ -10,7 +10,7 @@ typedef struct {
     double *x, *y, *f, *now, *before, *c;
     // links by law: first and last of each
     int at[LAWS + 1], *a, *b;
-    // in space: the distance before
+    // in space: the previous distance
     double *p, *q, *d, *r;
 } Flat;
 

@@ -1,10 +1,11 @@
-// What every compiled peer does: it plays its network when it is asked to, and times itself.
+// Main function of every compiled peer: plays its network on request, and measures its time.
 //
-// Decides for a process that is asked by lines on its standard input, so that peers of any language and the engine take
-// turns without a foreign call:
-//   hear N   plays N ticks from the start and writes what is heard, a number a line
+// A peer is a process that receives requests as lines on its standard input. Peers in any language and the engine can
+// thus take turns without foreign calls:
+//   hear N   plays N ticks from the start and writes the output, a number a line
 //   time N   plays WARM ticks from the start, then N more, and writes the processor time of these [ns]
-// Each begins at the start, so that every round plays the same motion, with the contacts it has, at the same size of numbers.
+// Each request begins at the start, so that every round plays the same motion, with the same contacts and sizes of
+// numbers.
 #pragma once
 #ifndef _POSIX_C_SOURCE
 #define _POSIX_C_SOURCE 200809L
@@ -14,12 +15,12 @@
 #include <string.h>
 #include <time.h>
 
-// Ticks before the clock starts: the caches are filled, hammers are under way.
+// Ticks before the clock starts: caches are filled, and hammers move.
 #define WARM 1024
-// Ticks of a call, as of a sound callback.
+// Ticks of a call, as in a sound callback.
 #define BLOCK 64
 
-// A peer has these three.
+// Every peer defines these three functions.
 static void *peer_open(const char *what);
 static void peer_begin(void *peer);
 static void peer_play(void *peer, int ticks, double *out);

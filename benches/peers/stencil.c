@@ -1,18 +1,18 @@
-// Stencils by hand: a string or a square mesh whose masses, springs and dampers are all alike, with fixed ends or edges. The
-// fastest way there is without vectors written by hand; it plays one topology and no parameters that differ.
+// Stencils by hand: a string or a square mesh of equal masses, springs and dampers, with fixed ends or edges. This is
+// the fastest way without vectors written by hand; it plays one topology, and parameters cannot differ.
 //
 // `string N`, `mesh N`, each `damped` or `undamped`, in one argument with colons: `mesh:20:damped`. Without dampers a
-// tick is one pass over two arrays; with them the force of a mass is a difference of u = k x + z d, in two passes.
+// tick is one pass over two arrays. With dampers the force on a mass is a difference of u = k x + z d, in two passes.
 #include "player.h"
 
-// of every mass of 1, as `benches/src/peers/nets.rs` has them
+// for masses of 1, as in `benches/src/peers/nets.rs`
 #define STIFF 0.2
 #define VISCOUS 0.005
 #define START 1e-3
 
 typedef struct {
     int mesh, n, wide, damped;
-    // x, and the position before, or the step d; u = k x + z d
+    // x; the position before, or the step d; u = k x + z d
     double *x, *y, *u;
 } Stencil;
 
@@ -38,7 +38,7 @@ static void peer_begin(void *peer) {
     memset(s->x, 0, all * sizeof(double));
     memset(s->y, 0, all * sizeof(double));
     s->x[place(s, s->n / 3)] = START;
-    // from rest, the tick before is the mirror of the tick after: a step of half the force away
+    // from rest, the tick before is the mirror of the tick after: half the force away
     for (int k = 0; k < (s->mesh ? s->n * s->n : s->n); k++) {
         int i = s->mesh ? (k / s->n + 1) * s->wide + k % s->n + 1 : k + 1;
         double force = s->x[i - 1] + s->x[i + 1] - 2 * s->x[i];

@@ -1,7 +1,7 @@
-// The table of a network, as `benches/src/peers/write.rs` writes it: what the peers read that take any network.
+// Table of a network, written by `benches/src/peers/write.rs`, for the peers that play any network.
 //
 //   axes MATs LIAs outputs
-//   per MAT  kind m k z, then for each axis its place in the first sample and the step that led there
+//   per MAT  kind m k z, then for each axis its position in the first sample and the step that led there
 //   per LIA  law, first end, second end, three parameters
 //   per output  a MAT
 // All numbers are per sample: a mass of 1, a stiffness of 0.2 and a viscosity of 0.001 are k T²/m and z T/m.

@@ -1,9 +1,9 @@
-"""How a key of the piano feels: its force over depth, its let-off, its repetition.
+"""Measures the feel of a piano key: force over depth, let-off, repetition.
 
     python benches/python/piano_feel.py [CA]
 
-writes `docs/measured/piano-feel.md` and what it shows in `docs/measured/piano-feel/`. Needs NumPy and matplotlib, and the command
-`ca`, `target/release/ca` if left out.
+writes `docs/measured/piano-feel.md` and its figures in `docs/measured/piano-feel/`. It needs NumPy and matplotlib, and the
+command `ca`, by default `target/release/ca`.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ SHOWN = ROOT / "docs/measured/piano-feel"
 TEXT = (ROOT / "models/piano_key.ca.toml").read_text()
 KEYS = [f"key[{i}].key" for i in range(3)]
 PROBES = ["key[0].key", "key[0].a.weight", "key[0].a.lever", "key[0].a.hammer", "key[0].strike"]
-#: where a key rests, and the depth it is pressed to, at its bed [m]
+#: rest position of a key, and the depth to which it is pressed, at its bed [m]
 UP, PRESS = -8e-3, 9.3e-3
-#: two contacts further apart are two strokes [s]
+#: least time between two strokes; contacts closer than this are one stroke [s]
 APART = 0.01
 
 
 def hands(points: Points) -> dict[str, Points]:
-    """One key moves, the others stay."""
+    """Moves one key; the others stay."""
     return {key: points if i == 0 else [(0.0, UP)] for i, key in enumerate(KEYS)}
 
 
@@ -38,17 +38,17 @@ def pressed(command: str, points: Points, seconds: float) -> Played:
 
 
 def felt(r: Played) -> Array:
-    """Force at the key, mean of a gesture frame."""
+    """Returns the force at the key, averaged over a gesture frame."""
     return np.convolve(r.probes[PROBES[1]] - r.probes[PROBES[2]], np.ones(16) / 16, "same")
 
 
 def depth(r: Played) -> Array:
-    """A probe of a position counts from rest."""
+    """Returns the depth of the key; a probe of a position is relative to rest."""
     return r.probes[PROBES[0]]
 
 
 def strokes(r: Played) -> list[int]:
-    """The samples at which the hammer meets its string."""
+    """Returns the samples at which the hammer meets its string."""
     touching = np.flatnonzero(r.probes[PROBES[4]] < 0)
     return [int(c) for i, c in enumerate(touching) if i == 0 or c - touching[i - 1] > APART * RATE]
 
@@ -63,7 +63,7 @@ def centroid(sound: Array) -> float:
 
 
 def slow(command: str, ax: plt.Axes) -> tuple[str, Points]:
-    """Down and up at 10 mm/s."""
+    """Presses and releases at 10 mm/s."""
     time = 1.05
     points = [(0.0, UP), (0.5, UP), (0.5 + time, 2.5e-3), (0.7 + time, 2.5e-3), (0.7 + 2 * time, UP)]
     r = pressed(command, points, 0.9 + 2 * time)
@@ -91,7 +91,7 @@ none: the jack is not held.
 
 
 def fast(command: str, ax: plt.Axes) -> tuple[str, Points]:
-    """Down to the bed at constant speeds."""
+    """Presses to the bed at constant speeds."""
     text = """Down to the bed at a constant speed. *Travel* is the largest force between 0.3 and 7 mm: weight, and inertia of hammer, lever and
 damper; *most* is that before the bed. Above 0.3 m/s the let-off is hidden by the inertia.
 
@@ -123,7 +123,7 @@ damper; *most* is that before the bed. Above 0.3 m/s the let-off is hidden by th
 
 
 def again(command: str) -> str:
-    """A second stroke from a depth."""
+    """Strikes a second time from a depth."""
     rows, first, last = "", 0.0, 10.0
     for mm in [7, 6, 5.5, 5, 4.5, 4.2, 4, 3.5, 3, 2, 0]:
         down, way = PRESS / 0.3, PRESS - 1e-3 * mm
@@ -144,7 +144,7 @@ deeper there is no second stroke; from {first} mm and above there is.
 
 
 def repeated(command: str) -> tuple[str, Points]:
-    """Eight strokes in a row."""
+    """Plays eight strokes in a row."""
     text = """Eight strokes in a row, 40 % of the time down, 20 % held, 40 % up; how many sound:
 
 | strokes a second | from half release (4 mm) | from full release |

@@ -1,7 +1,7 @@
-"""A bundled model played by `ca render` along positions of its ports: what was heard and probed, as arrays.
+"""Plays a bundled model by `ca render` along positions of its ports; returns sound and probes as arrays.
 
-By the command, not by the package, so that each row of a page is a command that people can give. All files are in a folder of
-their own that is gone afterwards.
+The command is used, not the package, so that anyone can repeat a row of a page with a command. All files are in a temporary
+folder.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ Array = NDArray[np.float64]
 
 @dataclass
 class Played:
-    """Mean of the channels, and each probe by its name, in SI."""
+    """Mean of the channels, and each probe by name, in SI units."""
 
     sound: Array
     probes: dict[str, Array]
 
 
 def table(tracks: Mapping[str, Points]) -> str:
-    """Positions as a CSV file that `--gesture` reads: a row wherever one of them has a point."""
+    """Formats positions as a CSV file for `--gesture`: a row at each time at which a track has a point."""
     times = sorted({t for points in tracks.values() for t, _ in points})
     rows = ["time," + ",".join(tracks)]
     for t in times:
@@ -40,7 +40,7 @@ def table(tracks: Mapping[str, Points]) -> str:
 
 
 def sound_of(path: Path) -> Array:
-    """Mean of the channels of a file of 32-bit floats."""
+    """Returns the mean of the channels of a file of 32-bit floats."""
     raw = path.read_bytes()
     channels = int.from_bytes(raw[22:24], "little")
     begin = raw.index(b"data") + 8

@@ -1,11 +1,11 @@
-"""The map of Schelleng of the bowed string: slips per period over speed, place and force of the bow.
+"""Schelleng map of the bowed string: slips per period over speed, place and force of the bow.
 
     python benches/python/schelleng.py [CA]
 
-writes `docs/measured/bowed-string.md` and what it shows in `docs/measured/bowed-string/`. Needs NumPy and matplotlib, and the
-command `ca`, `target/release/ca` if left out.
+writes `docs/measured/bowed-string.md` and its figures in `docs/measured/bowed-string/`. It needs NumPy and matplotlib, and the
+command `ca`, by default `target/release/ca`.
 
-Each point is one render of 1.3 s: the bow is pressed first, then drawn, at full speed within 50 ms. A slip is where the string goes
+Each point is one render of 1.3 s: the bow is pressed first, then drawn, at full speed within 50 ms. In a slip the string moves
 back against the hair by more than 0.3 of the speed of the bow; slips are counted over the last 0.5 s.
 """
 
@@ -28,20 +28,20 @@ from played import RATE, ROOT, Array, play, table
 MODEL = ROOT / "models/bowed_string.ca.toml"
 PAGE = ROOT / "docs/measured/bowed-string.md"
 SHOWN = ROOT / "docs/measured/bowed-string"
-#: pitch of the open string [Hz]; the largest force of sticking [N] and where it is reached [m]; sliding hair [N]
+#: pitch of the open string [Hz]; largest sticking force [N] and its position [m]; sliding force of the hair [N]
 PITCH, MOST, DEEP, SLIDE = 146.83, 6.0, 0.25, 0.6
-#: the mass that is bowed, and how many there are
+#: mass that is bowed, and number of masses
 NODE, MASSES = 11, 100
 SPEEDS = np.geomspace(0.03, 0.6, 14)
 FORCES = np.geomspace(0.65, 6, 20)
 NODES = [5, 7, 9, 11, 14, 18, 23]
-#: [N s/m], the lines of the header of the model
+#: limits in the header of the model [N s/m]
 LEAST, LARGEST = 3.5, 10.0
 KINDS = ["no slip that lasts", "one slip a period (Helmholtz)", "several slips", "less than one: raucous"]
 
 
 def stroke(speed: float, force: float) -> dict[str, list[tuple[float, float]]]:
-    """The bow pressed, then drawn."""
+    """Presses the bow, then draws it."""
     start, ramp = -0.22, 0.05
     draw = [(0.0, start), (0.1, start)]
     draw += [(0.1 + ramp * k / 10, start + speed * ramp * (k / 10) ** 2 / 2) for k in range(1, 11)]
@@ -50,7 +50,7 @@ def stroke(speed: float, force: float) -> dict[str, list[tuple[float, float]]]:
 
 
 def slips(command: str, speed: float, force: float, node: int) -> float:
-    """Slips per period."""
+    """Returns the slips per period."""
     text = MODEL.read_text()
     assert text.count(f'on = "low[{NODE}]"') == 1
     text = text.replace(f'on = "low[{NODE}]"', f'on = "low[{node}]"')
@@ -110,7 +110,7 @@ def csv(by_speed: Array, by_place: Array) -> str:
 
 
 def span(found: Array) -> str:
-    """Least and largest force with one slip a period, and how many of the forces between have it."""
+    """Formats the least and largest force with one slip a period, and how many of the forces between have it."""
     hits = [i for i, s in enumerate(found) if kind(s) == 1]
     if not hits:
         return "– | – | 0 of 0"

@@ -1,12 +1,12 @@
-//! Measures of sound: what a listener with a frequency counter and a stopwatch would write down.
+//! Acoustic measures: frequency, level, decay and spectrum of a sound, for tests and the page of instruments.
 //!
-//! Tests and the page of instruments share them. Decides for windows whose answers are exact where it matters: a Gaussian window keeps the peak of a decaying sine a
-//! parabola in decibels, so that three points give its frequency far below a cent.
+//! The spectrum uses a Gaussian window, because the peak of a decaying sine then is a parabola in decibels. Three
+//! points give its frequency to far below a cent.
 
 use realfft::RealFftPlanner;
 use std::f64::consts::{LN_10, TAU};
 
-/// Power spectrum through a Gaussian window, and the width of its bins \[Hz\].
+/// Returns the power spectrum through a Gaussian window, and the width of its bins \[Hz\].
 fn spectrum(x: &[f64], rate: f64) -> (Vec<f64>, f64) {
     let (n, size) = (x.len() as f64, (4 * x.len()).next_power_of_two());
     let mut buffer = vec![0.0; size];
@@ -22,7 +22,7 @@ fn spectrum(x: &[f64], rate: f64) -> (Vec<f64>, f64) {
     (out.iter().map(|c| c.norm_sqr() * scale * scale).collect(), rate / size as f64)
 }
 
-/// The strongest partial within `reach` of `near` \[Hz\]: its frequency \[Hz\] and amplitude.
+/// Returns the frequency \[Hz\] and amplitude of the strongest partial within `reach` of `near` \[Hz\].
 pub fn partial(x: &[f64], rate: f64, near: f64, reach: f64) -> (f64, f64) {
     let (power, bin) = spectrum(x, rate);
     let (lo, hi) = (((near - reach) / bin).ceil().max(1.0) as usize, ((near + reach) / bin) as usize);
@@ -32,34 +32,35 @@ pub fn partial(x: &[f64], rate: f64, near: f64, reach: f64) -> (f64, f64) {
     ((top as f64 + offset) * bin, (0.5 * (b - 0.25 * (a - c) * offset)).exp())
 }
 
-/// Interval from `b` to `a` in cents.
+/// Returns the interval from `b` to `a` in cents.
 pub fn cents(a: f64, b: f64) -> f64 {
     1200.0 * (a / b).log2()
 }
 
-/// An amplitude in decibels.
+/// Returns an amplitude in decibels.
 pub fn db(a: f64) -> f64 {
     20.0 * a.max(1e-300).log10()
 }
 
-/// Root mean square about the mean.
+/// Returns the root mean square about the mean.
 pub fn rms(x: &[f64]) -> f64 {
     let mean = x.iter().sum::<f64>() / x.len() as f64;
     (x.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / x.len() as f64).sqrt()
 }
 
-/// Largest magnitude.
+/// Returns the largest magnitude.
 pub fn peak(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |p, v| p.max(v.abs()))
 }
 
-/// Rms in consecutive windows of `len` samples.
+/// Returns the rms in consecutive windows of `len` samples.
 pub fn envelope(x: &[f64], len: usize) -> Vec<f64> {
     x.chunks_exact(len).map(rms).collect()
 }
 
-/// Time \[s\] in which the partial at `f` \[Hz\] falls by 60 dB: a straight line through its level in overlapping Gaussian
-/// windows of a sixth of `x`.
+/// Returns the time \[s\] in which the partial at `f` \[Hz\] falls by 60 dB.
+///
+/// The level is measured in overlapping Gaussian windows of a sixth of `x`, and a straight line is fitted to it.
 pub fn t60(x: &[f64], rate: f64, f: f64) -> f64 {
     let len = x.len() / 6;
     let points: Vec<[f64; 2]> = (0..=20)
@@ -79,7 +80,7 @@ pub fn t60(x: &[f64], rate: f64, f: f64) -> f64 {
     -60.0 / slope(&points)
 }
 
-/// Slope of the straight line nearest to points.
+/// Returns the slope of the straight line fitted to points.
 pub fn slope(points: &[[f64; 2]]) -> f64 {
     let n = points.len() as f64;
     let mean = |k: usize| points.iter().map(|p| p[k]).sum::<f64>() / n;
@@ -88,14 +89,14 @@ pub fn slope(points: &[[f64; 2]]) -> f64 {
     over / points.iter().map(|p| (p[0] - mx) * (p[0] - mx)).sum::<f64>()
 }
 
-/// Centre of gravity of the power spectrum \[Hz\].
+/// Returns the centre of gravity of the power spectrum \[Hz\].
 pub fn centroid(x: &[f64], rate: f64) -> f64 {
     let (power, bin) = spectrum(x, rate);
     let moment: f64 = power.iter().enumerate().map(|(i, p)| i as f64 * bin * p).sum();
     moment / power.iter().sum::<f64>()
 }
 
-/// Power spectral density averaged over windows of `len` samples, and the width of its bins \[Hz\].
+/// Returns the power spectral density summed over windows of `len` samples, and the width of its bins \[Hz\].
 pub fn density(x: &[f64], rate: f64, len: usize) -> (Vec<f64>, f64) {
     let mut sum: Vec<f64> = Vec::new();
     let mut bin = 0.0;
@@ -108,7 +109,7 @@ pub fn density(x: &[f64], rate: f64, len: usize) -> (Vec<f64>, f64) {
     (sum, bin)
 }
 
-/// Spectral flatness between two frequencies: 1 for white noise, near 0 for tones.
+/// Returns the spectral flatness between two frequencies: 1 for white noise, near 0 for tones.
 pub fn flatness(x: &[f64], rate: f64, lo: f64, hi: f64) -> f64 {
     let (d, bin) = density(x, rate, 4096);
     let band = &d[(lo / bin) as usize..(hi / bin) as usize];
@@ -116,7 +117,8 @@ pub fn flatness(x: &[f64], rate: f64, lo: f64, hi: f64) -> f64 {
     (band.iter().map(|p| (p + 1e-300).ln()).sum::<f64>() / n).exp() / (band.iter().sum::<f64>() / n)
 }
 
-/// Period \[s\] between `lo` and `hi` \[s\] at which `x` is most like itself, and how much (1: exactly).
+/// Returns the period \[s\] between `lo` and `hi` \[s\] with the largest autocorrelation of `x`, and that correlation
+/// (1: exactly periodic).
 pub fn period(x: &[f64], rate: f64, lo: f64, hi: f64) -> (f64, f64) {
     let mean = x.iter().sum::<f64>() / x.len() as f64;
     let y: Vec<f64> = x.iter().map(|v| v - mean).collect();
@@ -138,25 +140,25 @@ pub fn period(x: &[f64], rate: f64, lo: f64, hi: f64) -> (f64, f64) {
     ((best as f64 + offset) / rate, b)
 }
 
-/// Change per second.
+/// Returns the change per second.
 pub fn velocity(x: &[f64], rate: f64) -> Vec<f64> {
     x.windows(2).map(|w| (w[1] - w[0]) * rate).collect()
 }
 
-/// How the scheme sounds a mode of stiffness ratio `a` = λT² and damping ratio `b`: frequency \[Hz\] and T60 \[s\]
-/// (roots of w² − (2 − a − b) w + 1 − b).
+/// Returns frequency \[Hz\] and T60 \[s\] at which the scheme plays a mode of stiffness ratio `a` = λT² and damping
+/// ratio `b`: the roots of w² − (2 − a − b) w + 1 − b.
 pub fn mode(a: f64, b: f64, rate: f64) -> (f64, f64) {
     let r = (1.0 - b).sqrt();
     let theta = ((2.0 - a - b) / (2.0 * r)).acos();
     (theta * rate / TAU, if b > 0.0 { -3.0 * LN_10 / (r.ln() * rate) } else { f64::INFINITY })
 }
 
-/// Stiffness ratio with which the scheme sounds `f` \[Hz\] at damping ratio `b`.
+/// Returns the stiffness ratio at which the scheme plays `f` \[Hz\] with damping ratio `b`.
 pub fn stiffness(f: f64, b: f64, rate: f64) -> f64 {
     2.0 - b - 2.0 * (1.0 - b).sqrt() * (TAU * f / rate).cos()
 }
 
-/// Damping ratio that takes 60 dB in `t60` \[s\].
+/// Returns the damping ratio for a decay of 60 dB in `t60` \[s\].
 pub fn damping(t60: f64, rate: f64) -> f64 {
     1.0 - (-6.0 * LN_10 / (t60 * rate)).exp()
 }

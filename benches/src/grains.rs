@@ -2,8 +2,9 @@
 
 use std::fmt::Write as _;
 
-/// `n` grains of 5 mm in a shell that they fill to the part `fill`, each flying at `speed` \[diameters per tick\]; the
-/// shell holds them, and all pairs of them may touch.
+/// Returns the text of `n` grains of 5 mm in a shell that holds them, with contacts between all pairs.
+///
+/// The grains fill the share `fill` of the shell, and each moves at `speed` \[diameters per tick\].
 pub fn grains(n: usize, fill: f64, speed: f64) -> String {
     let diameter = 0.005;
     let radius = 0.5 * diameter * (n as f64 / fill).cbrt();
@@ -21,7 +22,7 @@ pub fn grains(n: usize, fill: f64, speed: f64) -> String {
     while at.len() < n {
         let p = [next(), next(), next()].map(|c| c * radius);
         tries += 1;
-        // where no free place is left, they begin a little pressed
+        // if no free place is left, they start slightly pressed together
         let apart = diameter * if tries < 200 * n { 0.95 } else { 0.7 };
         if square(p) < radius * radius && at.iter().all(|q| square([0, 1, 2].map(|k| p[k] - q[k])) > apart * apart) {
             at.push(p);

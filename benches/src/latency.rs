@@ -1,5 +1,5 @@
-//! The page `docs/measured/latency.md`: which runs the bench makes, and how each is written, so that a test finds them there.
-//! The bench itself stands with the command it measures.
+//! Page `docs/measured/latency.md`: the runs of the bench, and their format, which a test compares with the page. The
+//! bench itself is with the command that it measures.
 
 use crate::table::{head, line};
 use std::fmt::Write as _;
@@ -29,43 +29,42 @@ and then, whatever runs on it. The largest times tell of that, and \"none\" is o
 meanwhile, compilers too, is in all rows. For a machine to play on, run the bench there.
 ";
 
-/// A run: with real-time priority or without, with load or without.
+/// Runs: with real-time priority or without, with load or without.
 pub const RUNS: [(bool, bool); 4] = [(true, false), (true, true), (false, false), (false, true)];
 
-/// What is timed in a run.
+/// Quantities timed in a run.
 pub const TIMED: [&str; 4] = ["computing", "lateness", "force", "loop"];
 
 const COLUMNS: [&str; 8] = ["priority", "load", "what", "n", "p50", "p99", "p99.9", "max"];
 const COUNTS: [&str; 6] =
     ["priority", "load", "frames", "left out by the engine", "left out by the device", "positions missed"];
 
-/// One distribution: how many, and p50, p99, p99.9 and largest \[µs\].
+/// A distribution: number of values, and p50, p99, p99.9 and largest \[µs\].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Percentiles {
-    /// how many
+    /// Number of values.
     pub n: u64,
-    /// \[µs\]
+    /// p50, p99, p99.9 and largest \[µs\].
     pub us: [f64; 4],
 }
 
-/// What a run gave.
+/// Results of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Run {
-    /// as [`TIMED`]
+    /// Distributions, in the order of [`TIMED`].
     pub reported: [Percentiles; 4],
-    /// gesture frames; periods left out by the engine, by the device; positions the gateway did not see
+    /// Gesture frames; periods skipped by the engine and by the device; positions that the gateway did not see.
     pub counts: [u64; 4],
-    /// what the system granted the engine
+    /// Priority that the system granted the engine.
     pub granted: String,
 }
 
-/// The first cells of a run's rows.
 fn names((priority, load): (bool, bool)) -> [String; 2] {
     let word = |is: bool, what: &str| if is { what.to_string() } else { "none".to_string() };
     [word(priority, "real time"), word(load, "both cores")]
 }
 
-/// The whole page, of the runs in their order.
+/// Makes the page from the runs, in order.
 pub fn page(runs: &[Run]) -> String {
     let mut t = format!("{HEAD}\n{}", head(&COLUMNS));
     for (run, which) in runs.iter().zip(RUNS) {
@@ -82,7 +81,7 @@ pub fn page(runs: &[Run]) -> String {
         let run = runs.iter().zip(RUNS).find(|(_, which)| which.0 == priority);
         run.map_or("not run", |(r, _)| r.granted.as_str())
     };
-    // what is slower for it is the computing
+    // a debug build slows down only the computing
     let build = if cfg!(debug_assertions) { "for development, little optimised" } else { "for release" };
     let _ = write!(t, "\nThe command was built: {build}.\n\nThe engine's thread with priority: {}.\n\n", granted(true));
     let _ = writeln!(t, "Without: {}.", granted(false));
@@ -93,7 +92,7 @@ pub fn page(runs: &[Run]) -> String {
 mod tests {
     use super::*;
 
-    /// What is not a number that was measured: the text, and the cells that name rows and columns.
+    /// Returns everything but measured numbers: the text, and the cells that name rows and columns.
     fn frame(page: &str) -> Vec<String> {
         let without_numbers = |l: &str| match l.split_once(": policy ").or_else(|| l.split_once(": for ")) {
             Some((what, _)) => what.to_string(),
@@ -112,7 +111,7 @@ mod tests {
         let made = page(&vec![run; RUNS.len()]);
         let there = include_str!("../../docs/measured/latency.md");
         assert_eq!(frame(there), frame(&made), "`UPDATE=1 cargo bench -p ca-cli --bench latency` makes it anew");
-        // and it was made by a whole run: tens of thousands of frames each
+        // made by a whole run, with tens of thousands of frames in each row
         let timed = there.lines().filter(|l| TIMED.iter().any(|t| l.contains(&format!("| {t} |"))));
         let n: Vec<u64> = timed.map(|l| l.split('|').nth(4).and_then(|c| c.trim().parse().ok()).unwrap_or(0)).collect();
         assert!(n.len() == 16 && n.iter().all(|n| *n > 10_000), "{n:?}");

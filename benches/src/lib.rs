@@ -1,5 +1,5 @@
-//! What the benches and the tests of their pages share: scenes, measurements, pages.
-// nobody but the benches calls these: what fails is a defect of the bench
+//! Code shared by the benches and by the tests of their pages: scenes, measurements, pages.
+// only benches call these, so a failure is a defect of the bench
 #![allow(clippy::missing_errors_doc, clippy::missing_panics_doc)]
 
 pub mod accuracy;
@@ -20,7 +20,7 @@ pub use cordis_anima::catalog;
 pub use grains::grains;
 use std::fmt::Write as _;
 
-/// Whose times these are, and which of the vectors that the engine chooses between it has.
+/// Describes this machine and the vector extensions between which the engine chooses.
 pub fn machine() -> String {
     let reported = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let flags: Vec<&str> =
@@ -36,7 +36,7 @@ pub fn machine() -> String {
     )
 }
 
-/// Prints a page of `docs/measured`; with `UPDATE=1`, and if it is `whole`, writes it there.
+/// Prints a page of `docs/measured`; with `UPDATE=1` also writes it there, if it is `whole`.
 pub fn publish(name: &str, page: &str, whole: bool) {
     println!("{page}");
     if whole && std::env::var_os("UPDATE").is_some() {
@@ -45,26 +45,26 @@ pub fn publish(name: &str, page: &str, whole: bool) {
     }
 }
 
-/// A figure with so many digits behind the point, and whether it is at most what is expected.
+/// Formats a figure with `digits` decimals, and says whether it is at most `most`.
 pub fn at_most(is: f64, digits: usize, most: Option<f64>) -> String {
     let Some(most) = most else { return format!("{is:.digits$}") };
     let holds = if is <= most { "holds" } else { "**not so**" };
     format!("{is:.digits$} (≤ {most}: {holds})")
 }
 
-/// Reads a model of ours; a finding is a defect of the bench.
+/// Reads a model of a bench; panics on errors in it.
 pub fn model(text: &str) -> Model {
     let (model, findings) = ca_model::read::read(text, "bench.ca.toml", &catalog());
     assert!(!findings.has_errors(), "{findings}");
     model
 }
 
-/// The scene of a text, with the kernels that a program plays.
+/// Compiles the scene of a text with the fastest kernels.
 pub fn scene(text: &str) -> Scene {
     compiled(&model(text), KernelClass::Fast, false)
 }
 
-/// The place of the MAT `name` in the state.
+/// Returns the index of the MAT `name` in the state.
 pub fn mat(scene: &Scene, name: &str) -> usize {
     (0..scene.counts.n_mat).find(|i| scene.mat_name(*i) == name).unwrap_or_else(|| panic!("no MAT `{name}`"))
 }
@@ -74,21 +74,21 @@ pub fn compiled(model: &Model, kernel: KernelClass, energy: bool) -> Scene {
     compile(model, &catalog(), &Options { kernel, energy, ..Options::default() }).expect("the bench compiles").scene
 }
 
-/// A string of `n` masses by its generator.
+/// Returns the text of a string of `n` masses made by its generator.
 pub fn string(n: usize) -> String {
     format!(
         "[STRING]\ns = {{ n = {n}, m = \"1 g\", k = \"100 kN/m\", z = \"1 mN s/m\" }}\n[SOX]\nout = {{ from = \"s[3]\" }}\n"
     )
 }
 
-/// A mesh of `n` × `n` masses by its generator.
+/// Returns the text of a mesh of `n` × `n` masses made by its generator.
 pub fn mesh(n: usize) -> String {
     format!(
         "[MESH]\ns = {{ nx = {n}, ny = {n}, m = \"1 g\", k = \"50 kN/m\", z = \"1 mN s/m\" }}\n[SOX]\nout = {{ from = \"s[3,3]\" }}\n"
     )
 }
 
-/// A string of `n` masses with every module written by hand.
+/// Returns the text of a string of `n` masses with every module written out.
 pub fn by_hand(n: usize) -> String {
     let mut t = String::from("[SOL]\nwall = {}\n[MAS]\n");
     for i in 0..n {
@@ -101,7 +101,7 @@ pub fn by_hand(n: usize) -> String {
     t + "[SOX]\nout = { from = \"m3\" }\n"
 }
 
-/// `masses` joined at random by `links` REF: the worst case, nothing stands in a row.
+/// Returns the text of `masses` joined at random by `links` REF: the worst case, since no links form a run.
 pub fn random(masses: u64, links: u64) -> String {
     let mut t = String::from("[MAS]\n");
     for i in 0..masses {
@@ -123,7 +123,7 @@ pub fn random(masses: u64, links: u64) -> String {
     t + "[SOX]\nout = { from = \"m3\" }\n"
 }
 
-/// A MIMS file of ours: a 20 × 30 mesh held at two corners, one line per module, as that format is written.
+/// Returns a MIMS file of a 20 × 30 mesh held at two corners, one line per module, as the format requires.
 pub fn mims_mesh() -> String {
     let mut t = String::from("@M param 1.0\n@K param 0.1\n@Z param 0.01\n");
     let corner = |i: usize, j: usize| (i == 0 && j == 0) || (i == 19 && j == 29);

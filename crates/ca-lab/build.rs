@@ -1,8 +1,7 @@
-//! Lists the models of the folder `models/`, a link to that of the workspace so that a source archive holds them; they are
-//! built in.
+//! Embeds the models of `models/`, a link to the folder of the workspace so that a source archive contains it.
 //!
-//! Decides for twenty lines here instead of a crate that embeds folders: a model is known by its name without
-//! `.ca.toml`, in alphabetical order, and a new file needs no other line anywhere.
+//! A model is named by its file without `.ca.toml`, in alphabetical order. Twenty lines here replace a crate that
+//! embeds folders, and a new file needs no entry anywhere.
 #![forbid(unsafe_code)]
 
 use std::fmt::Write as _;

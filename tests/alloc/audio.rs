@@ -1,4 +1,6 @@
-//! Nor do the two sides of a sound device, each on its thread: what starts and ends a run is the same however long it is.
+//! Checks that the engine and the callback of a sound device allocate nothing per frame.
+//!
+//! Each runs on its own thread. The start and end of a run take the same number of allocator calls whatever its length.
 
 use super::calls;
 use ca_compile::{Options as Compile, compile};
@@ -13,8 +15,8 @@ use std::time::Duration;
 
 const TEXT: &str = "[CEL]\nbar = { m = \"1 g\", f = \"220 Hz\", dx0 = \"1 mm\" }\n[SOX]\nout = { from = \"bar\" }\n";
 
-/// Calls of the allocator in a run of so many frames: by the engine, and by the device, which stops on the way. With `change`,
-/// another device played before the first frame.
+/// Allocator calls of the engine and of the device thread in a run of `frames` frames. The device pauses now and then.
+/// With `change`, another device is linked before the first frame.
 fn run(frames: u64, change: bool) -> (u64, u64) {
     let catalog = ca_tests::catalog();
     let (model, _) = read::read(TEXT, "bar.ca.toml", &catalog);
@@ -40,7 +42,7 @@ fn run(frames: u64, change: bool) -> (u64, u64) {
         let (mut fills, mut n) = (0, 0);
         while !counts.done.load(Relaxed) {
             std::thread::sleep(Duration::from_micros(1300));
-            // every so often it is away for long, and asks twice when it comes back
+            // regularly pauses for 150 ms, then asks twice in a row
             if fills % 100 == 99 {
                 std::thread::sleep(Duration::from_millis(150));
                 n += calls(|| player.fill(&mut out, 2, now_ns()));
@@ -53,7 +55,7 @@ fn run(frames: u64, change: bool) -> (u64, u64) {
     let live = Live::new(engine, ends, Arc::new(Shared::default()), Clock::Audio, RecordIntervals::default());
     let n = calls(|| assert_eq!(live.run(Some(frames)).counts.frames, frames + 1));
     let device = device.join().expect("no panic");
-    // what the engine gave back is freed here
+    // frees what the engine returned
     drop(patch);
     (n, device)
 }

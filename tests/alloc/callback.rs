@@ -1,4 +1,4 @@
-//! The callback of the example allocates nothing, as its header says.
+//! Checks that the callback of the `callback` example allocates nothing, as its header says.
 
 #[allow(dead_code)]
 #[path = "../../crates/cordis-anima/examples/callback.rs"]
@@ -11,7 +11,6 @@ fn the_callback_of_the_example_allocates_nothing() {
     let (mut voice, panel) = example::voice();
     let mut block = [0.0; 128];
     for n in 0..100 {
-        // changes come in between; the first of them too costs nothing
         panel.pitch(200.0 + f64::from(n));
         assert_eq!(calls(|| voice.fill(&mut block)), 0, "block {n}");
     }

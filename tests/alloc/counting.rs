@@ -1,6 +1,6 @@
-//! Counting: an allocator that counts, for the tests of what must not allocate and for the bench of large models.
+//! Counting allocator for the allocation tests and for the bench of large models.
 //!
-//! Decides for counts of the thread that asks: tests run beside each other, and what one allocates is none of another's.
+//! It counts per thread, because tests run in parallel and must not count each other's allocations.
 #![allow(unsafe_code, reason = "an allocator is one by an unsafe trait")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -15,7 +15,7 @@ thread_local! {
 struct Counting;
 
 fn count(bytes: i64) {
-    // a thread that is ending has no counter any more
+    // a thread that is ending no longer has its counter
     let _ = CALLS.try_with(|c| c.set(c.get() + 1));
     let _ = LIVE.try_with(|live| {
         live.set(live.get() + bytes);
@@ -23,12 +23,12 @@ fn count(bytes: i64) {
     });
 }
 
-// SAFETY: every call is passed on to the system's allocator as it came; counting touches a `Cell` that is initialised
-// in a constant and has no destructor, so it allocates nothing itself.
+// SAFETY: every call is passed unchanged to the system's allocator. Counting touches only `Cell`s, which have a
+// constant initialiser and no destructor, so counting itself allocates nothing.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count(layout.size() as i64);
-        // SAFETY: the caller keeps the contract of `alloc`, which is that of `System`.
+        // SAFETY: the caller upholds the contract of `alloc`, which `System` shares.
         unsafe { System.alloc(layout) }
     }
     unsafe fn dealloc(&self, ptr: *mut u8, layout: Layout) {
@@ -46,19 +46,19 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// What a call took of the allocator, on this thread.
+/// Allocator use of one call, on this thread.
 #[derive(Clone, Copy)]
 #[allow(dead_code, reason = "the tests ask for less than the bench")]
 pub struct Taken {
-    /// how often it was called, freeing included
+    /// Number of allocator calls, freeing included.
     pub calls: u64,
-    /// the most bytes at one time
+    /// Peak of allocated bytes.
     pub peak: u64,
-    /// bytes that are still there
+    /// Bytes still allocated at the end.
     pub kept: u64,
 }
 
-/// What `f` gives, and what it took.
+/// Runs `f` and returns its result and its allocator use.
 pub fn taken<T>(f: impl FnOnce() -> T) -> (T, Taken) {
     let (calls, live) = (CALLS.with(Cell::get), LIVE.with(Cell::get));
     PEAK.with(|p| p.set(live));
@@ -72,13 +72,13 @@ pub fn taken<T>(f: impl FnOnce() -> T) -> (T, Taken) {
     (done, taken)
 }
 
-/// How often the allocator was called by `f`, freeing included.
+/// Number of allocator calls in `f`, freeing included.
 #[allow(dead_code, reason = "the bench asks for all of it")]
 pub fn calls(f: impl FnOnce()) -> u64 {
     taken(f).1.calls
 }
 
-/// The most that `f` has at one time \[bytes\].
+/// Peak of allocated bytes in `f`.
 #[allow(dead_code, reason = "the bench asks for all of it")]
 pub fn most(f: impl FnOnce()) -> u64 {
     taken(f).1.peak

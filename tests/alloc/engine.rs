@@ -1,4 +1,4 @@
-//! Nor does the engine with its guard: arming, faults, a reload, changes and frames of any kind.
+//! Checks that the engine and its guard never allocate: arming, faults, reload, changes, frames of any kind.
 
 use super::calls;
 use ca_compile::{Options as Compile, compile};
@@ -28,7 +28,7 @@ b = { between = ["y", "wall"], k = "k" }
 out = { from = "bar", gain = 100 }
 "#;
 
-/// An engine with a device that has every stage there is; `patient` with a machine that stands still.
+/// An engine with a device that uses every stage of the guard. `patient` sets watchdog times for a stalled machine.
 pub(super) fn engine(energy: bool, patient: bool) -> (Engine, State, Change) {
     let catalog = ca_tests::catalog();
     let (model, _) = read::read(TEXT, "hand.ca.toml", &catalog);
@@ -78,7 +78,7 @@ fn an_engine_allocates_nothing() {
                     let why = CAUSES[(n / 500) as usize % CAUSES.len()];
                     e.command(EngineCommand::Order(Some(0), if t < 500 { Order::Disarm } else { Order::Trip(why) }));
                 }
-                // the model diverges, and is loaded again
+                // makes the model diverge; it is reloaded below
                 if t == 2800 {
                     let last = e.state.x.len() - 1;
                     e.state.x[last] = if n < 6000 { 1e9 } else { f64::NAN };
@@ -93,7 +93,7 @@ fn an_engine_allocates_nothing() {
                 rng ^= rng << 17;
                 next.seq += 1;
                 next.t_device_ns += 333_333;
-                // pressed, thrown, gone
+                // the positions press, then jump, then stop arriving
                 let phase = f64::from(t % 500) / 500.0;
                 next.pos[0] = if t > 1000 { 0.01 * (0.25 - (phase - 0.75).abs()).max(0.0) } else { 0.0 };
                 next.pos[1] = if t > 2000 { next.pos[0] * 20.0 } else { next.pos[0] };

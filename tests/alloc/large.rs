@@ -1,5 +1,4 @@
-//! Memory and work for models of very many modules, counted: both are in proportion to the text, and a text that is
-//! refused costs no more than one that is right.
+//! Counts memory and work for very large models: proportional to the text, and no more for a refused text.
 
 use crate::{calls, most};
 use ca_benches::string;
@@ -9,7 +8,7 @@ use ca_model::read::read;
 use ca_tests::catalog;
 use std::fmt::Write as _;
 
-/// A chain of `n` masses written one by one; the links hold on to masses called `to`.
+/// A chain of `n` masses written one by one. Its links name their second end `to` and a number.
 fn chain(n: usize, to: &str) -> String {
     let mut text = String::from("[SOL]\nwall = {}\n[MAS]\n");
     (0..n).for_each(|i| _ = writeln!(text, "m{i} = {{ m = \"1 g\" }}"));
@@ -65,7 +64,7 @@ fn reading_takes_memory_and_work_in_proportion_to_the_text() {
     assert!(many.0 < 1.2 * few.0 && many.1 < 1.05 * few.1, "{few:?} {many:?}");
 }
 
-/// Bytes a module: most while it is compiled, of a state; calls of the allocator, freeing included.
+/// Limits per module: peak bytes while compiling, bytes of a state, and allocator calls, freeing included.
 const BYTES: f64 = 510.0;
 const STATE: f64 = 33.0;
 const CALLS: f64 = 5.1;
@@ -86,6 +85,6 @@ fn a_generated_model_takes_memory_and_work_in_proportion_to_its_modules() {
     for (few, many) in few.into_iter().zip(many) {
         assert!(many < 1.05 * few, "{few} {many}");
     }
-    // a bound that fails where a pass makes one more list for each module
+    // this fails once a pass makes one more list per module
     assert!(many[0] < BYTES && many[1] < STATE && many[2] < CALLS, "{many:?}");
 }

@@ -1,6 +1,7 @@
-//! Nor does the whole loop in its thread: rings, clock, engine and guard, with a device, a gateway and a recorder beside it,
-//! both cores busy, and faults, changes and reloads all the time. What was handed over and what was lost must add up.
-//! Three seconds; a minute with `CA_LONG=1`.
+//! Checks that the whole loop in its thread allocates nothing: rings, clock, engine and guard.
+//!
+//! A device, a gateway and a recorder run beside it. Both cores are busy, and faults, changes and reloads never stop.
+//! Frames and records handed over and lost must add up. Runs three seconds, or a minute with `CA_LONG=1`.
 
 use super::{calls, engine};
 use ca_core::State;
@@ -15,7 +16,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
-/// Ends all threads of a test, also where it fails.
+/// Ends all threads of a test, also if it fails.
 struct Over<'a>(&'a AtomicBool);
 
 impl Drop for Over<'_> {
@@ -24,8 +25,8 @@ impl Drop for Over<'_> {
     }
 }
 
-/// A hand that presses, throws, leaves and comes back, and now and then a frame that cannot be. How many frames it
-/// sent, how many found no room, and how many forces it took.
+/// Simulates a hand that presses, jumps, leaves and comes back, with an impossible frame now and then. Returns the
+/// number of frames sent, of frames for which the ring was full, and of forces received.
 fn play(mut ends: GatewayEnds, over: &AtomicBool) -> (u64, u64, u64) {
     let (mut sent, mut full, mut forces) = (0, 0, 0);
     let mut next = DeviceFrame::new("hand", 2);
@@ -57,7 +58,7 @@ fn play(mut ends: GatewayEnds, over: &AtomicBool) -> (u64, u64, u64) {
                 Err(_) => full += 1,
             }
         }
-        // what stood still goes on, and does not catch up
+        // after a stall, continues from now and does not catch up
         due = wait_until(due + 333_333);
     }
     while ends.forces.pop().is_ok() {
@@ -66,14 +67,14 @@ fn play(mut ends: GatewayEnds, over: &AtomicBool) -> (u64, u64, u64) {
     (sent, full, forces)
 }
 
-/// What the recorder found in the rings.
+/// Contents of the rings as the recorder found them.
 #[derive(Debug, Default)]
 struct Found {
     devices: u64,
     forces: u64,
     /// energy and hashes
     regular: u64,
-    /// those that are reported missing
+    /// records reported as missing
     lost: u64,
     sound: u64,
     modes: [u64; 5],
@@ -99,7 +100,6 @@ impl Found {
                 }
             }
         }
-        // what there is, each with its tick and its length
         while let Ok(_tick) = sound.pop() {
             let n = sound.pop().expect("a length");
             self.sound += n as u64;
@@ -142,7 +142,7 @@ fn nor_does_the_loop_while_both_cores_are_busy() {
                 23 if (turns / 25) % 4 == 3 => Some(EngineCommand::Reload(Box::<State>::new(state.clone()))),
                 _ => None,
             };
-            // where it has no room, the engine has enough to do
+            // a full ring means that the engine has enough to do
             if let Some(a) = act {
                 let _ = recorder.commands.push((0, a));
             }
@@ -164,10 +164,10 @@ fn nor_does_the_loop_while_both_cores_are_busy() {
         c.frames, c.taken, c.dropped
     );
     assert_eq!(n, 0, "calls of the allocator");
-    // the last frame says that forces are off
+    // one frame more, the last, reports that forces are off
     assert_eq!(c.frames, frames + 1);
     assert_eq!(forces + lost_forces, c.frames, "every force was fetched, or counted");
-    // what was sent when the engine had ended still lies in its ring
+    // frames sent after the engine ended are still in the ring
     let looked = c.taken + c.dropped;
     assert!(looked <= sent && sent - looked <= 64, "{sent} positions, {looked} looked at");
     let noted = looked + c.frames + c.frames / 30 + c.frames / 3000;
@@ -185,14 +185,13 @@ fn nor_does_the_loop_while_both_cores_are_busy() {
     );
 }
 
-/// Keeps a core busy.
 fn burn(over: &AtomicBool) {
     while !over.load(Relaxed) {
         std::hint::spin_loop();
     }
 }
 
-/// The very first frame only places the devices, and sounds shorter.
+/// Samples missing from the sound of the first frame, which only places the devices.
 fn first(scene: &ca_core::Scene) -> u64 {
     u64::from(scene.rates.ratio - 1) * scene.counts.channels as u64
 }

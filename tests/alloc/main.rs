@@ -1,7 +1,6 @@
-//! A tick never allocates: every call of the allocator on this thread is counted while scenes play.
+//! Checks that a tick never allocates, by counting all allocator calls on this thread while scenes play.
 //!
-//! A binary of its own, because a program has one allocator. The counter is per thread, so that the harness and other
-//! tests do not disturb it.
+//! This is a separate binary because a program has one allocator.
 #![allow(unsafe_code)]
 
 mod audio;
@@ -21,20 +20,20 @@ use ca_model::{Item, Model, Value, read};
 use ca_tests::{gesture, texts};
 use counting::{calls, most};
 
-/// The same with all that the border and the outputs can do.
+/// Returns the model with every option of the rate boundary and of the outputs in use.
 fn burdened(model: &Model, border: &str, feedback: &str) -> Model {
     let mut m = model.clone();
     for (key, value) in [("border", border), ("latency", "3"), ("feedback", feedback), ("filter", "2 kHz")] {
         assert!(m.set(&format!("rate.{key}"), value));
     }
-    // what hears acceleration has no DC to filter
+    // outputs of acceleration need no DC filter
     let bare = |i: &Item| !i.args.iter().any(|e| e.key == "hear" && e.value == Value::Text("acceleration".into()));
     let outputs = model.items.iter().filter(|i| matches!(i.kind.as_str(), "SOX" | "SOF") && bare(i));
     outputs.for_each(|i| assert!(m.set(&format!("{}.dc", i.name), "7 Hz")));
     m
 }
 
-/// Implicit links: by themselves, and together, some of which may not pull.
+/// Models with implicit links, alone and solved together, some without pull.
 fn stable() -> Vec<(String, String)> {
     let alone = r#"
 [param]
@@ -65,7 +64,7 @@ more = { from = "b" }
         .into()
 }
 
-/// Groups at the gesture rate, in space and in finer ticks.
+/// Models with groups at the gesture rate, in space and with several ticks per sample.
 fn slow() -> Vec<(String, String)> {
     let body = r#"
 [body]
@@ -170,7 +169,7 @@ fn nor_while_parameters_move() {
         for p in params {
             let to = p.value * 1.01 + if p.value == 0.0 { p.min.max(0.0) } else { 0.0 };
             let Ok(patch) = controls.set(&p.name, to.clamp(p.min, p.max)) else { continue };
-            // a clone has the room of the original
+            // a clone has the capacity of the original
             let mut s: State = scene.state().clone();
             let mut good = false;
             let n = calls(|| {
@@ -186,8 +185,8 @@ fn nor_while_parameters_move() {
     assert!(moved > 0, "no model has a live parameter");
 }
 
-/// A gesture that moves a live parameter at every frame: of a link, a contact, a cell, a string, a bank, a mass, a mesh
-/// with held nodes, a cloud of points, and of implicit links that share a mass and that do not.
+/// The gesture changes live parameters at every frame: in a link, a contact, a cell, a string, a bank, a mass, a
+/// mesh with held nodes, a cloud of points, and implicit links that do and do not share a mass.
 #[test]
 fn nor_a_performance_whose_gesture_moves_parameters() {
     let text = r#"
@@ -243,7 +242,6 @@ g = [[0, 0.1], [1, 1.9]]
     let (model, _) = read::read(&text, "moved", &catalog);
     let scene = compile(&model, &catalog, &Options::default()).unwrap_or_else(|d| panic!("{d}"));
     let mut p = Performance::new(&scene, None).expect("a gesture");
-    // the first frames make room
     (0..64).for_each(|_| p.tick());
     let before: Vec<f64> = p.controls.params().iter().map(|p| p.value).collect();
     let n = calls(|| (0..48_000).for_each(|_| p.tick()));

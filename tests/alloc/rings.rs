@@ -1,4 +1,4 @@
-//! Nor does a gesture frame of the engine thread, whether its rings have room or are full.
+//! Checks that a gesture frame of the engine thread allocates nothing, whether its rings are full or not.
 
 use super::calls;
 use super::engine::engine;
@@ -18,7 +18,7 @@ fn handing_over_allocates_nothing() {
     let mut frame = DeviceFrame::new("hand", 2);
     frame.session = 1;
     let mut lost = 0;
-    // the rings hold four seconds, and nobody reads: there is room, then there is none
+    // the rings hold four seconds and nothing reads them: the first run fits, the second does not
     for frames in [1000, 24_000] {
         let n = calls(|| {
             for _ in 0..frames {
@@ -33,7 +33,7 @@ fn handing_over_allocates_nothing() {
         lost = [&shared.lost_records, &shared.lost_sound, &shared.lost_views].map(|n| n.load(Relaxed)).iter().sum();
     }
     assert!(lost > 100_000, "nothing was too much");
-    // more is asked than finds room: boxes come back or wait, and are not freed here
+    // more commands than the ring holds: boxes come back or wait, and are not freed here
     for _ in 0..3 {
         while recorder.commands.push((0, EngineCommand::Set(Box::<Change>::default()))).is_ok() {}
         assert_eq!(calls(|| live.frame()), 0, "boxes are freed elsewhere");

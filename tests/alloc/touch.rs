@@ -1,5 +1,5 @@
-//! Nor do hands without a device: a mass that is held, ports that are sent somewhere, and the model's own gesture; nor another
-//! version of the scene.
+//! Checks that input without a device allocates nothing: a grabbed mass, ports sent to a position, the model's own
+//! gesture, and the change to another version of the scene.
 
 use super::calls;
 use ca_compile::{Options as Compile, compile};

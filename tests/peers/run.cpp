@@ -1,5 +1,5 @@
-// Plays the program that Faust puts in below: `run N` reads N frames of its inputs from standard input and writes N
-// frames of its outputs to standard output, all of them doubles as they lie in memory, channels one after the other.
+// Plays the program that Faust inserts below. `run N` reads N frames of inputs from standard input and writes N frames
+// of outputs to standard output, as interleaved doubles in native byte order.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -8,7 +8,7 @@
 
 #define FAUSTFLOAT double
 
-// what a generated class asks of its surroundings; nothing here is shown or turned
+// interfaces that a generated class requires; the controls do nothing
 struct Meta {
     void declare(const char*, const char*) {}
 };

@@ -1,8 +1,8 @@
-"""Reads a take with the libraries of others: `take.py FILE [EXPORT.npy]`.
+"""Reads a take with independent libraries: `take.py FILE [EXPORT.npy]`.
 
-Every frame is decoded by mcap-ros2-support and compared with NumPy on the bytes of its message; every view is decoded
-by mcap-protobuf-support; attachments and metadata are there. A file that was cut off is read up to where it ends.
-Prints the number of messages of each topic as JSON.
+Every frame is decoded by mcap-ros2-support and compared with NumPy on the bytes of its message. Every view is decoded
+by mcap-protobuf-support. Attachments and metadata must be there. A truncated file is read up to its end. Prints the
+number of messages of each topic as JSON.
 """
 
 import collections
@@ -21,7 +21,7 @@ KINDS = {"uint8": "u1", "uint16": "<u2", "uint32": "<u4", "uint64": "<u8", "floa
 
 
 def dtype(schema):
-    """The definition as a NumPy row, or None where messages differ in length."""
+    """Returns the message definition as a NumPy row type, or None if messages vary in length."""
     fields = []
     for line in schema.data.decode().splitlines():
         kind, name = line.split()

@@ -1,5 +1,5 @@
-//! What the test binaries share: every model there is, how to play one by its own gesture, and a key. The suite is in
-//! `suite/`. Below stands the README, so that its Rust is compiled and run.
+//! Shared by the test binaries: all models, how to play one by its own gesture, and a model of one key. The suite is in
+//! `suite/`. The README is included below, so that its Rust is compiled and run.
 #![doc = include_str!("../../README.md")]
 
 pub mod long_form;
@@ -22,10 +22,10 @@ spring = { between = ["key", "wall"], k = 500 }
 out = { from = "key" }
 "#;
 
-/// One key of the TGR, with whatever a test changes.
+/// One key of the TGR, after `change`.
 ///
 /// # Panics
-/// Where the profile is not shipped any more.
+/// If the profile is no longer shipped.
 pub fn profile(change: impl FnOnce(&mut Profile)) -> Profile {
     let mut profile = Profile::shipped("tgr12").unwrap_or_else(|| panic!("no profile `tgr12`"));
     profile.dof = 1;
@@ -33,7 +33,7 @@ pub fn profile(change: impl FnOnce(&mut Profile)) -> Profile {
     profile
 }
 
-/// A device as its profile says, neither calibrated nor weighed against the model.
+/// A device with this profile, neither calibrated nor scaled to the model.
 pub fn setup(device: &str, profile: Profile) -> Setup {
     Setup { device: device.into(), profile, calibration: Calibration::default(), gains: vec![] }
 }

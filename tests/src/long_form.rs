@@ -1,10 +1,10 @@
-//! What is left to the long form of the tests, `tests/run --long`, for the time it takes.
+//! Leaves slow tests to the long form, `tests/run --long`.
 //!
-//! Decides that the core suite says so each time, in the list of what it skipped: nobody takes a part for the whole.
+//! The core suite lists each of them as skipped, so that a partial run is never taken for a full one.
 
 use crate::skipped::skipped;
 
-/// True in the long form, where `CA_LONG` is set. Elsewhere notes that the calling test leaves `what` to it.
+/// Returns true in the long form, with `CA_LONG` set. Otherwise lists `what` of the calling test as skipped.
 #[track_caller]
 pub fn long_form(what: &str) -> bool {
     let long = std::env::var_os("CA_LONG").is_some();

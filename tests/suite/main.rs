@@ -1,4 +1,4 @@
-//! The whole suite in one binary, one folder for each thing that is tested across crates, one file per theme.
+//! All of the suite in one binary: one folder for each topic, one file for each theme.
 
 mod compiler;
 mod generators;

@@ -1,5 +1,5 @@
-//! What cannot be tested where the suite is run is said, and is set up where that can be done: `ca_tests::skipped`, and
-//! the script `tests/setup`, run beside a package manager that is not one.
+//! Tests `ca_tests::skipped` and the script `tests/setup`, run with a fake package manager: missing programs are
+//! reported, and installed where possible.
 #![cfg(unix)]
 
 use ca_tests::skipped::{INSTALLED, skipped};
@@ -21,7 +21,7 @@ fn a_test_that_is_skipped() {
     skipped(&needs, "for want\nof it");
 }
 
-/// Runs the test above as cargo does, its output captured: exit, stdout and stderr, and the file.
+/// Runs the test above as cargo does, with captured output. Returns exit, stdout and stderr, and the file.
 fn run(needs: &str, ci: Option<&str>) -> (Output, String) {
     let dir = tempfile::tempdir().unwrap();
     let file = dir.path().join("skipped.txt");
@@ -69,7 +69,7 @@ fn setup_knows_what_may_not_be_missing() {
     assert_eq!(rows, INSTALLED, "the table of tests/setup");
 }
 
-/// A folder with the few programs the script needs, a user of this number, and an `apt-get` that has Faust alone.
+/// A folder with the few programs the script needs, an `id` that prints `user`, and an `apt-get` that has only Faust.
 fn machine(user: &str, there: &[&str]) -> tempfile::TempDir {
     let dir = tempfile::tempdir().unwrap();
     let put = |name: &str, script: &str| {
@@ -96,7 +96,7 @@ fn machine(user: &str, there: &[&str]) -> tempfile::TempDir {
     dir
 }
 
-/// What the script says on such a machine, and what `apt-get` was asked there.
+/// Runs the script on such a machine and returns its output and the calls of `apt-get`.
 fn set_up(dir: &Path) -> (String, String) {
     let out = Command::new(setup()).env_clear().env("PATH", dir).output().unwrap();
     assert!(out.status.success(), "{}{}", text(&out.stdout), text(&out.stderr));
@@ -109,7 +109,7 @@ fn setup_says_what_it_installs_and_what_it_could_not() {
     let dir = machine("0", &["jackd", "pulseaudio", "pkg-config", "g++"]);
     let (said, asked) = set_up(dir.path());
     let at = |words: &str| said.find(words).unwrap_or_else(|| panic!("no `{words}` in\n{said}"));
-    // what for, then what, then what came of it
+    // the purpose first, then the packages, then the result
     assert!(
         at("faust is not here; with it is tested: networks") < at("installing by apt-get: faust chromium valgrind"),
         "{said}"

@@ -1,8 +1,8 @@
 //! Plays networks and bundled models, for `benches/counts/run` to count the instructions of their ticks.
 //!
-//! Decides to count instead of to time: a count is the same on every run, so that one in thirty is seen, also where other
-//! programs run. What waits for memory or for a number before it is not seen; that is what the benches are for. The
-//! networks are those of `ca bench`, taken as a file: their crate has all of the command below it.
+//! A count is the same on every run, also while other programs run, so that a change of 3 % is visible. Waits for
+//! memory or for an earlier result are not counted; the benches measure these. The networks are included as a source
+//! file of `ca bench`, because its crate would pull in the whole command.
 
 mod passes;
 
@@ -17,13 +17,13 @@ mod grains;
 #[allow(dead_code, reason = "a bench asks for more of a network than its text")]
 mod networks;
 
-/// Masses of a network, for those that run in vectors: more than a processor has lanes, less than its first cache.
+/// Masses of a network for vectors: more than the lanes of a processor, less than its first cache holds.
 const MASSES: usize = 120;
 
-/// Ticks that are counted: enough that hammers have struck and grains have met.
+/// Ticks counted: enough for hammers to strike and grains to meet.
 const TICKS: usize = 2000;
 
-/// One of each way a scene is played by; what is left out has its kernels in the networks.
+/// One model for each way of playing a scene; the kernels of all others are in the networks.
 const MODELS: &[&str] = &[
     "hammered_string",
     "hammer_piano",
@@ -41,14 +41,14 @@ const MODELS: &[&str] = &[
     "wind",
 ];
 
-/// Grains that may all touch, and the part of their shell that they fill.
+/// Grains with contacts between all pairs, and the share of their shell that they fill.
 const GRAINS: [(&str, f64); 2] = [("grains", 0.1), ("packed grains", 0.35)];
 
-/// By how many percent a prediction may be off: of a network, which is of one kind of links, and of a model and of
-/// grains, whose contacts press now and then.
+/// Largest error of a prediction \[%\]: for a network, which has one kind of links, and for a model and for grains,
+/// whose contacts close only at times.
 const WITHIN: [u32; 2] = [10, 35];
 
-/// What is counted, by its name.
+/// Callgrind counts this function, by its name.
 #[inline(never)]
 fn counted(scene: &Scene, state: &mut State) {
     for _ in 0..TICKS {
@@ -57,12 +57,12 @@ fn counted(scene: &Scene, state: &mut State) {
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // to make the table anew: each pass by itself, of networks of many sizes
+    // for the table of costs: each pass alone, in networks of many sizes
     let by_pass = std::env::args().nth(1).is_some_and(|asked| asked == "passes");
     let sizes = if by_pass { &passes::SIZES[..] } else { &[MASSES] };
     let within = |name| match name {
         "GRAINS" => WITHIN[1],
-        // its contacts are solved again and again until they agree, which has no price: compared with nothing
+        // its contacts are solved iteratively, which has no predicted cost, so nothing is compared
         "stable" => 0,
         _ => WITHIN[0],
     };

@@ -1,4 +1,4 @@
-//! Pass by pass: what the table of `ca_compile::cost` is made from.
+//! Counts pass by pass, for the table of `ca_compile::cost`.
 
 use crate::TICKS;
 use ca_compile::cost;
@@ -7,10 +7,10 @@ use ca_core::{Scene, State};
 use std::hint::black_box;
 use std::io::Write as _;
 
-/// Sizes of the networks: only several distinguish what is fixed from what comes with each module.
+/// Sizes of the networks; only several sizes separate the fixed part from the part per module.
 pub const SIZES: [usize; 9] = [11, 14, 16, 20, 40, 64, 120, 250, 500];
 
-/// One pass.
+/// Runs one pass; callgrind counts this function.
 #[inline(never)]
 fn counted_pass(op: &Op, scene: &Scene, state: &mut State) {
     (op.kernel)(op, &scene.layout, state);
@@ -22,7 +22,7 @@ fn counted_all(pass: usize) -> usize {
     black_box(pass)
 }
 
-/// Counts each pass of a scene by itself, in ticks that are otherwise played as ever, and prints what it is.
+/// Counts each pass of a scene separately, in complete ticks, and prints its name.
 pub fn passes(name: &str, scene: &Scene) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
     let all = || {

@@ -1,8 +1,7 @@
-//! Work and precision: the scenes of `docs/measured/accuracy.md`, what is expected of them, and how the page is written, so that a
-//! test finds the same there. The bench itself stands with the command it runs, `ca accuracy`.
+//! Error and run time: the scenes of `docs/measured/accuracy.md`, their expectations, and the format of the page, which
+//! a test compares with it. The bench itself is with the command that it runs, `ca accuracy`.
 //!
-//! Decides that what is expected is computed from the rows of the tables, by whoever reads them: the bench after it
-//! measured, the test from the page.
+//! The reader of the tables computes the claims from their rows: the bench after measuring, the test from the page.
 
 pub mod page;
 mod scenes;
@@ -10,93 +9,94 @@ pub mod svg;
 
 pub use scenes::{CASES, STIFF, pluck, stiffened};
 
-/// A scene, and how it is measured.
+/// A scene and its measurement.
 pub struct Case {
-    /// of its picture and of its place on the page
+    /// Name of its picture and of its section on the page.
     pub name: &'static str,
-    /// what it is
+    /// Title.
     pub title: &'static str,
-    /// the model file
+    /// Returns the model file.
     pub text: fn() -> String,
-    /// as long as it is played \[s\]
+    /// Length of the play \[s\].
     pub seconds: &'static str,
-    /// multiples of the rate
+    /// Multiples of the rate.
     pub times: &'static str,
-    /// the multiple of the reference, where it is not a closed form
+    /// Multiple of the rate for the reference, unless that is in closed form.
     pub reference: &'static str,
-    /// what there is to be seen
+    /// Text about the results.
     pub about: &'static str,
 }
 
-/// One way to play a scene, as `ca accuracy --json` tells it.
+/// One way to play a scene, as in `ca accuracy --json`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ErrorRow {
-    /// method
+    /// Method.
     pub method: String,
-    /// multiple of the rate
+    /// Multiple of the rate.
     pub times: u32,
-    /// of the outputs, relative; infinite where it diverged
+    /// Relative error of the outputs; infinite if the scene diverged.
     pub error: f64,
-    /// of the levels of the spectrum, relative
+    /// Relative error of the levels of the spectrum.
     pub spectrum: f64,
-    /// of the strongest partial \[cents\]
+    /// Error of the strongest partial \[cents\].
     pub cents: Option<f64>,
-    /// of the second half against the first \[dB\]
+    /// Error of the second half relative to the first \[dB\].
     pub decay: Option<f64>,
-    /// energy that the scheme made, relative
+    /// Energy made by the scheme, relative.
     pub made: Option<f64>,
-    /// time of a sample of the model's rate \[ns\]
+    /// Time of a sample at the rate of the model \[ns\].
     pub ns: f64,
-    /// what is certified
+    /// Certified stability.
     pub stability: String,
-    /// nothing is both more exact and quicker
+    /// True if nothing is both more exact and faster.
     pub front: bool,
 }
 
-/// All that was found of a scene.
+/// Results of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// what it was held against, in words
+    /// Reference of the comparison, in words.
     pub against: String,
-    /// how well that is known, relative
+    /// Relative accuracy of the reference.
     pub known: f64,
-    /// a way each
+    /// Rows, one for each way.
     pub rows: Vec<ErrorRow>,
-    /// methods that the scene cannot take, with the reason, and what others leave out
+    /// Methods that the scene does not support, with the reason, and modules that others leave out.
     pub reported: Vec<String>,
 }
 
 impl Found {
-    /// The row of a method at a multiple of the rate.
+    /// Returns the row of a method at a multiple of the rate.
     pub fn row(&self, method: &str, times: u32) -> Option<&ErrorRow> {
         self.rows.iter().find(|r| r.method == method && r.times == times)
     }
 
-    /// Error and time of a row; not a number where there is none.
+    /// Returns error and time of a row; NaN if there is none.
     fn of(&self, method: &str, times: u32) -> [f64; 2] {
         self.row(method, times).map_or([f64::NAN; 2], |r| [r.error.max(self.known), r.ns])
     }
 }
 
-/// What is expected, and what is.
+/// An expectation and its result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
-    /// what
+    /// Description.
     pub what: String,
-    /// at most this
+    /// Largest value expected.
     pub most: f64,
-    /// it is
+    /// Value found.
     pub is: f64,
 }
 
 impl Claim {
-    /// True where it is as expected.
+    /// Returns true if the expectation is met.
     pub fn holds(&self) -> bool {
         self.is <= self.most
     }
 }
 
-/// What is expected: of the plucked string for 0.1 s and for 1 s, and with so many links stiff as [`STIFF`] says.
+/// Returns the claims, from the plucked string for 0.1 s and for 1 s, and from the strings with the numbers of stiff
+/// links in [`STIFF`].
 pub fn claims(pluck: &Found, long: &Found, stiff: &[Found; 3]) -> Vec<Claim> {
     let claim = |what: &str, most: f64, is: f64| Claim { what: what.into(), most, is };
     let ([modal, modal_ns], [_, ns]) = (pluck.of("modal", 1), pluck.of("as written", 1));
@@ -111,8 +111,10 @@ pub fn claims(pluck: &Found, long: &Found, stiff: &[Found; 3]) -> Vec<Claim> {
         claim("error of `pefrl` over that of `ca` at 32 times the rate", 1.25, fourth / fine),
         claim("time of `pefrl` over that of `ca` at 32 times the rate", 0.35, fourth_ns / fine_ns),
         claim("time with one link 10⁶ beyond the limit over that without", 2.5, one / none),
-        // as on two processors: 0.20 and 0.29 for `pefrl`, 1.7 and 2.0, 2.1 and 3.1 for stiff links at the same instructions.
-        // A row without such links stands folded, which took a quarter of its time; the others do not
+        // measured on two processors: 0.20 and 0.29 for `pefrl`; 1.7 and 2.0, 2.1 and 3.1 for one and eight stiff
+        // links, at
+        // the same instructions. A row without stiff links is folded, which saves a quarter of its time; the others are
+        // not
         claim("time with eight of 65 links 10⁶ beyond the limit over that without", 3.5, eight / none),
     ]
 }

@@ -1,4 +1,4 @@
-//! The page `docs/measured/accuracy.md`, written and read: what a table says is all that a test has of the machine it was made on.
+//! Page `docs/measured/accuracy.md`, written and read: a test knows the machine of the page only from its tables.
 
 use super::{CASES, Claim, ErrorRow, Found, STIFF};
 use crate::atlas::page::wrap;
@@ -44,13 +44,12 @@ fn table(found: &Found) -> String {
     found.rows.iter().fold(head(&COLUMNS), |t, r| t + &line(&cells(r, found.known)))
 }
 
-/// A number of the table of what is expected.
 fn shown(v: f64) -> String {
     if v < 0.01 { format!("{v:.1e}") } else { format!("{v:.2}") }
 }
 
-/// The whole page: the scenes in the order of [`CASES`], those with stiff links in that of [`STIFF`], the claims, and the
-/// machine in words.
+/// Makes the page: the scenes in the order of [`CASES`], those with stiff links in the order of [`STIFF`], the claims,
+/// and the machine.
 pub fn page(found: &[Found], stiff: &[Found], claims: &[Claim], machine: &str) -> String {
     let mut t = format!("{HEAD}\nThe machine: {machine}.\n\n## What is expected\n\n");
     t += &head(&["what", "at most", "is", "holds"]);
@@ -89,7 +88,7 @@ pub fn page(found: &[Found], stiff: &[Found], claims: &[Claim], machine: &str) -
     t
 }
 
-/// The rows of the table of a section of the page, cell by cell, without the head.
+/// Returns the rows of the table in a section of the page, cell by cell, without the header.
 pub fn rows(page: &str, title: &str) -> Vec<Vec<String>> {
     let from = format!("\n## {title}\n");
     let Some((_, section)) = page.split_once(&from) else { return Vec::new() };

@@ -1,6 +1,4 @@
-//! The scenes of the page of error against run time.
-//!
-//! Decides on scenes so small that one thing is wrong with each, and on two bundled models.
+//! Scenes of the page of error against run time: small ones with a single source of error each, and two bundled models.
 
 use super::Case;
 use std::fmt::Write as _;
@@ -142,10 +140,11 @@ const N: usize = 64;
 const M: f64 = 1e-4;
 const K: f64 = 0.25 * M * 48e3 * 48e3;
 
-/// How many links of the plucked string are made stiff, where that is priced.
+/// Numbers of stiff links in the plucked string, for the price of stiff links.
 pub const STIFF: [usize; 3] = [0, 1, 8];
 
-/// The plucked string with these links a million times stiffer than the limit of two masses, by the method `implicit`.
+/// Returns the plucked string with these links a million times stiffer than the limit of two masses, by the method
+/// `implicit`.
 pub fn pluck(stiff: &[usize]) -> String {
     let mut t = String::from("[SOL]\nl = {}\nr = {}\n[MAS]\n");
     for i in 0..N {
@@ -167,7 +166,7 @@ pub fn pluck(stiff: &[usize]) -> String {
     t + "[SOX]\nout = { from = \"p19\" }\n"
 }
 
-/// The plucked string with `n` stiff links spread over it.
+/// Returns the plucked string with `n` stiff links, evenly spread.
 pub fn stiffened(n: usize) -> String {
     let stiff: Vec<usize> = (0..n).map(|i| (2 * i + 1) * N / (2 * n)).collect();
     pluck(&stiff)

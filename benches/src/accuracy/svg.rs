@@ -1,11 +1,11 @@
-//! Error against run time as SVG: a line for each method through its multiples of the rate, on axes of powers of ten.
+//! Draws error against run time as SVG: a line for each method through its multiples of the rate, on logarithmic axes.
 
 use super::Found;
 use crate::atlas::Axis;
 use crate::atlas::svg::{ROOM, SIZE, begin, frame};
 use std::fmt::Write as _;
 
-/// A colour for each method, for the colour-blind too, in the order in which they come.
+/// Colour of each method, also for the colour-blind, in order of appearance.
 const COLOURS: [(&str, &str); 11] = [
     ("as written", "#000000"),
     ("centred", "#56b4e9"),
@@ -20,10 +20,10 @@ const COLOURS: [(&str, &str); 11] = [
     ("single", "#7f7f7f"),
 ];
 
-/// Names of a legend in one row.
+/// Names in a row of the legend.
 const ACROSS: usize = 5;
 
-/// Powers of ten about all of these.
+/// Returns an axis of whole decades around all values.
 fn decades(name: &'static str, all: impl Iterator<Item = f64>) -> Axis {
     let (low, high) =
         all.filter(|v| *v > 0.0 && v.is_finite()).fold((f64::MAX, f64::MIN), |(l, h), v| (l.min(v), h.max(v)));
@@ -32,7 +32,7 @@ fn decades(name: &'static str, all: impl Iterator<Item = f64>) -> Axis {
     Axis::log(name, from, if to > from { to } else { from + 1.0 })
 }
 
-/// The whole picture.
+/// Draws the picture.
 pub fn draw(title: &str, found: &Found) -> String {
     let ([w, h], [left, top, ..]) = (SIZE, ROOM);
     let level = |error: f64| error.max(found.known);

@@ -1,15 +1,15 @@
-//! Contacts: a ball that meets a wall once, at any phase of a tick.
+//! Contacts: a ball that hits a wall once, at any phase of a tick.
 //!
-//! Decides on energy over one bounce rather than on growth over many: the explicit contact does not diverge by a linear
-//! instability, it makes energy or takes it, and how much depends on the phase (docs/numerics.md §3.2). Undamped, the
-//! bounce is known in closed form; damped, there is a rule on one side and a proof on the other, and between them
-//! nothing is said.
+//! The measure is the energy over one bounce, not the growth over many. The explicit contact does not diverge by a
+//! linear instability: it makes or loses energy, and the amount depends on the phase (docs/numerics.md §3.2). Without
+//! damping, the bounce has a closed form. With damping, there is a rule on one side and a proof on the other, and no
+//! statement between them.
 
 use super::{Axis, Line, Map};
 use crate::{mat, scene};
 use ca_core::{Scene, State, tick};
 
-/// A ball of 1 kg and its contact with a wall, at one tick a second: a is k and b is z.
+/// Compiles a ball of 1 kg and its contact with a wall, at one tick a second: a is k and b is z.
 pub fn contact(a: f64, b: f64, method: &str) -> Scene {
     let text = format!(
         "[rate]\nsound = 1\ngesture = 1\n[SOL]\nwall = {{}}\n[MAS]\nball = {{ m = 1 }}\n[BUT]\n\
@@ -19,8 +19,8 @@ pub fn contact(a: f64, b: f64, method: &str) -> Scene {
     scene(&text)
 }
 
-/// Energy after over energy before one bounce that starts at x₋₁ = φ + 1, x₀ = φ, until the ball has left or come
-/// to rest.
+/// Returns energy after over energy before one bounce that starts at x₋₁ = φ + 1, x₀ = φ, until the ball has left or
+/// come to rest.
 pub fn ratio(scene: &Scene, start: &State, phase: f64) -> f64 {
     let ball = mat(scene, "ball");
     let mut s = start.clone();
@@ -35,8 +35,10 @@ pub fn ratio(scene: &Scene, start: &State, phase: f64) -> f64 {
     s.d[ball] * s.d[ball]
 }
 
-/// The same of the undamped explicit contact in closed form: while it is in contact the ball is an oscillator of
-/// 2 sin(θ/2) = √a, so that x_j = −((1 − φ) sin jθ + φ sin (j − 1)θ)/sin θ, until that is no more below the wall.
+/// Returns the ratio for the undamped explicit contact in closed form.
+///
+/// In contact the ball is an oscillator with 2 sin(θ/2) = √a, so x_j = −((1 − φ) sin jθ + φ sin (j − 1)θ)/sin θ, until
+/// this is no longer below the wall.
 pub fn exact(a: f64, phase: f64) -> f64 {
     let theta = (1.0 - 0.5 * a).acos();
     let x = |j: f64| -((1.0 - phase) * (j * theta).sin() + phase * ((j - 1.0) * theta).sin()) / theta.sin();
@@ -47,7 +49,7 @@ pub fn exact(a: f64, phase: f64) -> f64 {
     (x(j) - x(j - 1.0)).powi(2)
 }
 
-/// Largest energy after over energy before, over `phases` of a tick.
+/// Returns the largest energy after over energy before, over `phases` of a tick.
 fn most(a: f64, b: f64, method: &str, phases: u32) -> f64 {
     let scene = contact(a, b, method);
     let start = scene.state();
@@ -59,12 +61,12 @@ fn most(a: f64, b: f64, method: &str, phases: u32) -> f64 {
 
 const WORDS: [&str; 2] = ["energy kept or taken", "energy made"];
 
-/// Stiffness at which a contact lasts exactly `n` ticks whatever the phase.
+/// Returns the stiffness at which a contact lasts exactly `n` ticks at any phase.
 fn neutral(n: u32) -> f64 {
     2.0 - 2.0 * (std::f64::consts::PI / f64::from(n)).cos()
 }
 
-/// Energy of one bounce, undamped, over stiffness and phase.
+/// Energy of one undamped bounce, over stiffness and phase.
 pub const PHASE: Map = Map {
     name: "bounce",
     title: "An explicit contact without damping: one bounce, by phase",
@@ -88,7 +90,7 @@ pub const PHASE: Map = Map {
     band: 0.004,
 };
 
-/// Any phase, over stiffness and viscosity.
+/// Bounce at any phase, over stiffness and viscosity.
 pub const VISCOUS: Map = Map {
     name: "contact",
     title: "An explicit contact with damping, at any phase",
@@ -113,12 +115,13 @@ pub const VISCOUS: Map = Map {
     band: 0.01,
 };
 
-/// What rounding may do: the place of the ball is of the order of a tick's way, its depth of 1/√a of that.
+/// Returns the allowance for rounding: the position of the ball is of the order of one tick's motion, its depth 1/√a
+/// times that.
 fn rounding(a: f64) -> f64 {
     1e-12 + 8.0 * f64::EPSILON * a.sqrt()
 }
 
-/// Contacts that keep energy, in closed form.
+/// Contacts that keep energy, with the force in closed form.
 pub const STABLE: Map = Map {
     name: "stable",
     title: "A contact of `method = \"stable\"`",

@@ -1,10 +1,12 @@
-//! A device in a loop with a key: how stiff the key may be before the hand is shaken.
+//! A device in a loop with a key: the greatest stiffness of the key before the hand is shaken.
 //!
-//! Decides on axes without dimension: the delay of one gesture period T against the friction of the device, K T/b, and
-//! how much of its speed that friction takes in a period, b T/m. Theory is the exact characteristic polynomial of a
-//! mass with friction under a held force and of the border's filter H(z) (docs/numerics.md §5.2), judged by Schur and
-//! Cohn; the passivity bound K T/b = 1/κ, which holds whatever the mass, is drawn thin. The border is played by itself,
-//! with the device beside it; the device loop as it runs: frames, engine, guard and a simulated device.
+//! The axes are dimensionless. K T/b is the delay of one gesture period T against the friction of the device. b T/m is
+//! the share of its speed that this friction takes away in a period. Theory is the exact characteristic polynomial of a
+//! mass with friction under a held force, and of the filter H(z) of the rate boundary (docs/numerics.md §5.2). The
+//! Schur–Cohn criterion tests it. The passivity bound K T/b = 1/κ, valid for any mass, is drawn thin.
+//!
+//! Some maps play the rate boundary alone, with the device beside it. Others play the whole device loop: frames,
+//! engine, guard and a simulated device.
 
 use super::{Axis, Line, Map, growth};
 use crate::scene;
@@ -17,16 +19,16 @@ use ca_haptic::profile::Profile;
 use ca_haptic::simulated::{Device, Hand, Script};
 use std::sync::Arc;
 
-/// A gesture period \[s\].
+/// Length of a gesture period \[s\].
 const FRAME_DT: f64 = 1.0 / 3000.0;
 /// Friction of the device \[N s/m\].
 const B: f64 = 2.0;
-/// Frames of a run.
+/// Frames per run.
 const FRAMES: usize = 2000;
-/// The kick that starts it \[N\]: far from what the guard would cut, and from the last bits.
+/// Initial force \[N\]: far below the limits of the guard, and far above rounding.
 const KICK: f64 = 1e-6;
 
-/// A device of `beta` = b T/m that limits nothing and arms at once.
+/// Returns a device of `beta` = b T/m without limits that arms immediately.
 pub(super) fn device(beta: f64) -> Profile {
     let mut p = Profile::shipped("tgr12").expect("shipped");
     (p.dof, p.force, p.range) = (1, 1e9, [-1e3, 1e3]);
@@ -38,7 +40,7 @@ pub(super) fn device(beta: f64) -> Profile {
     p
 }
 
-/// A key on a spring of `kt` = K T/b.
+/// Compiles a key on a spring of `kt` = K T/b.
 pub(super) fn key(rate: &str, kt: f64) -> Scene {
     let k = kt * B / FRAME_DT;
     let text = format!(
@@ -50,13 +52,13 @@ pub(super) fn key(rate: &str, kt: f64) -> Scene {
 
 /// An engine with one device, forces on.
 pub(super) struct Rig {
-    /// the engine
+    /// Engine.
     pub engine: Engine,
     frame: DeviceFrame,
 }
 
 impl Rig {
-    /// Arms at 0, where nothing pushes.
+    /// Arms at 0, without a force on the key.
     pub(super) fn new(scene: Scene, profile: Profile) -> Rig {
         let setup = Setup { device: "key".into(), profile, calibration: Calibration::default(), gains: vec![] };
         let scene = Arc::new(scene);
@@ -70,7 +72,7 @@ impl Rig {
         rig
     }
 
-    /// A frame that answers the force of `delay` frames ago, with what `change` does to it, and its answer.
+    /// Sends a frame that answers the force of `delay` frames ago, modified by `change`, and returns the answer.
     pub(super) fn go(&mut self, delay: u64, change: impl FnOnce(&mut DeviceFrame)) -> ForceFrame {
         self.frame.seq += 1;
         self.frame.t_device_ns += (FRAME_DT * 1e9) as u64;
@@ -84,12 +86,12 @@ impl Rig {
     }
 }
 
-/// What a kick of [`KICK`] moves the device in the frame after it \[m\].
+/// Returns the motion of the device in the frame after a force of [`KICK`] \[m\].
 fn unit(beta: f64) -> f64 {
     KICK / B * FRAME_DT * beta.min(1.0)
 }
 
-/// The border and a device beside it.
+/// Tests the rate boundary with a device beside it.
 fn border_grows(rate: &str, kt: f64, beta: f64) -> bool {
     let scene = key(rate, kt);
     let (mut s, profile) = (scene.state(), device(beta));
@@ -107,7 +109,7 @@ fn border_grows(rate: &str, kt: f64, beta: f64) -> bool {
     growth(FRAMES, step) > GROWN
 }
 
-/// The whole loop, `delay` frames late.
+/// Tests the whole loop, with a force that is `delay` frames late.
 fn loop_grows(rate: &str, delay: usize, kt: f64, beta: f64) -> bool {
     let profile = device(beta);
     let mut device = Device::new(&profile, Hand::NONE, Script::Push { force: 0.0 }, delay, 1);
@@ -121,10 +123,11 @@ fn loop_grows(rate: &str, delay: usize, kt: f64, beta: f64) -> bool {
     growth(FRAMES, step) > GROWN
 }
 
-/// One swing of the loop is seen tens of times, so its peaks are equal to a thousandth where nothing grows.
+/// Ratio of peaks beyond which the loop grows. A period has tens of frames, so peaks of a steady oscillation agree to a
+/// thousandth.
 const GROWN: f64 = 1.01;
 
-/// Where the border is: the force that answers a position, as powers of 1/z over K.
+/// Rate boundary as a filter: the force that answers a position, divided by K, as coefficients of powers of 1/z.
 type Filter = &'static [f64];
 
 const HALF: Filter = &[1.0];
@@ -132,20 +135,20 @@ const ONE: Filter = &[0.5, 0.5];
 const LATE: Filter = &[0.0, 1.0];
 const LATER: Filter = &[0.0, 0.5, 0.5];
 
-/// Whether the loop has a root outside the unit circle: (z − 1)(z − e^−β) z^n + (K T/b)(g₁ z + g₀) z^n H = 0.
+/// Returns true if the loop has a root outside the unit circle: (z − 1)(z − e^−β) z^n + (K T/b)(g₁ z + g₀) z^n H = 0.
 fn unstable(h: Filter, kt: f64, beta: f64) -> bool {
     let (fade, n) = ((-beta).exp(), h.len() - 1);
     // motion in a period under a held force, over its final speed
     let lag = (1.0 - fade) / beta;
     let (g1, g0) = (1.0 - lag, lag - fade);
-    // from the constant up
+    // coefficients, the constant first
     let mut p = vec![0.0; n + 3];
     (p[n], p[n + 1], p[n + 2]) = (fade, -(1.0 + fade), 1.0);
     for (i, h) in h.iter().enumerate() {
         p[n - i] += kt * g0 * h;
         p[n - i + 1] += kt * g1 * h;
     }
-    // Schur and Cohn: the first coefficient smaller than the last, in each of the polynomials that follow
+    // Schur–Cohn: in this polynomial and all that follow, the first coefficient is smaller than the last
     while p.len() > 1 {
         let m = p.len() - 1;
         let (first, last) = (p[0], p[m]);
@@ -157,7 +160,7 @@ fn unstable(h: Filter, kt: f64, beta: f64) -> bool {
     false
 }
 
-/// K T/b at which the loop of a filter of κ stands on its boundary, for a device of `beta`.
+/// Returns K T/b at the stability boundary of a loop with this filter, for a device of `beta`.
 fn boundary(h: Filter, beta: f64) -> f64 {
     let (mut low, mut high) = (1e-3, 20.0);
     while high - low > 1e-9 {
@@ -167,7 +170,7 @@ fn boundary(h: Filter, beta: f64) -> f64 {
     low
 }
 
-/// The boundary of E02 in theory, for the loops of κ = 1/2, 1, 3/2, 2: K T/b at this b T/m.
+/// Returns the theoretical boundary of E02 for the loops of κ = 1/2, 1, 3/2, 2: K T/b at this b T/m.
 pub fn limit(kappa: f64, beta: f64) -> f64 {
     let h = [HALF, ONE, LATE, LATER][(2.0 * kappa) as usize - 1];
     boundary(h, beta)
@@ -181,7 +184,7 @@ fn lines(h: Filter, kappa: f64) -> Vec<Line> {
 
 const AXES: [Axis; 2] = [Axis::of("K T/b", 0.0, 4.0), Axis::log("b T/m", -1.5, 1.0)];
 
-/// A key whose position is a straight line through each frame.
+/// A key whose position is a straight line over each frame.
 pub const LINEAR: Map = Map {
     name: "border_linear",
     title: "A device at a key: linear position, mean force",
@@ -196,7 +199,7 @@ pub const LINEAR: Map = Map {
     band: 0.02,
 };
 
-/// A key that jumps.
+/// A key whose position jumps.
 pub const HOLD: Map = Map {
     name: "border_hold",
     title: "A device at a key: held position, mean force at the jump",
@@ -206,7 +209,7 @@ pub const HOLD: Map = Map {
     ..LINEAR
 };
 
-/// One rate for gesture and sound.
+/// The same rate for gesture and sound.
 pub const LOOP_HALF: Map = Map {
     name: "loop_half",
     title: "The device loop at one rate, κ = 1/2",
@@ -219,7 +222,7 @@ pub const LOOP_HALF: Map = Map {
     ..LINEAR
 };
 
-/// The default.
+/// Default rates and boundary.
 pub const LOOP_ONE: Map = Map {
     name: "loop_one",
     title: "The device loop at 3 and 48 kHz, κ = 1",
@@ -228,7 +231,7 @@ pub const LOOP_ONE: Map = Map {
     ..LINEAR
 };
 
-/// One rate and a force that is used one frame later.
+/// One rate, with a force used one frame later.
 pub const LOOP_LATE: Map = Map {
     name: "loop_late",
     title: "The device loop at one rate, the force one frame late, κ = 3/2",
@@ -240,7 +243,7 @@ pub const LOOP_LATE: Map = Map {
     ..LINEAR
 };
 
-/// The default over shared memory.
+/// Default rates and boundary over shared memory.
 pub const LOOP_LATER: Map = Map {
     name: "loop_later",
     title: "The device loop at 3 and 48 kHz, the force one frame late, κ = 2",

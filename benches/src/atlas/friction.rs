@@ -1,8 +1,8 @@
 //! Friction of a bow, explicit.
 //!
-//! Decides on the question that has an answer in closed form: whether a bar that is gripped stays gripped. About no
-//! relative speed the curve is a viscosity, its slope, so the bound is that of the oscillator. Beyond it the bar does
-//! not grow by a factor, since friction has a largest force: it chatters.
+//! The map asks a question whose answer has a closed form: whether a gripped bar stays gripped. At small relative speed
+//! the friction curve is a viscosity, its slope, so the bound of the oscillator applies. Beyond it the bar does not
+//! grow by a factor, since friction has a largest force: it chatters.
 
 use super::{Axis, Line, Map, growth};
 use crate::{mat, scene};
@@ -11,10 +11,10 @@ use ca_core::tick;
 /// e^½, the slope of the smooth curve at rest over f/v0.
 const SLOPE: f64 = 1.648_721_270_700_128_2;
 
-/// How far from the grip the bar begins \[of v0 T\]; up to a million times that the curve is straight.
+/// Initial distance of the bar from the grip \[v0 T\]; the curve is straight up to a million times this.
 const BEGIN: f64 = 1e-9;
 
-/// A bar of 1 kg under a bow that stands still; v0 is 1 m/s and a tick a second.
+/// Returns the text of a bar of 1 kg under a bow at rest; v0 is 1 m/s and a tick is a second.
 pub(super) fn gripped(a: f64, b: f64) -> String {
     format!(
         "[rate]\nsound = 1\ngesture = 1\n[SOL]\nbow = {{}}\n[CEL]\nbob = {{ m = 1, k = {a:?} }}\n[BOW]\n\
@@ -23,7 +23,7 @@ pub(super) fn gripped(a: f64, b: f64) -> String {
     )
 }
 
-/// The grip of a bow over the stiffness of the bar and the slope of the friction.
+/// Grip of a bow, over the stiffness of the bar and the slope of the friction.
 pub const BOW: Map = Map {
     name: "bow",
     title: "A bar gripped by a bow, explicit",

@@ -1,8 +1,8 @@
-//! Linear networks, explicit: one oscillator, a chain, a mesh, two masses, a tetrahedron that sounds in cells.
+//! Linear networks, explicit: one oscillator, a chain, a mesh, two masses, and a tetrahedron coupled to cells.
 //!
-//! Theory is the eigenvalue bound of docs/numerics.md §1.3, S = M − T²K/4 − TC/2 > 0. In all of these the dampers stand
-//! where the springs do, so that C is K times z/k and the bound is a straight line, (a + 2b) λ < 4, with the largest
-//! eigenvalue λ of the network known in closed form. Decides on springs and dampers of one ratio for that reason.
+//! Theory is the eigenvalue bound of docs/numerics.md §1.3, S = M − T²K/4 − TC/2 > 0. All these networks have dampers
+//! parallel to their springs, with the same ratio, so that C is K times z/k. The bound then is a straight line, (a +
+//! 2b) λ < 4, and the largest eigenvalue λ of the network is known in closed form.
 
 use super::{Axis, Line, Map, growth};
 use crate::scene;
@@ -10,11 +10,11 @@ use ca_core::tick;
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
-/// Ticks of a run. In the last quarter what grows by 0.14 % a tick has doubled, and half a percent beyond any boundary
-/// here growth is faster.
+/// Ticks per run. Growth of 0.14 % a tick doubles the motion in the last quarter; half a percent beyond any boundary
+/// here, growth is faster.
 const TICKS: usize = 2000;
 
-/// Whether a network at rest grows after each mass was displaced by a random part of `size` \[m\].
+/// Returns true if a network grows after each mass was displaced by a random part of `size` \[m\].
 pub(super) fn grows(text: &str, size: f64) -> bool {
     let scene = scene(text);
     let mut s = scene.state();
@@ -23,14 +23,14 @@ pub(super) fn grows(text: &str, size: f64) -> bool {
         seed ^= seed << 13;
         seed ^= seed >> 7;
         seed ^= seed << 17;
-        // what is fixed stays: its mobility is 0
+        // fixed points have mobility 0 and stay
         if s.coef[2 * scene.counts.n_mat + i] > 0.0 {
             s.x[i] = size * (0.5 + 0.5 * (seed >> 11) as f64 / (1u64 << 53) as f64) * f64::from(1 - 2 * (i % 2) as i8);
         }
     }
     let step = || {
         tick(&scene, &mut s);
-        // the change per tick does not see where a free network is
+        // the change per tick does not depend on the position of a free network
         s.d.iter().fold(0.0, |m: f64, d| if d.is_nan() { f64::NAN } else { m.max(d.abs() / size) })
     };
     growth(TICKS, step) > 2.0
@@ -39,7 +39,7 @@ pub(super) fn grows(text: &str, size: f64) -> bool {
 /// One tick a second, so that a is k and b is z for masses of 1 kg.
 pub(super) const RATE: &str = "[rate]\nsound = 1\ngesture = 1\n";
 
-/// a + 2b at which a network of largest eigenvalue λ stands on its boundary, drawn over `width` of a.
+/// Returns the line (a + 2b) λ = 4, the stability boundary of a network with largest eigenvalue λ.
 pub(super) fn edge(lambda: f64) -> Vec<Line> {
     vec![Line::edge(vec![[4.0 / lambda, 0.0], [0.0, 2.0 / lambda]])]
 }
@@ -71,10 +71,9 @@ pub const OSCILLATOR: Map = Map {
     band: 0.005,
 };
 
-/// Masses of the chain.
 const N: usize = 16;
 
-/// 2 − 2 cos of the highest mode of N masses between fixed ends.
+/// Returns 2 − 2 cos of the highest mode of N masses between fixed ends.
 fn chain() -> f64 {
     2.0 - 2.0 * (N as f64 * PI / (N as f64 + 1.0)).cos()
 }
@@ -100,10 +99,9 @@ pub const CHAIN: Map = Map {
     band: 0.005,
 };
 
-/// Nodes of a side of the mesh.
 const SIDE: usize = 6;
 
-/// The highest mode of a free mesh: that of a free chain along each side.
+/// Returns the eigenvalue of the highest mode of a free mesh: twice the one of a free chain along a side.
 fn mesh() -> f64 {
     let side = SIDE as f64;
     2.0 * (2.0 - 2.0 * ((side - 1.0) * PI / side).cos())
@@ -126,7 +124,7 @@ pub const MESH: Map = Map {
     band: 0.005,
 };
 
-/// Whether two masses of this ratio grow on one spring and damper.
+/// Returns true if two masses of this ratio grow on one spring and damper.
 fn pair_grows(ratio: f64, a: f64, b: f64) -> bool {
     let masses = format!("light = {{ m = 1 }}\nheavy = {{ m = {ratio:?} }}");
     let link = format!("tie = {{ between = [\"light\", \"heavy\"], k = {a:?}, z = {b:?} }}");
@@ -147,7 +145,7 @@ pub const PAIR: Map = Map {
     band: 0.005,
 };
 
-/// The same, damped.
+/// The same pair, damped.
 pub const PAIR_DAMPED: Map = Map {
     name: "pair_damped",
     title: "A light mass on a heavy one, damped",
@@ -162,11 +160,13 @@ pub const PAIR_DAMPED: Map = Map {
 /// Stiffness of the cells below.
 const CELL: f64 = 1.0;
 
-/// a + 2b of an LPR at the boundary. The breathing mode of the tetrahedron has 4 k/m; with the cells, of k T²/m = c,
-/// the two by two matrix [4a, 2a; 2a, a + c] must stay below 4: (4 − 4a)(4 − a − c) = 4a².
+/// a + 2b of an LPR at the boundary.
+///
+/// The breathing mode of the tetrahedron has 4 k/m. With cells of k T²/m = c, the two by two matrix [4a, 2a; 2a, a + c]
+/// must stay below 4: (4 − 4a)(4 − a − c) = 4a².
 const TETRA: f64 = (4.0 - CELL) / (5.0 - CELL);
 
-/// A tetrahedron whose edges sound in cells.
+/// A tetrahedron whose edges are coupled to cells.
 pub const LPR: Map = Map {
     name: "lpr",
     title: "A tetrahedron in space that sounds on a line, by six LPR",

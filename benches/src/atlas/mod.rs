@@ -1,10 +1,10 @@
-//! The stability atlas: what the running engine does over a plane of parameters, beside what theory says it must.
+//! Stability atlas: behaviour of the running engine over a plane of parameters, compared with theory.
 //!
-//! Decides on measuring by playing: a cell is a scene compiled from text and ticked, never a question to the
-//! certificate, so that a mistake shared by certificate and theory would still be seen. A map is one entry of [`MAPS`];
-//! theory is a function of the same two numbers, and may be silent where nothing is proven. A cell contradicts where
-//! both speak and differ; next to the boundary, within [`Map::band`], a run of finite length cannot tell and is not
-//! asked.
+//! Each cell of a map is measured by playing a scene compiled from text, without use of the certificate. A mistake
+//! shared by certificate and theory would thus be found. A map is one entry of [`MAPS`]. Its theory is a function of
+//! the same two numbers, with `None` where nothing is proven. A cell contradicts theory if both have an answer and
+//! differ. Cells within [`Map::band`] of the boundary are not judged, because a run of finite length cannot decide
+//! there.
 
 mod contact;
 mod device;
@@ -23,11 +23,11 @@ pub use device::limit;
 /// One axis of a map.
 #[derive(Clone, Copy, Debug)]
 pub struct Axis {
-    /// what it is, with its unit
+    /// Name of the quantity, with its unit.
     pub name: &'static str,
-    /// its ends; exponents of ten where `log`
+    /// Ends of the axis; exponents of ten with `log`.
     pub ends: [f64; 2],
-    /// the number is ten to the power of the place
+    /// True for a logarithmic axis.
     pub log: bool,
 }
 
@@ -36,45 +36,44 @@ impl Axis {
         Axis { name, ends: [from, to], log: false }
     }
 
-    /// An axis of powers of ten, from and to these exponents.
+    /// Makes an axis of powers of ten between these exponents.
     pub const fn log(name: &'static str, from: f64, to: f64) -> Axis {
         Axis { name, ends: [from, to], log: true }
     }
 
-    /// The number at a place from 0 to 1.
+    /// Returns the number at a place from 0 to 1.
     pub fn at(&self, part: f64) -> f64 {
         let place = self.ends[0] + part * (self.ends[1] - self.ends[0]);
         if self.log { 10f64.powf(place) } else { place }
     }
 
-    /// The place of a number, from 0 to 1 within the map.
+    /// Returns the place of a number, from 0 to 1 within the map.
     pub fn part(&self, value: f64) -> f64 {
         let place = if self.log { value.log10() } else { value };
         (place - self.ends[0]) / (self.ends[1] - self.ends[0])
     }
 }
 
-/// A line of theory.
+/// A line from theory.
 #[derive(Clone, Debug)]
 pub struct Line {
-    /// its points, in the numbers of the axes
+    /// Points, in the numbers of the axes.
     pub points: Vec<[f64; 2]>,
-    /// a rule or a special value, by which no cell is judged
+    /// True for a rule or a special value, which does not judge cells.
     pub thin: bool,
 }
 
 impl Line {
-    /// A boundary through these points.
     fn edge(points: Vec<[f64; 2]>) -> Line {
         Line { points, thin: false }
     }
 
-    /// A straight line by which nothing is judged.
+    /// Makes a straight line that does not judge cells.
     fn rule(from: [f64; 2], to: [f64; 2]) -> Line {
         Line { points: vec![from, to], thin: true }
     }
 
-    /// A boundary through the places that `at` gives from one number to another.
+    /// Makes a boundary through the points that `at` returns from one number to another.
     fn curve(from: f64, to: f64, at: impl Fn(f64) -> [f64; 2]) -> Line {
         const N: u32 = 120;
         Line::edge((0..=N).map(|i| at(from + (to - from) * f64::from(i) / f64::from(N))).collect())
@@ -83,27 +82,27 @@ impl Line {
 
 /// One map.
 pub struct Map {
-    /// name of its file and its heading
+    /// Name of its file.
     pub name: &'static str,
-    /// a few words for the heading
+    /// Heading.
     pub title: &'static str,
-    /// what is played, and what theory says, with its source
+    /// Description of the scene and of the theory, with its source.
     pub text: &'static str,
-    /// across, upwards
+    /// Horizontal and vertical axis.
     pub axes: [Axis; 2],
-    /// what a cell is called where it does not grow, and where it does
+    /// Names of a cell that does not grow, and of one that does.
     pub words: [&'static str; 2],
-    /// whether the scene of these two numbers grows when it is played
+    /// Plays the scene of these two numbers and returns true if it grows.
     pub measured: fn(f64, f64) -> bool,
-    /// whether theory says it grows; `None` where theory says nothing
+    /// Returns true if it grows according to theory; `None` if theory says nothing.
     pub theory: fn(f64, f64) -> Option<bool>,
-    /// what theory draws
+    /// Returns the lines of the theory.
     pub lines: fn() -> Vec<Line>,
-    /// how near to a boundary a cell does not count, as a part of each axis
+    /// Distance from a boundary within which a cell is not judged, as a share of each axis.
     pub band: f64,
 }
 
-/// All maps, in the order of the page. Another map is another entry.
+/// All maps, in the order of the page.
 pub const MAPS: &[Map] = &[
     linear::OSCILLATOR,
     linear::CHAIN,
@@ -126,34 +125,34 @@ pub const MAPS: &[Map] = &[
     device::LOOP_LATER,
 ];
 
-/// A cell of a map that was played.
+/// A cell of a map, after playing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cell {
-    /// its middle, in the numbers of the axes
+    /// Middle of the cell, in the numbers of the axes.
     pub at: [f64; 2],
-    /// what the engine did
+    /// Result of the engine.
     pub grows: bool,
-    /// what theory says, where it says the same all over the band around
+    /// Result of theory, if it is the same in the whole band around the cell.
     pub said: Option<bool>,
 }
 
 impl Cell {
-    /// True where the engine did what theory excludes.
+    /// Returns true if the engine contradicts theory.
     pub fn contradicts(&self) -> bool {
         self.said.is_some_and(|said| said != self.grows)
     }
 }
 
-/// A map as it was played: cells across, then upwards.
+/// A map after playing: cells by rows, from the bottom.
 pub struct Field {
-    /// how many across
+    /// Number of cells in a row.
     pub across: usize,
-    /// the cells
+    /// Cells.
     pub cells: Vec<Cell>,
 }
 
 impl Map {
-    /// What theory says of this place and of all within the band.
+    /// Returns the result of theory at this place, if it is the same in the whole band around it.
     pub fn said(&self, part: [f64; 2]) -> Option<bool> {
         let near = |dx: f64, dy: f64| {
             let place = [part[0] + dx * self.band, part[1] + dy * self.band].map(|p| p.clamp(0.0, 1.0));
@@ -177,22 +176,23 @@ impl Map {
 }
 
 impl Field {
-    /// Cells in which engine and theory contradict each other.
+    /// Returns the number of cells in which engine and theory contradict each other.
     pub fn contradictions(&self) -> usize {
         self.cells.iter().filter(|c| c.contradicts()).count()
     }
 
-    /// Cells of which theory says something.
+    /// Returns the number of cells for which theory has a result.
     pub fn judged(&self) -> usize {
         self.cells.iter().filter(|c| c.said.is_some()).count()
     }
 }
 
-/// A motion that is this many times what it began with has grown.
+/// Ratio to its initial size beyond which a motion has grown.
 const FAR: f64 = 1e6;
 
-/// How a motion of size 1 goes on: its largest size in the last quarter of `ticks` over that in the quarter before, or
-/// infinity where it passed [`FAR`] or is not finite. Two quarters of a motion that neither grows nor dies are alike.
+/// Returns the growth of a motion of size 1: its largest size in the last quarter of `ticks` over the largest in the
+/// quarter before. Returns infinity if it exceeds [`FAR`] or is NaN. Both quarters of a motion that neither grows nor
+/// decays are equal.
 fn growth(ticks: usize, mut step: impl FnMut() -> f64) -> f64 {
     let mut most = [0.0f64; 4];
     for n in 0..ticks {

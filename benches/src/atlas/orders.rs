@@ -1,35 +1,36 @@
-//! The order of every method from the first tick on: from a place, with a speed, and under a hand that is under way.
+//! Order of convergence of every method from the first tick on: from a displacement, with a speed, and under a moving
+//! hand.
 //!
-//! Decides to hold the error against a closed form where there is one; elsewhere three rates, each twice the last, tell
-//! the order by how they come together.
+//! The error is against a closed form if there is one. Otherwise the order follows from the convergence over three
+//! rates, each twice the one before.
 
 use crate::{mat, scene};
 use ca_core::tick;
 use ca_io::perform::Performance;
 use std::f64::consts::TAU;
 
-/// Pitch of the oscillator \[Hz\].
+/// Frequency of the oscillator \[Hz\].
 const F: f64 = 20.0;
 /// θ of the fourth order.
 const TWELFTH: &str = "method = \"implicit\"\ntheta = 0.08333333333333333";
 
-/// A method and the order that it has.
+/// A method and its order.
 pub struct Case {
-    /// as people call it
+    /// Usual name.
     pub name: &'static str,
-    /// its words in `[model]`
+    /// Its lines in `[model]`.
     pub method: &'static str,
-    /// what it is tried on
+    /// Test scene.
     pub on: On,
-    /// the order it should have
+    /// Expected order.
     pub order: f64,
 }
 
-/// What a method is tried on.
+/// Test scene of a method.
 pub enum On {
-    /// an oscillator with this viscosity \[N s/m\] of 1 kg
+    /// Oscillator of 1 kg with this viscosity \[N s/m\].
     Oscillator(f64),
-    /// a bar that this link ties to a hand at a steady speed
+    /// Bar tied by this link to a hand at constant speed.
     Hand(&'static str),
 }
 
@@ -37,7 +38,7 @@ const BOW: &str = "[BOW]\nrub = { between = [\"hand\", \"bar\"], f = 0.5, v0 = 0
 const TIE: &str = "[REF]\ntie = { between = [\"hand\", \"bar\"], k = 400, z = 0.5 }";
 const SPRING: &str = "[REF]\ntie = { between = [\"hand\", \"bar\"], k = 400 }";
 
-/// All that are reported.
+/// All cases reported.
 pub const CASES: [Case; 12] = [
     Case { name: "`ca`, without viscosity", method: "method = \"ca\"", on: On::Oscillator(0.0), order: 2.0 },
     Case { name: "`ca`, with viscosity", method: "method = \"ca\"", on: On::Oscillator(6.0), order: 1.0 },
@@ -78,11 +79,12 @@ pub const CASES: [Case; 12] = [
     },
 ];
 
-/// Where an oscillator starts: place \[m\] and speed \[m/s\].
+/// Initial displacement \[m\] and speed \[m/s\] of an oscillator.
 const FROM: [[f64; 2]; 3] = [[1.0, 0.0], [0.0, TAU * F], [0.6, -2.0 * TAU * F]];
 
 impl Case {
-    /// The orders it has: of an oscillator from a place, with a speed and with both; under a hand, that one.
+    /// Returns the orders measured: for an oscillator from a displacement, with a speed and with both; for a hand a
+    /// single one.
     pub fn measured(&self) -> Vec<f64> {
         match self.on {
             On::Oscillator(z) => {
@@ -93,7 +95,7 @@ impl Case {
         }
     }
 
-    /// A row of the page.
+    /// Formats a row of the page.
     pub fn row(&self) -> String {
         let cells: Vec<String> = match &self.measured()[..] {
             [hand] => vec!["–".into(), "–".into(), "–".into(), format!("{hand:.1}")],
@@ -103,7 +105,7 @@ impl Case {
     }
 }
 
-/// Largest error of an oscillator in a second.
+/// Returns the largest error of an oscillator in a second.
 fn missed(rate: f64, from: [f64; 2], z: f64, method: &str) -> f64 {
     let w = TAU * F;
     let text = format!(
@@ -126,8 +128,8 @@ fn missed(rate: f64, from: [f64; 2], z: f64, method: &str) -> f64 {
     })
 }
 
-/// The order in which runs at three rates come together, of a bar under a hand that moves at a steady speed from before
-/// the first tick. Such a port runs a tick late, so it is told where the hand is a tick later.
+/// Returns the order of convergence over three rates, for a bar under a hand that moves at constant speed from before
+/// the first tick. A port is a tick late, so the gesture is a tick ahead.
 fn converges(link: &str, method: &str, slowest: f64) -> f64 {
     let run = |times: usize| -> Vec<f64> {
         let rate = slowest * times as f64;

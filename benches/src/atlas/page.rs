@@ -1,4 +1,4 @@
-//! The page `docs/measured/atlas.md`: how maps and tables are written, so that a test finds them there again.
+//! Page `docs/measured/atlas.md`: the format of maps and tables, which a test compares with the page.
 
 use super::orders;
 use super::poison::{self, Door};
@@ -19,7 +19,7 @@ judged there; neither where theory says nothing. The test suite plays coarse map
 contradiction. No number of this page depends on the machine.
 ";
 
-/// The line below a map.
+/// Formats the line below a map.
 pub fn figure(map: &Map, field: &Field) -> String {
     let up = field.cells.len() / field.across;
     let band = if map.band > 0.0 { format!("; band: {} % of each axis", 100.0 * map.band) } else { String::new() };
@@ -31,7 +31,7 @@ pub fn figure(map: &Map, field: &Field) -> String {
     )
 }
 
-/// The heading, text and picture of a map.
+/// Formats the heading, text and picture of a map.
 pub fn section(map: &Map, field: &Field) -> String {
     format!(
         "\n### {}\n\n{}\n\n![{}](atlas/{}.svg)\n\n{}\n",
@@ -43,7 +43,7 @@ pub fn section(map: &Map, field: &Field) -> String {
     )
 }
 
-/// A row of the survival table; `length` is 0 for the page and 1 for the core suite.
+/// Formats a row of the survival table; `length` is 0 for the page and 1 for the core suite.
 pub fn row(case: &Case, length: usize) -> String {
     let ticks = case.ticks()[length];
     let cell = |text: Option<String>| text.map_or("–".into(), |t| case.outcome(&t, ticks).words());
@@ -51,15 +51,15 @@ pub fn row(case: &Case, length: usize) -> String {
     format!("| {} | {} | {} |", case.name(), spaced(ticks), cells.join(" | "))
 }
 
-/// A row of the table of doors.
+/// Formats a row of the table of entry points.
 pub fn door(name: &str, what: &str, door: &Door) -> String {
     format!("| {name} | {what} | {} | {} |", door.tried, door.through.len())
 }
 
-/// How a door is tried.
+/// Test of an entry point.
 pub type Try = fn() -> Door;
 
-/// All doors: name, what should happen, and how to try it.
+/// All entry points: name, expected behaviour, and test.
 pub const DOORS: [(&str, &str, Try); 4] = [
     ("parameters of a model, each number of each kind", "an error that names the value; no scene", poison::parameters),
     ("ports, each input of each example", "held (positions) or taken as 0 (forces), and counted", poison::ports),
@@ -71,7 +71,7 @@ pub const DOORS: [(&str, &str, Try); 4] = [
     ),
 ];
 
-/// The whole page.
+/// Makes the page.
 pub fn page(maps: &str) -> String {
     let mut t = format!("{HEAD}\n## Maps\n{maps}\n## Extremes\n\n");
     t += &wrap(
@@ -108,14 +108,13 @@ pub fn page(maps: &str) -> String {
     t
 }
 
-/// A whole number in groups of three.
 fn spaced(n: u64) -> String {
     let text = n.to_string();
     let groups: Vec<&str> = text.as_bytes().rchunks(3).rev().map(|c| std::str::from_utf8(c).unwrap_or("")).collect();
     groups.join(" ")
 }
 
-/// Lines of at most 118 characters.
+/// Wraps a text in lines of at most 118 characters.
 pub(crate) fn wrap(text: &str) -> String {
     let (mut out, mut width) = (String::new(), 0);
     for word in text.split_whitespace() {

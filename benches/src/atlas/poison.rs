@@ -1,6 +1,6 @@
-//! What is not finite, at every door there is: parameters, ports, live changes, frames of a device.
+//! Non-finite numbers at every entry point: parameters, ports, live changes, frames of a device.
 //!
-//! Decides on the examples of the catalog as the scenes: every kind is there, so a kind that is added is tried too.
+//! The scenes are the examples of the catalog, which contains every kind, so that a new kind is tested too.
 
 use super::device::{self, Rig};
 use crate::catalog;
@@ -10,15 +10,14 @@ use ca_core::{Controls, Scene, Type, tick};
 use ca_haptic::frame::DeviceFrame;
 use ca_model::read::read;
 
-/// What is not finite.
 const BAD: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 
-/// How a door fared.
+/// Results at an entry point.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Door {
-    /// how often it was tried
+    /// Number of attempts.
     pub tried: usize,
-    /// where something came through
+    /// Attempts in which a non-finite number passed.
     pub through: Vec<String>,
 }
 
@@ -31,7 +30,7 @@ impl Door {
     }
 }
 
-/// Every number of every kind, in the example of the kind: an error that names the value, and no scene.
+/// Tests every number of every kind, in the example of the kind: an error names the value, and there is no scene.
 pub fn parameters() -> Door {
     let (mut door, catalog) = (Door::default(), catalog());
     let number = |ty: &Type| {
@@ -63,7 +62,7 @@ pub fn parameters() -> Door {
     door
 }
 
-/// The examples of the catalog that compile as they are.
+/// Returns the examples of the catalog that compile unchanged.
 fn examples() -> Vec<(&'static str, Scene)> {
     let catalog = catalog();
     let scene = |kind: &'static ca_core::Kind| {
@@ -73,7 +72,7 @@ fn examples() -> Vec<(&'static str, Scene)> {
     catalog.iter().filter_map(scene).collect()
 }
 
-/// Every input of every example: all numbers stay numbers, and what was refused is counted.
+/// Tests every input of every example: all numbers stay finite, and refused values are counted.
 pub fn ports() -> Door {
     let mut door = Door::default();
     for (code, scene) in examples() {
@@ -95,12 +94,12 @@ pub fn ports() -> Door {
     door
 }
 
-/// The bar of a live parameter.
+/// A bar with a live parameter.
 const LIVE: &str = "[param]\nfelt = { value = 0, unit = \"N s/m\", live = true, min = 0, max = 1 }\n[SOL]\nframe = {}\n\
                     [MAS]\nbar = { m = \"1 g\", dx0 = \"1 mm\" }\n[REF]\nhold = { between = [\"frame\", \"bar\"], \
                     k = 1000, z = \"felt\" }\n[SOX]\nout = { from = \"bar\" }\n";
 
-/// Changes while it plays: refused by name, and by the state where somebody makes the patch by hand.
+/// Tests changes during a play: refused by name, and by the state for a patch made by hand.
 pub fn changes() -> Door {
     let mut door = Door::default();
     let scene = crate::scene(LIVE);
@@ -116,11 +115,10 @@ pub fn changes() -> Door {
     door
 }
 
-/// Puts a number into a frame.
 type Spoil = fn(&mut DeviceFrame, f64);
 
-/// Frames of a device with forces on: no force and no sound that is not finite, and after a run of positions that are
-/// none, no force at all.
+/// Tests frames of a device with forces on: all forces and samples are finite, and after a series of non-finite
+/// positions there is no force.
 pub fn frames() -> Door {
     let mut door = Door::default();
     let spoils: [(&str, Spoil); 3] = [

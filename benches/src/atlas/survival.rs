@@ -1,8 +1,8 @@
-//! The survival table: extreme cases by method, each played, with what became of it in words.
+//! Survival table: the result of extreme cases, for each method.
 //!
-//! Decides on two lists, of cases and of methods: a method is its name and what it makes of the model of a case, or
-//! nothing where it has no part in it. Energy is that of the scene's own ledger, which other tests keep honest; all else
-//! is read from the state.
+//! There is a list of cases and a list of methods. A method has a name, and a function from a case to its model, or to
+//! `None` if the method does not apply. Energy is from the scene's own ledger, which other tests verify; everything
+//! else is read from the state.
 
 use super::friction::gripped;
 use crate::{compiled, mat, model, string};
@@ -12,40 +12,40 @@ use ca_core::{Scene, State, tick};
 /// An extreme case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Case {
-    /// a mass on a spring and damper of these kT²/m and zT/m, let go from 1
+    /// Mass on a spring and damper with this kT²/m and zT/m, released from 1.
     Oscillator(f64, f64),
-    /// a bar of kT²/m = 0.1 gripped by a bow whose steepest slope has this zT/m, nudged
+    /// Bar of kT²/m = 0.1 gripped by a bow, with this zT/m as its steepest slope, slightly displaced.
     Bow(f64),
-    /// a ball of kT²/m = 0.01 on a spring, at rest on a wall which it hits at every swing, of this kT²/m
+    /// Ball of kT²/m = 0.01 on a spring, which hits a wall at its rest position in every swing, with this kT²/m.
     Contact(f64),
-    /// two masses of this ratio on one spring and damper, of kT²/m = 1 and this zT/m by their mobility
+    /// Two masses of this ratio on one spring and damper, with kT²/m = 1 and this zT/m by their mobility.
     Ratio(f64, f64),
-    /// a struck string with a hardening end, forces and lengths multiplied
+    /// Struck string with a hardening end, with forces and lengths multiplied.
     Scale(f64, f64),
-    /// a string of 40 masses without any damping
+    /// String of 40 masses without damping.
     Undamped,
-    /// a resonator of this zT/m that has died away
+    /// Resonator of this zT/m that has died away.
     Dead(f64),
-    /// one mass that flies
+    /// One mass in free flight.
     Flight,
 }
 
-/// What became of a case.
+/// Result of a case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
-    /// largest displacement, and whether it was still rising at the end
+    /// Largest displacement, and whether it still increased at the end.
     Largest(f64, bool),
-    /// multiplied by this each tick; beyond 1e200 after so many ticks
+    /// Factor per tick, and the tick at which it passed 1e200.
     Blown(f64, u64),
-    /// largest |E/E₀ − 1|, and |Σ m v| over that of one mass
+    /// Largest |E/E₀ − 1|, and |Σ m v| relative to one mass.
     Energy(f64, f64),
-    /// energy over that at the start when it passed all bounds, and the tick
+    /// Energy relative to the start when it passed all bounds, and the tick.
     Made(f64, u64),
-    /// largest difference from the plain case, over its peak
+    /// Largest difference from the plain case, relative to its peak.
     Differs(f64),
-    /// ticks in which a number was denormal, and whether all are 0 at the end
+    /// Number of ticks with a denormal number, and whether all numbers are 0 at the end.
     Denormal(u64, bool),
-    /// error of the place over the way
+    /// Error of the position relative to the distance.
     Astray(f64),
 }
 
@@ -82,13 +82,13 @@ pub const CASES: &[Case] = &[
 
 /// A way to run a scene.
 pub struct Method {
-    /// its name, at the head of its column
+    /// Name, at the head of its column.
     pub name: &'static str,
-    /// the model of a case by this method; `None` where it has no part in it
+    /// Returns the model of a case by this method; `None` if the method does not apply.
     pub text: fn(&Case) -> Option<String>,
 }
 
-/// All columns of the table. Another method is another entry.
+/// All columns of the table.
 pub const METHODS: &[Method] = &[
     Method { name: "ca", text: |case| Some(case.text("", "")) },
     Method { name: "stable", text: |case| contact(case, "stable") },
@@ -101,29 +101,29 @@ pub const METHODS: &[Method] = &[
     Method { name: "newton", text: |case| rubbed(case, "newton") },
 ];
 
-/// The model of a case, all of it by a method.
+/// Returns the model of a case with one method for all of it.
 fn by(case: &Case, method: &str) -> String {
     format!("[model]\n{method}\n{}", case.text("", ""))
 }
 
-/// The model of a case that is about linear links and cells, by a method; what flies or is struck has none that matter.
+/// Returns the model of a case by a method, if the case is about linear links and cells.
 fn linear(case: &Case, method: &str) -> Option<String> {
     let about = matches!(case, Case::Oscillator(..) | Case::Ratio(..) | Case::Undamped | Case::Dead(_));
     about.then(|| by(case, method))
 }
 
-/// The model of a case with its bow by a method; `None` where there is none.
+/// Returns the model of a case with its bow by a method; `None` if there is no bow.
 fn rubbed(case: &Case, method: &str) -> Option<String> {
     let rub = "[BOW]\nrub = { ";
     matches!(case, Case::Bow(_)).then(|| case.text("", "").replace(rub, &format!("{rub}method = \"{method}\", ")))
 }
 
-/// The model of a case with its contact by a method; `None` where there is no contact.
+/// Returns the model of a case with its contact by a method; `None` if there is no contact.
 fn contact(case: &Case, method: &str) -> Option<String> {
     matches!(case, Case::Contact(_)).then(|| case.text("", &format!(", method = \"{method}\"")))
 }
 
-/// A string struck by a hammer, with a hardening end; forces multiplied by `k`, lengths by `l`.
+/// Returns a string struck by a hammer, with a hardening end, with forces multiplied by `k` and lengths by `l`.
 pub fn scaled(k: f64, l: f64) -> String {
     let [m, link, z, zo, hammer] = [1e-3, 9e5, 0.01, 0.002, 5e-3].map(|v| v * k);
     let [blow, blow_z, soft, hard] = [2e4 * k, 0.1 * k, 1e3 * k, 1e8 * k / (l * l)];
@@ -140,7 +140,7 @@ const RATE: &str = "[rate]\nsound = 1\ngesture = 1\n";
 const OUT: &str = "[SOX]\nout = { from = \"bob\" }\n";
 
 impl Case {
-    /// What it is, for the first cell of a row.
+    /// Returns the description for the first cell of a row.
     pub fn name(&self) -> String {
         let number = |v: f64| if (1e-2..1e4).contains(&v) || v == 0.0 { format!("{v}") } else { format!("{v:e}") };
         match *self {
@@ -158,7 +158,7 @@ impl Case {
         }
     }
 
-    /// Ticks for the page, and for the core suite.
+    /// Returns the ticks for the page and for the core suite.
     pub fn ticks(&self) -> [u64; 2] {
         match self {
             Case::Oscillator(..) | Case::Bow(_) => [48_000; 2],
@@ -171,7 +171,7 @@ impl Case {
         }
     }
 
-    /// The model; `spring` and `contact` are put behind the parameters of the links of that kind.
+    /// Returns the model; `spring` and `contact` are appended to the parameters of the links of that kind.
     pub fn text(&self, spring: &str, contact: &str) -> String {
         match *self {
             Case::Oscillator(a, b) => format!(
@@ -197,7 +197,7 @@ impl Case {
         }
     }
 
-    /// Plays the model of this case for so many ticks.
+    /// Plays the model of this case for `ticks` ticks.
     pub fn outcome(&self, text: &str, ticks: u64) -> Outcome {
         match *self {
             Case::Oscillator(..) | Case::Bow(_) => largest(text, ticks),
@@ -226,7 +226,7 @@ fn ready(text: &str, energy: bool) -> (Scene, State) {
     (scene, s)
 }
 
-/// What is heard, over `l`.
+/// Returns the output divided by `l`.
 pub fn heard(text: &str, ticks: u64, l: f64) -> Vec<f64> {
     let (scene, mut s) = ready(text, false);
     let step = |_| {
@@ -236,13 +236,13 @@ pub fn heard(text: &str, ticks: u64, l: f64) -> Vec<f64> {
     (0..ticks).map(step).collect()
 }
 
-/// A displacement that began at 1 and goes on to be no number.
+/// Displacement, starting at 1, beyond which a scene has diverged.
 const FAR: f64 = 1e200;
 
 fn largest(text: &str, ticks: u64) -> Outcome {
     let (scene, mut s) = ready(text, false);
     let bob = mat(&scene, "bob");
-    // as the cases of docs/numerics.md §3.6 begin: at 1, and there the tick before too
+    // as the cases of docs/numerics.md §3.6 start: at 1, and at 1 in the tick before
     s.d[bob] = 0.0;
     let mut most = [s.x[bob].abs(), 0.0];
     for n in 0..ticks {
@@ -258,11 +258,11 @@ fn largest(text: &str, ticks: u64) -> Outcome {
     Outcome::Largest(most[0].max(most[1]), most[1] > 1.5 * most[0])
 }
 
-/// More energy than this many times that of the start is a scene that has diverged.
+/// Ratio of the energy to that at the start, beyond which a scene has diverged.
 const BLOWN: f64 = 1e7;
 
-/// Energy with heat, and the momentum of masses in the order of the model, where there are any; all that can move is given `kick`
-/// more \[m/tick\].
+/// Measures the energy with heat, and the momentum if `masses` are given, in the order of the model. Each mass that can
+/// move starts with an additional `kick` \[m/tick\].
 fn energy(text: &str, ticks: u64, masses: &[f64], kick: f64) -> Outcome {
     let (scene, mut s) = ready(text, true);
     for (d, c) in s.d.iter_mut().zip(&s.coef[2 * scene.counts.n_mat..]) {
@@ -295,7 +295,7 @@ fn denormal(text: &str, ticks: u64) -> Outcome {
 }
 
 impl Outcome {
-    /// In words, for a cell of the table.
+    /// Describes the result for a cell of the table.
     pub fn words(&self) -> String {
         match *self {
             Outcome::Largest(x, true) => format!("rises, to {x:.0}"),

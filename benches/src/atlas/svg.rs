@@ -1,16 +1,16 @@
-//! A map as SVG, by hand.
+//! Draws a map as SVG.
 //!
-//! Decides against a drawing library: a map is rectangles, lines and a few words, and written out it is the same file
-//! on every machine, small and fit for a diff. Neighbouring cells of one colour are one rectangle.
+//! A map is only rectangles, lines and a few words, so a drawing library is not needed. Written directly, the file is
+//! the same on every machine, small and suited to a diff. Neighbouring cells of one colour are one rectangle.
 
 use super::{Axis, Cell, Field, Map};
 use std::fmt::Write as _;
 
-/// Width and height of the map itself, and the room around it: left, top, right, bottom.
+/// Width and height of the map, and its margins: left, top, right, bottom.
 pub(crate) const SIZE: [f64; 2] = [560.0, 400.0];
 pub(crate) const ROOM: [f64; 4] = [70.0, 16.0, 26.0, 92.0];
 
-/// Colours that the colour-blind can tell apart.
+/// Colours distinguishable by the colour-blind.
 const CALM: &str = "#cfe3f3";
 const DIVERGED: &str = "#f0b55a";
 const WRONG: &str = "#d00000";
@@ -23,7 +23,7 @@ fn colour(cell: &Cell) -> &'static str {
     }
 }
 
-/// A step of 1, 2 or 5 times a power of ten that gives at most `most` marks.
+/// Returns a step of 1, 2 or 5 times a power of ten that gives at most `most` marks.
 fn step(axis: &Axis, most: f64) -> f64 {
     let least = (axis.ends[1] - axis.ends[0]) / most;
     let unit = 10f64.powf(least.log10().floor());
@@ -31,13 +31,12 @@ fn step(axis: &Axis, most: f64) -> f64 {
     if axis.log { round.max(1.0) } else { round }
 }
 
-/// A digit or sign as an exponent.
 fn raised(c: char) -> &'static str {
     const DIGITS: [&str; 10] = ["⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"];
     c.to_digit(10).map_or("⁻", |d| DIGITS[d as usize])
 }
 
-/// Marks of an axis: place from 0 to 1, and its word.
+/// Returns the marks of an axis: place from 0 to 1, and label.
 fn marks(axis: &Axis, most: f64) -> Vec<(f64, String)> {
     let step = step(axis, most);
     let first = (axis.ends[0] / step - 1e-9).ceil() as i32;
@@ -53,7 +52,7 @@ fn marks(axis: &Axis, most: f64) -> Vec<(f64, String)> {
     (first..=last).map(|i| f64::from(i) * step).map(|v| ((v - axis.ends[0]) / span, word(v))).collect()
 }
 
-/// The beginning of a picture: its size, its title, white ground, and the piece of it that is clipped.
+/// Begins a picture: size, title, white background, and clipping area.
 pub(crate) fn begin(title: &str) -> String {
     let ([w, h], [left, top, right, bottom]) = (SIZE, ROOM);
     let (width, height) = (left + w + right, top + h + bottom);
@@ -66,7 +65,7 @@ pub(crate) fn begin(title: &str) -> String {
     )
 }
 
-/// The whole picture.
+/// Draws the picture.
 pub fn draw(map: &Map, field: &Field) -> String {
     let ([w, h], [left, top, ..]) = (SIZE, ROOM);
     let mut t = begin(map.title) + "<g shape-rendering=\"crispEdges\">\n";
@@ -97,7 +96,7 @@ pub fn draw(map: &Map, field: &Field) -> String {
     t + "</svg>\n"
 }
 
-/// The border of a picture, with the marks and names of its axes.
+/// Draws the border of a picture, with the marks and names of its axes.
 pub(crate) fn frame(t: &mut String, axes: &[Axis; 2]) {
     let ([w, h], [left, top, ..]) = (SIZE, ROOM);
     let _ = writeln!(t, "<rect x=\"{left}\" y=\"{top}\" width=\"{w}\" height=\"{h}\" fill=\"none\" stroke=\"#444\"/>");
@@ -117,7 +116,7 @@ pub(crate) fn frame(t: &mut String, axes: &[Axis; 2]) {
         writeln!(t, "<text transform=\"translate(18 {y}) rotate(-90)\" text-anchor=\"middle\">{}</text>", axes[1].name);
 }
 
-/// What the colours mean; the line only where there is one.
+/// Draws the legend of the colours, and of the line if there is one.
 fn legend(t: &mut String, map: &Map, field: &Field, [mut x, y]: [f64; 2]) {
     let wrong = format!("contradicts theory: {}", field.contradictions());
     for (fill, word) in [(CALM, map.words[0]), (DIVERGED, map.words[1]), (WRONG, wrong.as_str())] {

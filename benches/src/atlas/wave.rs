@@ -1,22 +1,23 @@
-//! The junction of a waveguide under a spring and a damper.
+//! Junction of a waveguide with a spring and a damper.
 //!
-//! Decides on the limit in closed form, of the junction and of the string behind it. To travelling waves a mass is
-//! (2m/T)(z − 1)/(z + 1), a spring a negative mass of kT²/4 beside a passive spring, a damper of the scheme a negative
-//! mass of zT/2 beside a passive damper (docs/numerics.md §7.2, §1.4). Whatever the string is, as long as it makes no
-//! energy, a mass that is negative in sum has a real pole z < −1 and one that is positive has none. The string adds to
-//! the sum only where it gives all of the highest frequency back turned over, as a rigid end does an even number of
-//! samples D away: ZT/2D. An odd number gives it back as it came, and ends that lose any of it give less than a mass
-//! is.
+//! The limit of the junction and of the string behind it is in closed form. To travelling waves a mass is (2m/T)(z −
+//! 1)/(z + 1). A spring is a negative mass of kT²/4 beside a passive spring, and a damper of the scheme a negative mass
+//! of zT/2 beside a passive damper (docs/numerics.md §7.2, §1.4). For any string that makes no energy, a negative sum
+//! of masses has a real pole z < −1, and a positive sum has none.
+//!
+//! The string adds to the sum only if it reflects the highest frequency completely and inverted, as a rigid end does at
+//! an even number of samples D there and back: then it adds ZT/2D. At an odd number the reflection is not inverted, and
+//! ends with losses give less than a mass would.
 
 use super::linear::{RATE, WORDS, beyond, edge, grows};
 use super::{Axis, Line, Map};
 
-/// Pitch of the string, in turns a sample: low enough for the heaviest junction.
+/// Frequency of the string \[turns per sample\]: low enough for the heaviest junction.
 const PITCH: f64 = 0.005;
 
-/// Whether a junction of 1 kg, `delay` samples there and back from the near end of a string of impedance `zeta`, grows
-/// with a spring and a damper between it and the ground. Of a whole turn of the string a quarter comes back, the rest
-/// is lost at the far end.
+/// Returns true if a junction of 1 kg grows with a spring and a damper between it and the ground. It is `delay` samples
+/// there and back from the near end of a string of impedance `zeta`. A quarter of a wave returns after a whole turn of
+/// the string; the rest is lost at the far end.
 fn junction_grows(delay: u32, zeta: f64, a: f64, b: f64) -> bool {
     let at = f64::from(delay) * PITCH;
     let t60 = 5.0 / PITCH;
@@ -30,7 +31,7 @@ fn junction_grows(delay: u32, zeta: f64, a: f64, b: f64) -> bool {
     )
 }
 
-/// A junction by what hangs on it.
+/// A junction, over the stiffness and viscosity at it.
 pub const JUNCTION: Map = Map {
     name: "junction",
     title: "A junction of a waveguide, with a spring and a damper",
@@ -45,15 +46,15 @@ pub const JUNCTION: Map = Map {
     band: 0.005,
 };
 
-/// Samples of the near end and back below.
+/// Samples from the junction to the near end and back, below.
 const NEAR: u32 = 2;
 
-/// Stiffness at the boundary of a junction that the near end gives ZT/2D to.
+/// Returns the stiffness at the boundary of a junction to which the near end adds ZT/2D.
 fn borne(zeta: f64) -> f64 {
     4.0 + 2.0 * zeta / f64::from(NEAR)
 }
 
-/// A junction by the string it is on.
+/// A junction, over stiffness and impedance of its string.
 pub const IMPEDANCE: Map = Map {
     name: "impedance",
     title: "A junction of a waveguide, by its impedance",

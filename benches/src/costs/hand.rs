@@ -1,6 +1,8 @@
-//! What is priced at the hand: the stages of the guard one by one, the chain, a whole device in an engine, the engine
-//! around a scene, and what is written down. One device of twelve keys, all stages there are, forces on, a slow motion
-//! within all limits: what every frame costs while nothing is wrong.
+//! Costs of a device: the stages of the guard one by one, the chain, a whole device in an engine, the engine around a
+//! scene, and the records.
+//!
+//! There is one device of twelve keys, with all stages, forces on, and a slow motion within all limits: the cost of
+//! every frame while nothing is wrong.
 
 use super::{CostRow, Played, Player, Run, Without};
 use crate::string;
@@ -18,46 +20,44 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
-/// A gesture frame \[s\].
+/// Length of a gesture frame \[s\].
 const FRAME_DT: f64 = 1.0 / 3000.0;
-/// Degrees of freedom of the device.
 const KEYS: usize = 12;
 
-/// What is played frame by frame.
+/// Setup that is run frame by frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rig {
-    /// a hand, and nothing that looks at it
+    /// A hand alone.
     Frame,
-    /// frames of a device, and nothing that looks at them
+    /// Frames of a device alone.
     Silent,
-    /// a stage by name
+    /// A guard stage by name.
     Stage(&'static str),
-    /// the checks of what a device says
+    /// The checks of device frames.
     InputValidator,
-    /// the whole chain
+    /// The whole chain of the guard.
     Chain,
-    /// a string of 100 without an engine, frame by frame
+    /// A string of 100 without an engine, frame by frame.
     Ticks,
-    /// the same in an engine
+    /// The same in an engine.
     Engine,
-    /// twelve keys on springs in an engine, without their device
+    /// Twelve keys on springs in an engine, without their device.
     Keys,
-    /// with it
+    /// The same with their device.
     Device,
-    /// with the rings and records of the real-time thread
+    /// The same with the rings and records of the real-time thread.
     Live,
 }
 
-/// The device.
 fn profile() -> Profile {
     let mut p = Profile::shipped("tgr12").expect("shipped");
     p.continuous = Some(3.0);
-    // forces on at once
+    // switches forces on immediately
     (p.guard.clear_time, p.guard.ramp, p.guard.approach) = (FRAME_DT, FRAME_DT, FRAME_DT);
     p
 }
 
-/// One that asks for nothing.
+/// Returns a profile without optional stages.
 fn bare() -> Profile {
     let mut p = profile();
     p.continuous = None;
@@ -102,7 +102,7 @@ fn stage(name: &str) -> Box<dyn Stage> {
     all.into_iter().flatten().find(|s| s.name() == name).unwrap_or_else(|| panic!("no stage `{name}`"))
 }
 
-/// The frames of a hand that moves a millimetre to and fro.
+/// Frames of a hand that moves back and forth by a millimetre.
 struct Frames(DeviceFrame);
 
 impl Frames {
@@ -122,7 +122,7 @@ impl Frames {
     }
 }
 
-/// A hand as it is while forces are on.
+/// Returns a hand while forces are on.
 fn moving() -> GuardFrame {
     let mut hand = GuardFrame::new(KEYS, FRAME_DT);
     (hand.fresh, hand.age, hand.calibrated, hand.met, hand.mode) = (true, 0, true, u32::MAX, Mode::On);
@@ -133,7 +133,7 @@ fn moving() -> GuardFrame {
 }
 
 impl Rig {
-    /// At its beginning, with forces on.
+    /// Starts the setup, with forces on.
     pub(super) fn player(self) -> Player {
         match self {
             Rig::Frame => looked_at(None),
@@ -173,7 +173,7 @@ impl Rig {
     }
 }
 
-/// A hand before one stage, or none.
+/// Runs a hand with one stage, or none.
 fn looked_at(mut stage: Option<Box<dyn Stage>>) -> Player {
     let mut hand = moving();
     Box::new(move |n| {
@@ -189,7 +189,7 @@ fn looked_at(mut stage: Option<Box<dyn Stage>>) -> Player {
     })
 }
 
-/// Frames of a device, looked at or not.
+/// Runs frames of a device, with checks or without.
 fn said(mut validator: Option<InputValidator>) -> Player {
     let (mut hand, mut frames) = (moving(), Frames::new());
     Box::new(move |n| {
@@ -216,7 +216,6 @@ fn engine_alone(scene: Scene) -> Player {
     })
 }
 
-/// A frame of the device and one of the engine.
 fn frame(engine: &mut Engine, frames: &mut Frames) {
     let mut frame = frames.next();
     engine.take(0, &mut frame);
@@ -226,7 +225,7 @@ fn frame(engine: &mut Engine, frames: &mut Frames) {
     black_box(engine.finish());
 }
 
-/// The engine of the keys with its device, forces on.
+/// Returns the engine of the keys and the frames of its device, with forces on.
 fn armed() -> (Engine, Frames) {
     let (mut engine, mut frames) = (engine(keys(), Some(profile())), Frames::new());
     engine.command(EngineCommand::Order(None, Order::Arm));
@@ -238,7 +237,7 @@ fn armed() -> (Engine, Frames) {
     (engine, frames)
 }
 
-/// The engine in its loop, with both ends of its rings.
+/// Runs the engine in its loop, with both ends of its rings.
 fn live() -> Player {
     let (engine, mut frames) = armed();
     let (ends, GatewayEnds { frames: mut said, forces: mut given }, mut desk) = rings(&engine.scene, 1, 0);
@@ -258,12 +257,13 @@ fn live() -> Player {
         }
         assert!(shared.lost_records.load(Relaxed) + shared.lost_forces.load(Relaxed) == 0, "records are lost");
     });
-    // once around all rings, so that none of their places is touched for the first time
+    // once around all rings, to touch all of their memory
     player(10_000);
     player
 }
 
-/// Whether a chain without the stage, of a device that does not ask or of no device, has nothing of it.
+/// Checks that a chain has the stage (or, for `None`, more stages) only with a device that asks for it. With `asked`,
+/// the comparison is with a device that does not ask, otherwise with no device.
 pub(super) fn nothing(stage: Option<&str>, asked: bool) -> Result<(), String> {
     let names = |profile: Option<Profile>| -> Vec<&str> {
         engine(keys(), profile).ports.iter().flat_map(|p| p.chain.names()).collect()
@@ -278,7 +278,6 @@ pub(super) fn nothing(stage: Option<&str>, asked: bool) -> Result<(), String> {
     }
 }
 
-/// Rows of the hand.
 pub(super) fn rows() -> Vec<CostRow> {
     let row = |thing, with, plain, used, without| CostRow {
         thing,

@@ -1,12 +1,14 @@
-//! What each guard, check and method costs, and that what a scene does not use costs it nothing.
+//! Cost of each guard, check and method, and proof that a scene without it pays nothing.
 //!
-//! Decides that a price is a difference: a run with the thing, less the same run without it, over the modules that have
-//! it. So nothing is taken apart that runs as a whole, and what the compiler chooses otherwise because of it (another
-//! law, another pass) is in the price. Two kinds of proof that nobody pays for what is absent: where a thing can stand
-//! in a scene that does not hear it, both are counted and must be equal, and [`CostRow::nothing`] finds the same passes and
-//! the same state in them; where it cannot, its passes and its numbers in the state are named, and are not there.
+//! A price is a difference: a run with the thing, less the same run without it, divided by the number of modules that
+//! have it. No part of a running whole is measured alone, and the price includes other choices that the compiler makes
+//! because of it (another law, another pass).
 //!
-//! The bench is `benches/costs.rs`; the page it writes, [`page`].
+//! There are two kinds of proof that a scene without the thing pays nothing. If the thing can be in a scene without
+//! reaching an output, both scenes are counted and must be equal; [`CostRow::nothing`] also compares their passes and
+//! states. Otherwise its passes and its numbers in the state are named, and must be absent.
+//!
+//! The bench is `benches/costs.rs`; [`page`] makes its page.
 
 mod hand;
 pub mod page;
@@ -19,75 +21,75 @@ use ca_core::{Identity, Scene, State, tick};
 pub use hand::Rig;
 use std::hint::black_box;
 
-/// What is played, by ticks of a scene or by gesture frames of a device.
+/// A run, by ticks of a scene or by gesture frames of a device.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Run {
-    /// a scene
+    /// A scene.
     Scene(Played),
-    /// what stands between it and a hand
+    /// The parts between a scene and a hand.
     Hand(Rig),
 }
 
-/// A scene as it is played.
+/// A scene and how it is played.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Played {
-    /// the model
+    /// Model.
     pub text: String,
-    /// with the energy ledger
+    /// Plays with the energy ledger.
     pub energy: bool,
-    /// what is done besides
+    /// Additional work.
     pub also: Also,
 }
 
-/// What is done besides ticking.
+/// Work in addition to the ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Also {
-    /// nothing
+    /// None.
     Nothing,
-    /// the live parameter `k` is always on its way
+    /// The live parameter `k` is always ramping.
     Ramps,
-    /// every gesture frame it is asked whether the state is sound
+    /// The state is checked every gesture frame.
     Watches,
-    /// every gesture frame the state is hashed
+    /// The state is hashed every gesture frame.
     Hashes,
-    /// one pass is left out, by name
+    /// The pass of this name is left out.
     Omits(&'static str),
 }
 
-/// Something that goes on for as many ticks or frames as asked.
+/// Runs the given number of ticks or frames.
 pub type Player = Box<dyn FnMut(u32)>;
 
-/// Why a scene without it pays nothing.
+/// Reason why a scene without the thing pays nothing.
 pub enum Without {
-    /// this model has it where nothing hears it: counted, and the same passes and state as without
+    /// This model has it where it reaches no output: counted, with the same passes and state as without it.
     Unheard(String),
-    /// it is what makes these passes, and this many numbers of the state
+    /// It consists of these passes, and of this many numbers in the state.
     Absent(&'static [&'static str], fn(&State) -> usize),
-    /// whoever plays the scene asks, not the scene
+    /// It is requested by the caller, not by the scene.
     Outside,
-    /// a device has it, as the stage of this name where it is one, all devices or only those that ask
+    /// It belongs to a device, as the stage of this name if it is one; with `true` only if the device asks for it.
     Device(Option<&'static str>, bool),
-    /// every scene has it
+    /// Every scene has it.
     Always,
 }
 
-/// A line of the page.
+/// A row of the page.
 pub struct CostRow {
-    /// what is priced
+    /// Thing that is priced.
     pub thing: &'static str,
-    /// with what, and of which module the price is
+    /// Scene in which it is priced, and module for which.
     pub with: &'static str,
-    /// modules in the run
+    /// Number of modules in the run.
     pub modules: f64,
-    /// without the thing
+    /// Run without the thing.
     pub plain: Run,
-    /// with it
+    /// Run with it.
     pub used: Run,
-    /// why others do not pay
+    /// Reason why others do not pay.
     pub without: Without,
 }
 
-/// All rows, in the order of the page.
+/// Returns all rows, in the order of the page.
 pub fn rows() -> Vec<CostRow> {
     let mut all = scenes::rows();
     all.extend(hand::rows());
@@ -95,12 +97,12 @@ pub fn rows() -> Vec<CostRow> {
 }
 
 impl Played {
-    /// A model, played as it is.
+    /// Takes a model, played as it is.
     pub fn new(text: impl Into<String>) -> Played {
         Played { text: text.into(), energy: false, also: Also::Nothing }
     }
 
-    /// Compiled.
+    /// Compiles the scene.
     pub fn scene(&self) -> Scene {
         let mut scene = compiled(&model(&self.text), KernelClass::Fast, self.energy);
         if let Also::Omits(name) = self.also {
@@ -112,11 +114,10 @@ impl Played {
     }
 }
 
-/// Farther than anything here goes \[m\].
+/// Displacement beyond which a scene has diverged \[m\].
 const DIVERGED: f64 = 1e3;
 
 impl Played {
-    /// From its beginning on.
     fn player(&self) -> Player {
         let (scene, also) = (self.scene(), self.also);
         let mut state = scene.state();
@@ -145,7 +146,7 @@ impl Played {
 }
 
 impl Run {
-    /// From its beginning on.
+    /// Starts from the beginning.
     pub fn player(&self) -> Player {
         match self {
             Run::Scene(played) => played.player(),
@@ -153,7 +154,7 @@ impl Run {
         }
     }
 
-    /// Whether it goes by gesture frames, not by ticks.
+    /// Returns true for a run by gesture frames, false for one by ticks.
     pub fn is_hand(&self) -> bool {
         matches!(self, Run::Hand(_))
     }
@@ -163,7 +164,7 @@ impl Run {
     }
 }
 
-/// Passes of a scene: name, modules, kernel.
+/// Returns the passes of a scene: name, modules, kernel.
 fn passes(scene: &Scene) -> Vec<(&'static str, usize, usize)> {
     let all = [&scene.passes.reads[..], scene.passes.summed(), &scene.passes.writes, &scene.passes.moves]
         .into_iter()
@@ -171,7 +172,8 @@ fn passes(scene: &Scene) -> Vec<(&'static str, usize, usize)> {
     all.map(|op| (op.name(), op.n, op.kernel as usize)).collect()
 }
 
-/// The state at load, but for whose it is and for what callers give to ports: they may, to those that nothing hears too.
+/// Returns the state at load without identity and inputs, which may differ because a caller may also drive ports that
+/// reach no output.
 fn state(scene: &Scene) -> State {
     let mut state = scene.state();
     give_to(&mut state, Identity::default());
@@ -180,13 +182,13 @@ fn state(scene: &Scene) -> State {
 }
 
 impl CostRow {
-    /// The scene of the row that has the thing and does not hear it.
+    /// Returns the scene of the row that has the thing where it reaches no output.
     pub fn unheard(&self) -> Option<Run> {
         let Without::Unheard(text) = &self.without else { return None };
         Some(Run::Scene(Played::new(text.clone())))
     }
 
-    /// Looks whether a scene without it really has nothing of it, and one with it has; says what is wrong.
+    /// Checks that a scene without the thing has nothing of it, and that one with it has; returns an error text.
     pub fn nothing(&self) -> Result<(), String> {
         let scenes = self.plain.scene().zip(self.used.scene());
         match (&self.without, scenes) {

@@ -1,9 +1,9 @@
-//! The page `docs/measured/costs.md`: how rows are written, so that a test finds them there again.
+//! Page `docs/measured/costs.md`: the format of its rows, which a test compares with the page.
 
 use super::{CostRow, Without};
 use std::fmt::Write as _;
 
-/// The text above the tables.
+/// Text above the tables.
 pub const HEAD: &str = "# What it costs
 
 Made by `UPDATE=1 cargo bench -p ca-benches --bench costs`: do not edit.
@@ -43,28 +43,28 @@ One check is in every scene: every 1024 ticks, what is too small to matter is se
 slow.
 ";
 
-/// What was measured of a row.
+/// Measurements of a row.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Price {
-    /// instructions per module and tick or frame
+    /// Instructions per module and tick or frame.
     pub instructions: f64,
-    /// \[ns\] per module and tick or frame
+    /// Time \[ns\] per module and tick or frame.
     pub ns: f64,
-    /// instructions per tick or frame of a scene that has it and does not hear it, where that was counted
+    /// Instructions per tick or frame of a scene that has the thing where it reaches no output, if they were counted.
     pub unheard: Option<f64>,
 }
 
 impl Price {
-    /// The most that rounding of a count over a run may seem to be.
+    /// Largest count per tick that may be due to rounding.
     pub const NOTHING: f64 = 0.05;
 
-    /// Whether a scene without the thing pays for it.
+    /// Returns true if a scene without the thing pays for it.
     pub fn is_paid_by_others(&self) -> bool {
         self.unheard.is_some_and(|n| n.abs() > Price::NOTHING)
     }
 }
 
-/// The proof, as the page calls it.
+/// Returns the name of the proof on the page.
 pub fn proof(without: &Without) -> &'static str {
     match without {
         Without::Unheard(_) => "0, counted",
@@ -80,7 +80,7 @@ fn number(v: f64) -> String {
     text.replace("-0.00", "0.00").replace('-', "−")
 }
 
-/// A line of a table.
+/// Formats a row of a table.
 pub fn line(row: &CostRow, price: &Price) -> String {
     let CostRow { thing, with, without, .. } = row;
     let mut cells = format!("| {thing} | {with} | {} | {} |", number(price.instructions), number(price.ns));
@@ -92,7 +92,7 @@ pub fn line(row: &CostRow, price: &Price) -> String {
     cells
 }
 
-/// The whole page; `machine` says whose times these are.
+/// Makes the page; `machine` describes the machine of the times.
 pub fn page(rows: &[CostRow], prices: &[Price], machine: &str) -> String {
     let mut t = format!("{HEAD}\nThe machine of this page is {machine}.\n\n## In the tick\n");
     let priced = |t: &mut String, head: &str, which: fn(&CostRow) -> bool| {

@@ -1,21 +1,20 @@
-//! What is priced in the tick: the energy ledger, checks, filters, live parameters, measures, contacts, methods, LPR, waves
-//! and ports, each in a scene of many of them.
+//! Costs in the tick: the energy ledger, checks, filters, live parameters, measures, contacts, methods, LPR, waves and
+//! ports, each in a scene with many of them.
 
 use super::{Also, CostRow, Played, Run, Without};
 use crate::{grains, string};
 use ca_core::State;
 use std::fmt::Write as _;
 
-/// Cells, and links of each kind.
+/// Number of cells, and of links of each kind.
 const N: usize = 40;
-/// Keys.
 const KEYS: usize = 12;
 
 fn list(name: &str, n: usize) -> String {
     format!("[{}]", (0..n).map(|i| format!("\"{name}{i}\"")).collect::<Vec<_>>().join(", "))
 }
 
-/// `n` cells in motion, all heard in one channel.
+/// `n` cells in motion, all in one output channel.
 fn cells(n: usize, also: &str) -> String {
     let (mut t, mut out) = (String::from("[CEL]\n"), String::from("[SOX]\n"));
     for i in 0..n {
@@ -26,12 +25,12 @@ fn cells(n: usize, also: &str) -> String {
     t + "[SOL]\nwall = {}\n" + &out
 }
 
-/// A link of this kind and with these parameters between a wall and each of `N` cells.
+/// A link of this kind, with these parameters, between a wall and each of `N` cells.
 fn walled(kind: &str, params: &str) -> String {
     format!("{}[{kind}]\nlink = {{ between = [\"wall\", {}], {params} }}\n", cells(N, ""), list("c", N))
 }
 
-/// `N` links of this kind and with these parameters between the same two masses.
+/// `N` links of this kind, with these parameters, between the same two masses.
 fn bundle(kind: &str, params: &str) -> String {
     let mut t = String::from("[SOL]\nwall = {}\n[CEL]\nbob = { m = \"1 g\", k = 8000, z = 0.001, v = 0.1 }\n");
     let _ = write!(t, "[SOX]\nout = {{ from = \"bob\" }}\n[{kind}]\n");
@@ -41,7 +40,7 @@ fn bundle(kind: &str, params: &str) -> String {
     t
 }
 
-/// Heavy grains in space beside a fixed point, each tied to it by a link of this kind; none where it is empty.
+/// Heavy grains in space beside a fixed point, each tied to it by a link of this kind, or free if `kind` is empty.
 fn space(kind: &str, params: &str) -> String {
     let mut t = format!(
         "[room]\ndim = 3\n[room.SOL]\nmiddle = {{}}\n[room.GRAINS]\ng = {{ n = {N}, m = 1, gap = \"5 mm\", \
@@ -53,7 +52,7 @@ fn space(kind: &str, params: &str) -> String {
     t
 }
 
-/// Fixed points or ports of this kind, each tied to a cell that is heard.
+/// Fixed points or ports of this kind, each tied to a cell with an output.
 fn keys(kind: &str, rate: &str) -> String {
     let mut t = format!("{rate}{}[{kind}]\n", cells(KEYS, "").replace("[SOL]\nwall = {}\n", ""));
     for i in 0..KEYS {
@@ -64,7 +63,7 @@ fn keys(kind: &str, rate: &str) -> String {
     t
 }
 
-/// A model whose number `from` is a parameter `k` of this value, live or not.
+/// A model in which the number `from` is a parameter `k` of this value, live or not.
 fn named(model: &str, from: &str, value: f64, live: bool) -> String {
     let range =
         if live { format!(", live = true, min = {}, max = {}", 0.5 * value, 2.0 * value) } else { String::new() };
@@ -72,17 +71,16 @@ fn named(model: &str, from: &str, value: f64, live: bool) -> String {
     k + &model.replace(from, "k = \"k\"")
 }
 
-/// A string all of whose masses are heard, each in a channel of its own.
+/// A string with an output on every mass, each in its own channel.
 fn all_heard(more: &str) -> String {
     string(100).replace("\"s[3]\"", &format!("\"s[*]\"{more}"))
 }
 
-/// A string by a method of the model.
 fn by(method: &str) -> String {
     format!("[model]\nmethod = \"{method}\"\n{}", string(100))
 }
 
-/// A string and, not tied to it, a tetrahedron in space and a small mesh, all heard.
+/// A string and, separate from it, a tetrahedron in space and a small mesh, all with outputs.
 fn worlds() -> String {
     let heard =
         "far = { from = \"room.p[*]\", along = \"x\", dc = 0, channel = 1 }\nnear = { from = \"sheet[1,1]\" }\n";
@@ -97,7 +95,7 @@ const FAR: &str = "[q]\ndim = 3\n[q.TETRA]\np = { edge = 0.02, m = 1e-3 }\n[r.SO
                    [LPR]\nlost = { between = [\"q.p[*]\", \"q.p[*]\"], onto = [\"r.rim\", \"r.m\"], k = 2e4 }\n";
 const WAVES: &str = "[WAVEGUIDE]\nlow = { f = \"110 Hz\", t60 = \"4 s\", z = 1, at = [0.3] }\n";
 
-/// A cell that nothing hears, with a link of this kind and with these parameters to a wall of its own.
+/// A cell without an output, with a link of this kind and with these parameters to its own wall.
 fn apart(kind: &str, params: &str) -> String {
     format!(
         "[q.CEL]\na = {{ m = 1e-3, k = 100 }}\n[q.SOL]\nw = {{}}\n[q.{kind}]\n\
@@ -105,7 +103,7 @@ fn apart(kind: &str, params: &str) -> String {
     )
 }
 
-/// A string of 200 masses at this rate, tied to a cell that is heard.
+/// A string of 200 masses at this rate, tied to a cell with an output.
 fn slow(rate: &str) -> String {
     format!(
         "[g]\nrate = \"{rate}\"\n[g.STRING]\nlow = {{ n = 200, f = \"2 Hz\", m = \"1 g\" }}\n[CEL]\nbob = {{ m = 1e-3, k = 100, dx0 = 1e-3 }}\n\
@@ -113,7 +111,7 @@ fn slow(rate: &str) -> String {
     )
 }
 
-/// The same in space.
+/// As [`apart`], in space.
 fn adrift(kind: &str, params: &str) -> String {
     format!("[q]\ndim = 3\n{}", apart(kind, params).replace("k = 100", "x = [1, 0, 0]").replace("CEL", "MAS"))
 }
@@ -135,7 +133,7 @@ fn row(thing: &'static str, with: &'static str, modules: usize, runs: [Run; 2], 
     CostRow { thing, with, modules: modules as f64, plain, used, without }
 }
 
-/// A row of what may stand, unheard, beside the plain scene.
+/// A row for something that can also be added without reaching an output.
 fn beside(
     thing: &'static str,
     with: &'static str,
@@ -147,7 +145,7 @@ fn beside(
     row(thing, with, modules, [run(plain), run(used)], without)
 }
 
-/// A row of the energy ledger of a model.
+/// A row for the energy ledger of a model.
 fn ledger(with: &'static str, modules: usize, text: String) -> CostRow {
     let kept = Without::Absent(&["ledger", "ledger of forces"], |s| usize::from(s.ledger.is_some()));
     row("energy ledger", with, modules, [run(text.clone()), audited(text)], kept)
@@ -158,7 +156,6 @@ const OPEN: &str = "k = 100, d = \"-1 mm\"";
 const RUBS: &str = "f = \"0.1 mN\", v0 = \"20 mm/s\"";
 const DRY: &str = "curve = \"coulomb\", f = \"0.1 mN\", v0 = \"20 mm/s\"";
 
-/// Rows of the tick.
 pub(super) fn rows() -> Vec<CostRow> {
     let mut all = checks();
     all.extend(links());

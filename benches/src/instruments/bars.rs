@@ -5,14 +5,14 @@ use crate::acoustics::{db, peak, rms, slope};
 
 const NEVER_MORE: f64 = f64::INFINITY;
 
-/// D5 of the marimba alone, struck in 30 ms.
+/// D5 of the marimba alone, with a stroke of 30 ms.
 const SOFT_D5: Take = BUILT
     .moved(&[
         ("key[0].key", &[[0.0, -8e-3]]),
         ("key[11].key", &[[0.1, -8e-3], [0.13, 0.0], [0.18, 0.0], [0.22, -8e-3]]),
     ])
     .seconds(0.44);
-/// The same in 8 ms.
+/// The same with a stroke of 8 ms.
 const LOUD_D5: Take = BUILT
     .moved(&[
         ("key[0].key", &[[0.0, -8e-3]]),
@@ -20,7 +20,7 @@ const LOUD_D5: Take = BUILT
     ])
     .seconds(0.44);
 
-/// One finger alone at a speed, from a tenth of a second on.
+/// One finger alone, at a slow and at a fast speed, from 0.1 s on.
 const SLOW_FINGER: Take = BUILT
     .moved(&[
         ("finger1", &[[0.0, -0.3], [0.1, -0.3], [6.1, -0.18]]),
@@ -204,7 +204,7 @@ pub static ALL: &[Instrument] = &[
     },
 ];
 
-/// Part of its swing that something loses in a second, by the line through its largest values around these times.
+/// Returns the share of its swing lost in a second, from a line through the peaks around these times.
 pub fn loss_a_second(x: &dyn Fn(f64, f64) -> Vec<f64>, at: &[f64]) -> f64 {
     let points: Vec<[f64; 2]> = at.iter().map(|t| [*t, db(peak(&x(t - 0.3, t + 0.3)))]).collect();
     1.0 - 10f64.powf(slope(&points) / 20.0)

@@ -1,45 +1,45 @@
-//! The figures of an instrument that its row has.
+//! Figures of an instrument for its row.
 //!
-//! Decides for levels of short blocks rather than an integral from the end for the decay: what still sounds at the end would bend
-//! an integral. Early is the first 12 dB, late the second half of what is above the end, at most 60 dB.
+//! The decay is fitted to levels of short blocks. An integral from the end would be distorted by a sound that has not
+//! died away. Early is the first 12 dB; late is the second half of the decay above the end, at most 60 dB.
 
 use super::{BUILT, Cut, Plays, Render};
 use crate::acoustics::{db, peak, slope};
 use ca_io::ending::{FADE, QUIET};
 
-/// What of a row does not depend on time.
+/// Figures of a row that do not depend on the speed of the machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figures {
-    /// claimed \[Hz\] and its error \[cents\]
+    /// Claimed pitch \[Hz\] and its error \[cents\].
     pub pitch: Option<[f64; 2]>,
-    /// of a soft and a loud stroke \[Hz\]
+    /// Spectral centroid of a soft and of a loud stroke \[Hz\].
     pub centroid: [f64; 2],
-    /// T60, early and late \[s\]
+    /// T60, early and late \[s\].
     pub decay: [Option<f64>; 2],
-    /// largest sample \[dBFS\]
+    /// Largest sample \[dBFS\].
     pub level: f64,
-    /// largest mean of a channel \[dBFS\]
+    /// Largest mean of a channel \[dBFS\].
     pub dc: f64,
-    /// largest sample of the last 20 ms \[dBFS\]
+    /// Largest sample of the last 20 ms \[dBFS\].
     pub end: f64,
-    /// whether `ca render` fades that
+    /// True if `ca render` fades the end.
     pub faded: bool,
-    /// MAT and LIA
+    /// Number of MAT and of LIA.
     pub modules: [usize; 2],
-    /// of each claim
+    /// Figure of each claim.
     pub claims: Vec<f64>,
 }
 
-/// Seconds of a block whose level is one point of the decay.
+/// Length of a block, whose level is one point of the decay \[s\].
 const BLOCK: f64 = 0.02;
-/// How far the decay is followed \[dB\].
+/// Range in which the decay is followed \[dB\].
 const DEPTH: f64 = 60.0;
-/// What of it is early \[dB\].
+/// Range of the early decay \[dB\].
 const EARLY: f64 = 12.0;
-/// A longer T60 is none \[s\].
+/// Longest T60 that counts as a decay \[s\].
 const LONGEST: f64 = 60.0;
 
-/// T60 early and late \[s\] of a part of a render, from its loudest block on; `None` where it does not decay.
+/// Returns T60 early and late \[s\] of a part of a render, from its loudest block on; `None` without a decay.
 fn decay(r: &Render, from: f64, to: f64) -> [Option<f64>; 2] {
     let len = (BLOCK * r.rate) as usize;
     let parts: Vec<&[f64]> = r.sound.iter().map(|c| r.part(c, from, to)).collect();
@@ -93,7 +93,7 @@ mod tests {
     use super::*;
     use std::f64::consts::{LN_10, TAU};
 
-    /// Two exponentials, 60 dB in 0.5 s and, a tenth as strong, in 4 s.
+    /// Two exponentials: 60 dB in 0.5 s, and a twentieth as strong, 60 dB in 4 s.
     #[test]
     fn both_slopes_of_a_decay_are_found() {
         let at = |k: usize, t60: f64| (-3.0 * LN_10 * k as f64 / (t60 * 48e3)).exp();

@@ -4,10 +4,10 @@ use super::{BUILT, Claim, Instrument, Pitch, Stroke, Take};
 use crate::acoustics::peak;
 
 const NEVER_MORE: f64 = f64::INFINITY;
-/// What suits a key that goes down 9.2 mm.
+/// Stroke for a key that goes down 9.2 mm.
 const KEY: Stroke = Stroke { felt: 0.5, ..Stroke::DEFAULT };
 
-/// C4 of `hammer_piano` alone, its key at 0.05 m/s.
+/// C4 of `hammer_piano` alone, with its key at 0.05 m/s.
 const SILENT: Take = BUILT
     .moved(&[
         ("key[0].key", &[[0.0, -8e-3], [0.1, -8e-3], [0.286, 1.3e-3]]),
@@ -16,7 +16,7 @@ const SILENT: Take = BUILT
         ("key[5].key", &[[0.0, -8e-3]]),
     ])
     .seconds(0.5);
-/// At 0.08 m/s.
+/// The same at 0.08 m/s.
 const SOFT: Take = BUILT
     .moved(&[
         ("key[0].key", &[[0.0, -8e-3], [0.1, -8e-3], [0.216, 1.3e-3]]),
@@ -25,7 +25,7 @@ const SOFT: Take = BUILT
         ("key[5].key", &[[0.0, -8e-3]]),
     ])
     .seconds(0.6);
-/// At 0.58 m/s, and let go from 0.5 s on.
+/// The same at 0.58 m/s, released from 0.6 s on.
 const LOUD: Take = BUILT
     .moved(&[
         ("key[0].key", &[[0.0, -8e-3], [0.1, -8e-3], [0.116, 1.3e-3], [0.6, 1.3e-3], [0.65, -8e-3]]),
@@ -34,10 +34,10 @@ const LOUD: Take = BUILT
         ("key[5].key", &[[0.0, -8e-3]]),
     ])
     .seconds(1.0);
-/// The first of three keys pressed at 20 mm/s.
+/// First of three keys, pressed at 20 mm/s.
 const PRESSED: Take = BUILT.moved(&[("key[0].key", &[[0.0, -8e-3], [0.1, -8e-3], [0.56, 1.2e-3]])]).seconds(0.57);
 
-/// Mean of what the first key weighs between two depths \[m\] while it is pressed slowly \[N\].
+/// Returns the mean weight of the first key \[N\] between two depths \[m\] while it is pressed slowly.
 fn weighs(p: &super::Plays, from: f64, to: f64) -> f64 {
     let cut = PRESSED.at(0.1 + from / 0.02, 0.1 + to / 0.02);
     let of = |name| p.probe(name, cut);

@@ -1,8 +1,9 @@
-//! The proof table of the bundled instruments, `docs/instruments.md`: what each is measured to be, and what of its header is so.
+//! Measured properties of the bundled instruments, and the claims of their headers that are confirmed:
+//! `docs/instruments.md`.
 //!
-//! Decides that all that is claimed of an instrument stands as data beside the measure that supports it, in one file for each
-//! family below, so that the page, the test of the workspace and the test with a simulated device cannot differ. A sentence
-//! is an excerpt of the header of the model, word for word, line breaks aside.
+//! Every claim about an instrument is data beside the measure that supports it, in one file for each family below. The
+//! page, the test of the workspace and the test with a simulated device use this data, so they cannot differ. A
+//! sentence of a claim is an excerpt of the header of the model, word for word, except for line breaks.
 //!
 //! To add an instrument, add to the list of a family:
 //!
@@ -27,10 +28,10 @@
 //! },
 //! ```
 //!
-//! `plays.rs` has what a measure may ask. A device plays each instrument with TGR in `crates/ca-cli/tests/loop/in_real_time/instruments.rs`, by
-//! [`Stroke::DEFAULT`] unless `stroke` says otherwise. Then
-//! `UPDATE=1 cargo bench -p ca-benches --bench instruments` writes the page, its pictures and its sounds;
-//! `UPDATE=1 cargo test $ALL --test suite -- instruments` writes the figures alone.
+//! `plays.rs` has the measures. A device plays each instrument with TGR in
+//! `crates/ca-cli/tests/loop/in_real_time/instruments.rs`, by [`Stroke::DEFAULT`] unless `stroke` says otherwise. Then
+//! `UPDATE=1 cargo bench -p ca-benches --bench instruments` writes the page, its pictures and its sounds; `UPDATE=1
+//! cargo test $ALL --test suite -- instruments` writes the figures alone.
 
 mod bars;
 mod figures;
@@ -50,53 +51,53 @@ pub use stroke::Stroke;
 use cordis_anima::Loaded;
 use std::path::PathBuf;
 
-/// A pitch that is claimed.
+/// A claimed pitch.
 #[derive(Clone, Copy, Debug)]
 pub struct Pitch {
-    /// what is claimed \[Hz\]
+    /// Claimed frequency \[Hz\].
     pub hertz: f64,
-    /// where it is heard
+    /// Part of a take where it is measured.
     pub cut: Cut,
 }
 
 /// A sentence of a header with the figure that supports it.
 #[derive(Clone, Copy, Debug)]
 pub struct Claim {
-    /// the sentence, or a part of it, as it stands in the header
+    /// Sentence, or a part of it, as in the header.
     pub says: &'static str,
-    /// what is measured, with `{}` in place of the figure
+    /// Description of the figure, with `{}` in its place.
     pub shows: &'static str,
-    /// the figure
+    /// Returns the figure.
     pub measure: fn(&Plays) -> f64,
-    /// least and most that keep the claim
+    /// Least and largest figure that support the claim.
     pub keeps: [f64; 2],
 }
 
-/// A bundled instrument, and what is claimed of it.
+/// A bundled instrument with its claims.
 #[derive(Clone, Copy, Debug)]
 pub struct Instrument {
-    /// its name, `models/NAME.ca.toml`
+    /// Name, as in `models/NAME.ca.toml`.
     pub model: &'static str,
-    /// the pitch it claims
+    /// Claimed pitch.
     pub pitch: Option<Pitch>,
-    /// a soft stroke, for the centroid
+    /// Soft stroke, for the centroid.
     pub soft: Cut,
-    /// a loud one
+    /// Loud stroke.
     pub loud: Cut,
-    /// where the decay is measured, from the loudest moment on
+    /// Part in which the decay is measured, from its loudest moment on.
     pub decay: Cut,
-    /// what is probed for the claims
+    /// Probes for the claims.
     pub probes: &'static [&'static str],
-    /// how a simulated device plays it
+    /// Stroke of a simulated device.
     pub stroke: Stroke,
-    /// what the figures say of the sound, and what of it is weak
+    /// Summary of the figures, and weaknesses of the sound.
     pub remark: &'static str,
-    /// what its header says
+    /// Claims of its header.
     pub claims: &'static [Claim],
 }
 
 impl Instrument {
-    /// An instrument without a pitch and without claims, whose built-in gesture is soft, loud and decays.
+    /// Makes an instrument without a pitch and claims, whose built-in gesture serves as soft, loud and decaying.
     pub const fn new(model: &'static str) -> Instrument {
         Instrument {
             model,
@@ -111,19 +112,19 @@ impl Instrument {
         }
     }
 
-    /// Its model, as it is in `models/`.
+    /// Loads its model from `models/`.
     pub fn load(&self) -> Loaded {
         let path = folder().join(format!("{}.ca.toml", self.model));
         Loaded::open(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
     }
 }
 
-/// The folder of the bundled models.
+/// Returns the folder of the bundled models.
 pub fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../models")
 }
 
-/// All instruments, by name.
+/// Returns all instruments, by name.
 pub fn all() -> Vec<&'static Instrument> {
     let families = [bars::ALL, keys::ALL, plates::ALL, space::ALL, strings::ALL, wind::ALL];
     let mut all: Vec<&Instrument> = families.into_iter().flatten().collect();
@@ -131,12 +132,12 @@ pub fn all() -> Vec<&'static Instrument> {
     all
 }
 
-/// A text in which all gaps are one blank.
+/// Returns a text with every gap replaced by one blank.
 pub fn one_line(text: &str) -> String {
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// `work` of each instrument, on all cores, in order.
+/// Runs `work` for each instrument, on all cores; returns the results in order.
 pub fn on_all_cores<T: Send>(work: impl Fn(&'static Instrument) -> T + Sync) -> Vec<T> {
     use std::sync::{Mutex, atomic::AtomicUsize, atomic::Ordering::Relaxed};
     let (all, next) = (all(), AtomicUsize::new(0));

@@ -1,11 +1,11 @@
-//! The page `docs/instruments.md`: how rows and claims are written, so that a test finds them there again.
+//! Page `docs/instruments.md`: the format of rows and claims, which a test compares with the page.
 //!
-//! Decides for digits by which no machine differs: renders are the same to the bit, transforms are not.
+//! Numbers have few enough digits to be equal on every machine: renders are the same to the bit, transforms are not.
 
 use super::{Claim, Figures, Instrument, one_line};
 use std::fmt::Write as _;
 
-/// The text above the table.
+/// Text above the table.
 pub const HEAD: &str = "# The bundled instruments, measured
 
 Made by `UPDATE=1 cargo bench -p ca-benches --bench instruments`: do not edit.
@@ -24,13 +24,12 @@ device by a simulated device, through `ca serve`. `ca render NAME` plays one, `c
 const COLUMNS: &str = "| instrument | pitch (Hz) | centroid soft / loud (Hz) | T60 early / late (s) | peak | DC | end | real time | \
                        MAT + LIA | picture | sound |\n|---|---|---|---|---|---|---|---|---|---|---|\n";
 
-/// A number with a minus that reads as one.
+/// Replaces the hyphen by a minus sign, and removes it from zero.
 fn minus(text: &str) -> String {
     let zero = !text.contains(|c: char| ('1'..='9').contains(&c));
     text.replace('-', if zero { "" } else { "−" })
 }
 
-/// Three digits.
 fn three(v: f64) -> String {
     if v.fract() == 0.0 || !v.is_finite() {
         return minus(&v.to_string());
@@ -43,7 +42,7 @@ fn three(v: f64) -> String {
 }
 
 fn level(v: f64) -> String {
-    // below any sample of 24 bits
+    // below the smallest sample of 24 bits
     if v < -150.0 { "none".into() } else { minus(&format!("{v:.1}")) }
 }
 
@@ -56,7 +55,7 @@ fn decay(d: [Option<f64>; 2]) -> String {
     }
 }
 
-/// The row of an instrument; `times` is its cell of real time.
+/// Formats the row of an instrument; `times` is its cell of real time.
 pub fn row(i: &Instrument, f: &Figures, times: &str) -> String {
     let name = i.model;
     let pitch = f.pitch.map_or("–".into(), |[hz, off]| format!("{hz:.2}, {} cents", minus(&format!("{off:+.1}"))));
@@ -84,7 +83,8 @@ fn claim(c: &Claim, figure: f64) -> String {
     format!("- “{}”: {} ({keeps})\n", one_line(c.says), c.shows.replace("{}", &three(figure)))
 }
 
-/// The whole page: `times` gives the cell of real time of each instrument, `machine` whose times these are.
+/// Makes the page: `times` returns the cell of real time of an instrument, `machine` describes the machine of the
+/// times.
 pub fn page(all: &[(&Instrument, Figures)], machine: &str, times: &dyn Fn(&str) -> String) -> String {
     let mut t = format!("{HEAD}{machine}.\n- **MAT + LIA**: modules that are computed.\n\n");
     t += "Pictures show 40 Hz to half the sound rate from below upwards, equal distances being equal ratios, over the time of the\n\

@@ -4,12 +4,12 @@ use super::{BUILT, Claim, Instrument, Pitch, Stroke, Take};
 
 const NEVER_MORE: f64 = f64::INFINITY;
 
-/// Part of the power of the gong above 900 Hz in 80 ms from `t` \[s\] on.
+/// Returns the share of the power of the gong above 900 Hz, in 80 ms from `t` \[s\] on.
 fn high(p: &super::Plays, t: f64) -> f64 {
     p.above(900.0, BUILT.at(t, t + 0.08))
 }
 
-/// The bow of the plate at 0.2 m/s and 0.8 N; by 24 N/m of the key, 6 N are at 0.25 m.
+/// Bow of the plate at 0.2 m/s and 0.8 N; the key has 24 N/m, so 6 N are at 0.25 m.
 const LIGHT: Take = BUILT
     .moved(&[
         ("bow.draw", &[[0.0, -0.22], [0.2, -0.22], [2.2, 0.18]]),
@@ -38,13 +38,13 @@ const HEAVY: Take = BUILT
     ])
     .seconds(2.0);
 
-/// Period \[s\] after which the second half of a stroke is most like itself, and how much.
+/// Returns the period \[s\] with the largest autocorrelation in the second half of a stroke, and that correlation.
 fn repeats(p: &super::Plays, take: Take) -> (f64, f64) {
     let (x, rate) = p.heard(take.at(1.2, 2.0));
     crate::acoustics::period(&x, rate, 1.0 / 400.0, 1.0 / 200.0)
 }
 
-/// The hard stroke alone on a sheet whose springs do not harden.
+/// The hard stroke alone, on a sheet with springs that do not harden.
 const LINEAR: Take = BUILT
     .set(&["along.k3=0", "across.k3=0"])
     .moved(&[("hand", &[[0.0, -9e-3], [0.05, -9e-3], [0.065, 9e-3], [0.1, -9e-3]])])
@@ -56,7 +56,7 @@ pub static ALL: &[Instrument] = &[
         soft: FIRM.at(1.0, 2.0),
         loud: BUILT.at(2.6, 3.6),
         decay: BUILT.at(5.2, 6.5),
-        // the hair goes there and back
+        // the hair moves back and forth
         claims: &[
             Claim {
                 says: "at 0.2 m/s 1.2 N gives 309 Hz",
@@ -196,7 +196,7 @@ pub static ALL: &[Instrument] = &[
         ],
         remark: "The wires rattle and stop within 0.4 s; a stroke at the edge is only some 50 Hz brighter than one in the middle, and 11 by 11 \
                  masses give the skin few modes.",
-        // up, the strainer presses with 2.8 N
+        // the raised strainer presses with 2.8 N
         stroke: Stroke { clear: 0.3, ..Stroke::DEFAULT },
         ..Instrument::new("snare")
     },

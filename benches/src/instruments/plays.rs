@@ -1,7 +1,7 @@
-//! An instrument played as a claim asks, and what may be measured of it.
+//! Plays an instrument for a claim, and measures it.
 //!
-//! Decides that each take is played once however many measures ask for it, with all probes of the instrument, and that of
-//! several channels the loudest is measured: a sum of them may cancel.
+//! Each take is played once, with all probes of the instrument, for any number of measures. Measures use the loudest
+//! channel, because a sum of channels may cancel.
 
 use super::Instrument;
 use crate::acoustics;
@@ -17,52 +17,52 @@ use std::rc::Rc;
 /// A way to play an instrument.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Take {
-    /// changes, as `--set` has them
+    /// Changes, as for `--set`.
     set: &'static [&'static str],
-    /// what ports do instead of the built-in gesture: time \[s\] and value in SI units
+    /// Motions of ports instead of the built-in gesture: time \[s\] and value in SI units.
     moved: &'static [(&'static str, &'static [[f64; 2]])],
-    /// how much longer the built-in gesture lasts
+    /// Factor on the duration of the built-in gesture.
     slower: f64,
-    /// the way of each track of the built-in gesture from where it begins, as a part of its own
+    /// Factor on the motion of each track of the built-in gesture, from its first value.
     way: f64,
-    /// how long it sounds \[s\]; as its author says where 0
+    /// Length \[s\]; 0 for the length of the model.
     seconds: f64,
 }
 
-/// The built-in gesture.
+/// Built-in gesture.
 pub const BUILT: Take = Take { set: &[], moved: &[], slower: 1.0, way: 1.0, seconds: 0.0 };
 
 impl Take {
-    /// With these changes, each as `name=value`.
+    /// Applies changes, each as `name=value`.
     #[must_use]
     pub const fn set(self, set: &'static [&'static str]) -> Take {
         Take { set, ..self }
     }
-    /// With ports moved otherwise: name, and points of time \[s\] and value in SI units.
+    /// Moves ports differently: name, and points of time \[s\] and value in SI units.
     #[must_use]
     pub const fn moved(self, moved: &'static [(&'static str, &'static [[f64; 2]])]) -> Take {
         Take { moved, ..self }
     }
-    /// With a built-in gesture that lasts so many times as long.
+    /// Multiplies the duration of the built-in gesture.
     #[must_use]
     pub const fn slower(self, slower: f64) -> Take {
         Take { slower, ..self }
     }
-    /// With a built-in gesture that goes this part of its way.
+    /// Multiplies the motion of the built-in gesture.
     #[must_use]
     pub const fn way(self, way: f64) -> Take {
         Take { way, ..self }
     }
-    /// For so many seconds.
+    /// Sets the length \[s\].
     #[must_use]
     pub const fn seconds(self, seconds: f64) -> Take {
         Take { seconds, ..self }
     }
-    /// From `from` to `to` \[s\].
+    /// Returns the part from `from` to `to` \[s\].
     pub const fn at(self, from: f64, to: f64) -> Cut {
         Cut { take: self, from, to }
     }
-    /// All of it.
+    /// Returns the whole take.
     pub const fn whole(self) -> Cut {
         self.at(0.0, f64::INFINITY)
     }
@@ -71,57 +71,57 @@ impl Take {
 /// A part of a take.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cut {
-    /// what is played
+    /// Take.
     pub take: Take,
-    /// \[s\]
+    /// Start \[s\].
     pub from: f64,
-    /// \[s\]
+    /// End \[s\].
     pub to: f64,
 }
 
-/// What was heard and probed.
+/// Outputs of a take.
 pub struct Render {
-    /// sound rate \[Hz\]
+    /// Sound rate \[Hz\].
     pub rate: f64,
-    /// by channel
+    /// Sound by channel.
     pub sound: Vec<Vec<f64>>,
-    /// probes: name and samples
+    /// Probes: name and samples.
     pub probe: Vec<(String, Vec<f64>)>,
-    /// MAT and LIA
+    /// Number of MAT and of LIA.
     pub modules: [usize; 2],
-    /// time it took \[s\]
+    /// Computing time \[s\].
     pub wall: f64,
 }
 
 impl Render {
-    /// Samples of `x` from `from` to `to` \[s\].
+    /// Returns the samples of `x` from `from` to `to` \[s\].
     pub fn part<'a>(&self, x: &'a [f64], from: f64, to: f64) -> &'a [f64] {
         let at = |t: f64| ((t * self.rate) as usize).min(x.len());
         &x[at(from)..at(to)]
     }
-    /// The loudest channel between two moments \[s\].
+    /// Returns the loudest channel between two times \[s\].
     pub fn heard(&self, from: f64, to: f64) -> &[f64] {
         let parts = self.sound.iter().map(|c| self.part(c, from, to));
         parts.max_by(|a, b| acoustics::rms(a).total_cmp(&acoustics::rms(b))).expect("a channel")
     }
 }
 
-/// An instrument under measure.
+/// An instrument being measured.
 pub struct Plays {
-    /// what it is
+    /// Entry of the instrument.
     pub instrument: &'static Instrument,
-    /// its model as it is written
+    /// Model as written.
     pub model: Model,
     played: RefCell<Vec<(Take, Rc<Render>)>>,
 }
 
 impl Plays {
-    /// Of this instrument.
+    /// Loads an instrument.
     pub fn new(instrument: &'static Instrument) -> Plays {
         Plays { instrument, model: instrument.load().model, played: RefCell::default() }
     }
 
-    /// A take; fails where it diverges.
+    /// Plays a take, or returns it if it was played before; panics if it diverges.
     pub fn play(&self, take: Take) -> Rc<Render> {
         if let Some((_, r)) = self.played.borrow().iter().find(|p| p.0 == take) {
             return Rc::clone(r);
@@ -131,7 +131,7 @@ impl Plays {
         r
     }
 
-    /// A take as it is played now, without regard to what was played.
+    /// Plays a take, even if it was played before.
     pub fn render(&self, take: Take, probes: &[&str]) -> Render {
         let name = self.instrument.model;
         let mut loaded = self.instrument.load();
@@ -171,13 +171,13 @@ impl Plays {
         Render { rate: scene.rate, sound: out, probe, modules: [scene.mats(), scene.lias()], wall }
     }
 
-    /// The loudest channel of a cut, and the sound rate \[Hz\].
+    /// Returns the loudest channel of a cut, and the sound rate \[Hz\].
     pub fn heard(&self, cut: Cut) -> (Vec<f64>, f64) {
         let r = self.play(cut.take);
         (r.heard(cut.from, cut.to).to_vec(), r.rate)
     }
 
-    /// A probe of a cut, by its name.
+    /// Returns a probe of a cut by name.
     pub fn probe(&self, name: &str, cut: Cut) -> Vec<f64> {
         let r = self.play(cut.take);
         let found = r.probe.iter().find(|p| p.0 == name);
@@ -185,28 +185,29 @@ impl Plays {
         r.part(all, cut.from, cut.to).to_vec()
     }
 
-    /// Cents from `f` \[Hz\] to the strongest partial within 3 %, half a semitone, of it.
+    /// Returns the cents from `f` \[Hz\] to the strongest partial within 3 % of it, half a semitone.
     pub fn cents(&self, f: f64, cut: Cut) -> f64 {
         let (x, rate) = self.heard(cut);
         acoustics::cents(acoustics::partial(&x, rate, f, 0.03 * f).0, f)
     }
 
-    /// Level of the strongest partial within 3 % of `f` \[Hz\], in dBFS.
+    /// Returns the level of the strongest partial within 3 % of `f` \[Hz\], in dBFS.
     pub fn partial(&self, f: f64, cut: Cut) -> f64 {
         let (x, rate) = self.heard(cut);
         acoustics::db(acoustics::partial(&x, rate, f, 0.03 * f).1)
     }
 
-    /// Centre of gravity of the spectrum \[Hz\].
+    /// Returns the centre of gravity of the spectrum \[Hz\].
     pub fn centroid(&self, cut: Cut) -> f64 {
         let (x, rate) = self.heard(cut);
         acoustics::centroid(&x, rate)
     }
 
-    /// Power spectrum of all channels, every moment of the cut alike, and the width of its bins \[Hz\].
+    /// Returns the power spectrum of all channels, with equal weight on every moment of the cut, and the width of its
+    /// bins \[Hz\].
     fn power(&self, cut: Cut) -> (Vec<f64>, f64) {
         let r = self.play(cut.take);
-        // windows a quarter of a half apart: a Gaussian is narrow
+        // windows a quarter of half a window apart, because a Gaussian is narrow
         let parts = r.sound.iter().map(|c| r.part(c, cut.from, cut.to));
         let mut all = parts.flat_map(|x| (0..4).map(|k| acoustics::density(&x[256 * k..], r.rate, 2048)));
         let (mut sum, bin) = all.next().expect("a channel");
@@ -214,42 +215,42 @@ impl Plays {
         (sum, bin)
     }
 
-    /// Power between two frequencies \[Hz\], in decibels of no particular reference.
+    /// Returns the power between two frequencies \[Hz\], in decibels with an arbitrary reference.
     pub fn band(&self, lo: f64, hi: f64, cut: Cut) -> f64 {
         let (power, bin) = self.power(cut);
         let at = |f: f64| ((f / bin) as usize).min(power.len());
         0.5 * acoustics::db(power[at(lo)..at(hi)].iter().sum::<f64>() / (cut.to - cut.from))
     }
 
-    /// Part of the power that is above `f` \[Hz\].
+    /// Returns the share of the power above `f` \[Hz\].
     pub fn above(&self, f: f64, cut: Cut) -> f64 {
         let (power, bin) = self.power(cut);
         power[(f / bin) as usize..].iter().sum::<f64>() / power.iter().sum::<f64>()
     }
 
-    /// Centre of gravity of the power spectrum \[Hz\], every moment of the cut alike.
+    /// Returns the centre of gravity of the power spectrum \[Hz\], with equal weight on every moment of the cut.
     pub fn colour(&self, cut: Cut) -> f64 {
         let (power, bin) = self.power(cut);
         power.iter().enumerate().map(|(i, p)| i as f64 * bin * p).sum::<f64>() / power.iter().sum::<f64>()
     }
 
-    /// Time in which the partial at `f` \[Hz\] falls by 60 dB \[s\].
+    /// Returns the time in which the partial at `f` \[Hz\] falls by 60 dB \[s\].
     pub fn t60(&self, f: f64, cut: Cut) -> f64 {
         let (x, rate) = self.heard(cut);
         acoustics::t60(&x, rate, f)
     }
 
-    /// Largest sample, in dBFS.
+    /// Returns the largest sample, in dBFS.
     pub fn peak(&self, cut: Cut) -> f64 {
         acoustics::db(acoustics::peak(&self.heard(cut).0))
     }
 
-    /// Level about the mean, in dBFS.
+    /// Returns the level about the mean, in dBFS.
     pub fn level(&self, cut: Cut) -> f64 {
         acoustics::db(acoustics::rms(&self.heard(cut).0))
     }
 
-    /// How often the force of a probe begins after at least 5 ms without any.
+    /// Returns how often the force of a probe begins after at least 5 ms without force.
     pub fn contacts(&self, name: &str, cut: Cut) -> f64 {
         let (x, rate) = (self.probe(name, cut), self.play(cut.take).rate);
         let apart = (0.005 * rate) as usize;
@@ -261,14 +262,14 @@ impl Plays {
         n
     }
 
-    /// A parameter as it is written, in SI, as in `low.f`; the first of a list.
+    /// Returns a parameter as written, in SI units, as in `low.f`; the first number of a list.
     pub fn number(&self, name: &str) -> f64 {
         let (owner, key) = name.rsplit_once('.').expect("owner.key");
         numbers(&self.model, owner, key)[0]
     }
 }
 
-/// The numbers of a parameter as they are written, in SI; fails where there is none.
+/// Returns the numbers of a parameter as written, in SI units; panics if it does not exist.
 pub fn numbers(model: &Model, owner: &str, key: &str) -> Vec<f64> {
     let item = model.items.iter().find(|i| i.name == owner).unwrap_or_else(|| panic!("no `{owner}`"));
     let value = |v: &Value| number(model, v).unwrap_or_else(|| panic!("{owner}.{key}: {v:?}"));
@@ -278,7 +279,7 @@ pub fn numbers(model: &Model, owner: &str, key: &str) -> Vec<f64> {
     }
 }
 
-/// A number, a note, a quantity, or the parameter that is named.
+/// Evaluates a number, a note, a quantity, or the name of a parameter.
 fn number(model: &Model, v: &Value) -> Option<f64> {
     match v {
         Value::Num(v) => Some(*v),

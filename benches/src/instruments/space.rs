@@ -1,10 +1,10 @@
-//! What flies, falls and collides in space.
+//! Instruments that fly, fall and collide in space.
 
 use super::{BUILT, Claim, Instrument, Pitch, Plays, Stroke};
 
 const NEVER_MORE: f64 = f64::INFINITY;
 
-/// How long each force of these probes lasts in a take as it is built \[s\].
+/// Returns the duration of each force of these probes in the built-in gesture \[s\].
 fn blows(p: &Plays, of: &str) -> Vec<f64> {
     let r = p.play(BUILT);
     let mut all = Vec::new();
@@ -15,7 +15,7 @@ fn blows(p: &Plays, of: &str) -> Vec<f64> {
     all
 }
 
-/// A hand that swings a thread of 150 mm in time, 1.29 Hz.
+/// A hand that swings a thread of 150 mm at its frequency, 1.29 Hz.
 const SWUNG: &[[f64; 2]] = &[
     [0.0, 0.0],
     [0.194, 9e-3],
@@ -37,7 +37,7 @@ pub static ALL: &[Instrument] = &[
         loud: BUILT.at(0.0, 5.0),
         decay: BUILT.at(4.3, 9.0),
         probes: &["knock_a", "knock_b", "knock_c", "knock_d", "knock_e"],
-        // the wind is not the hand's
+        // the built-in gesture is the wind, so the hand has its own
         stroke: Stroke { ways: &[(0, SWUNG)], ..Stroke::DEFAULT },
         claims: &[
             Claim {
@@ -178,7 +178,7 @@ pub static ALL: &[Instrument] = &[
                 keeps: [0.15, 0.25],
             },
             Claim {
-                // what rounding changes of its collisions moves this by some hundredths
+                // rounding in its collisions moves this by some hundredths
                 says: "four fifths of the power are above 3 kHz",
                 shows: "share of it: {}",
                 measure: |p| p.above(3000.0, BUILT.at(0.0, 7.0)),

@@ -4,16 +4,16 @@ use super::{BUILT, Claim, Instrument, Pitch, Plays, Stroke, Take};
 use crate::acoustics::{peak, velocity};
 
 const NEVER_MORE: f64 = f64::INFINITY;
-/// Where `low[11]` of 100 masses is bowed, as a part of the string.
+/// Position of the bow at `low[11]` of 100 masses, as a share of the string.
 const BOWED_AT: f64 = 12.0 / 101.0;
 
-/// What partials fall by, the least and the most of them \[dB\].
+/// Returns the least and the largest fall of these partials \[dB\].
 fn falls(p: &Plays, partials: &[f64], before: super::Cut, after: super::Cut) -> [f64; 2] {
     let all = partials.iter().map(|f| p.partial(*f, before) - p.partial(*f, after));
     all.fold([f64::INFINITY, f64::NEG_INFINITY], |m, f| [m[0].min(f), m[1].max(f)])
 }
 
-/// One passage of the plectrum that draws the string as little as can be.
+/// One stroke of the plectrum with the least pull on the string.
 const SOFT_PLUCK: Take =
     BUILT.moved(&[("pick.key", &[[0.0, -4e-3], [0.1, -4e-3], [0.13, 4e-3]]), ("depth", &[[0.0, -8e-3]])]).seconds(0.6);
 /// A key that rises at 0.04 m/s.
@@ -26,7 +26,7 @@ pub static ALL: &[Instrument] = &[
         loud: BUILT.at(2.8, 3.5),
         decay: BUILT.at(5.3, 6.0),
         probes: &["low[11]"],
-        // the hair goes there and back over the string, which the other key presses
+        // the hair moves back and forth over the string, pressed by the other key
         claims: &[
             Claim {
                 says: "The string slips once a period (Helmholtz motion)",

@@ -1,30 +1,27 @@
-//! How a simulated device plays an instrument: by the gesture that its model has built in.
+//! Settings for playing an instrument with a simulated device, by the built-in gesture of its model.
 //!
-//! Decides that the hand of the simulated device follows the gesture itself, in the lengths of the hand, rather than a script with
-//! numbers of its own: so a built-in gesture that no hand could play, by its travel, is found out, and one that is too fast for the
-//! guard says by how much.
+//! The hand of the simulated device follows the built-in gesture, scaled to the hand, not a separate script. The test
+//! thus finds a gesture beyond the travel of a hand, and shows by how much a gesture is too fast for the guard.
 
-/// What is asked of an instrument that is played by a device.
+/// Requirements on an instrument played by a device.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stroke {
-    /// part of the largest force of the device that may press while forces begin, where the instrument has a weight that the
-    /// hand carries; that of the profile of the device where 0
+    /// Largest force while forces begin, as a share of the largest force of the device, for a hand that carries a
+    /// weight; 0 for the value of the profile.
     pub clear: f64,
-    /// how long it plays, from before forces come \[s\]
+    /// Duration, from before forces come \[s\].
     pub seconds: f64,
-    /// how many times slower than the gesture that is built in the hand goes, where a mallet is swung faster than the guard of
-    /// the device lets a hand go
+    /// Factor on the duration of the built-in gesture, for a mallet that is faster than the guard of the device allows.
     pub slower: f64,
-    /// where degrees of freedom go, as times \[s\] and places \[m\] in the lengths of the hand, where the model has no gesture of
-    /// theirs built in
+    /// Motions of degrees of freedom without a built-in gesture: times \[s\] and positions \[m\], scaled to the hand.
     pub ways: &'static [(u32, &'static [[f64; 2]])],
-    /// least peak that must be heard \[dBFS\]
+    /// Least peak of the sound \[dBFS\].
     pub heard: f64,
-    /// least force that must be felt \[N\]
+    /// Least force at the hand \[N\].
     pub felt: f64,
 }
 
 impl Stroke {
-    /// What suits most.
+    /// Settings for most instruments.
     pub const DEFAULT: Stroke = Stroke { clear: 0.0, slower: 1.0, seconds: 5.0, ways: &[], heard: -40.0, felt: 0.05 };
 }

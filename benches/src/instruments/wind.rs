@@ -1,14 +1,14 @@
-//! What is drawn on and blown.
+//! Bowed hairs and wind instruments.
 
 use super::bars::loss_a_second;
 use super::{BUILT, Claim, Instrument, Stroke, Take};
 use crate::acoustics::{envelope, flatness, period};
 
-/// The hairs at 0.05 m/s, and at 2 m/s.
+/// Hairs at 0.05 m/s, and at 2 m/s.
 const SLOW: Take = BUILT.moved(&[("hand", &[[0.0, -0.65], [2.0, -0.55]])]).seconds(2.0);
 const QUICK: Take = BUILT.moved(&[("hand", &[[0.0, -0.65], [0.65, 0.65]])]).seconds(0.65);
 
-/// A push each way in the time of the pendulum.
+/// A push in each direction, at the period of the pendulum.
 const PUSHED: &[[f64; 2]] =
     &[[0.0, 0.0], [0.5, -9e-3], [1.0, 0.0], [1.5, 9e-3], [2.0, 0.0], [2.5, -9e-3], [3.0, 0.0], [3.5, 9e-3], [4.0, 0.0]];
 

@@ -1,7 +1,7 @@
-//! Compiles the peers, once: a program is named by a hash of all it was made of, and one that is there is taken.
+//! Compiles the peers, once each: the name of a program contains a hash of its sources, and an existing one is reused.
 //!
-//! Decides for the limit of time as of `timeout`, which ends all that a compiler started. That one did not finish is kept
-//! too, and tried again when it is given more time.
+//! The time limit uses `timeout`, which also ends the processes started by a compiler. A run that exceeded it is
+//! recorded, and repeated only with a longer limit.
 
 use super::net::Net;
 use super::write;
@@ -9,39 +9,39 @@ use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// All peers are compiled like this.
+/// Compiler flags of all peers.
 pub const FLAGS: [&str; 3] = ["-O3", "-march=native", "-ffast-math"];
 
-/// Why there is no program.
+/// Reason why a program is missing.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Without {
-    /// what compiles it is not here
+    /// Its compiler is not installed.
     Missing(String),
-    /// it took longer than the limit \[s\]
+    /// Compilation exceeded this limit \[s\].
     Late(u32),
-    /// it failed, and what it printed
+    /// Compilation failed with this output.
     Failed(String),
 }
 
 /// Compiles peers into a folder.
 pub struct Builder {
     folder: PathBuf,
-    /// of each compiler run \[s\]
+    /// Limit of each compiler run \[s\].
     limit: u32,
 }
 
-/// The programs of peers.
 fn sources() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("peers")
 }
 
-/// The first line a program prints about itself; `None` where it is not here.
+/// Returns the first line of the `--version` of a program; `None` if it is not installed.
 pub fn version(program: &str) -> Option<String> {
     let out = Command::new(program).arg("--version").output().ok().filter(|o| o.status.success())?;
     String::from_utf8_lossy(&out.stdout).lines().next().map(|l| l.trim().to_owned())
 }
 
-/// A Python that has numba, and the version of both: the one that `crates/ca-py/benches/run` installs, or that of the system.
+/// Returns a Python with numba, and the versions of both: the one installed by `crates/ca-py/benches/run`, or the
+/// system's.
 pub fn numba() -> Option<(PathBuf, String)> {
     let own = folder().join("../venv-bench/bin/python");
     [own, PathBuf::from("python3")].into_iter().find_map(|python| {
@@ -51,7 +51,7 @@ pub fn numba() -> Option<(PathBuf, String)> {
     })
 }
 
-/// Where peers are compiled to.
+/// Returns the folder of the compiled peers.
 pub fn folder() -> PathBuf {
     let target = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
     target.unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../target")).join("peers")
@@ -63,39 +63,39 @@ fn file(name: &str) -> String {
 }
 
 impl Builder {
-    /// With a limit for each compiler run \[s\].
+    /// Takes the folder, and the limit of each compiler run \[s\].
     ///
     /// # Errors
-    /// Where the folder cannot be made.
+    /// If the folder cannot be created.
     pub fn new(folder: PathBuf, limit: u32) -> Result<Builder, std::io::Error> {
         std::fs::create_dir_all(&folder)?;
         Ok(Builder { folder, limit })
     }
 
-    /// The table of a network, for the peers that take any.
+    /// Writes the table of a network, for the peers that play any network.
     ///
     /// # Errors
-    /// Where it cannot be written.
+    /// If it cannot be written.
     pub fn table(&self, net: &Net) -> Result<PathBuf, std::io::Error> {
         let path = self.folder.join(file(&net.name) + ".table");
         std::fs::write(&path, write::table(net))?;
         Ok(path)
     }
 
-    /// One of `benches/peers`, by a compiler.
+    /// Compiles a source in `benches/peers`.
     ///
     /// # Errors
-    /// Where there is no program.
+    /// If it cannot be compiled.
     pub fn peer(&self, source: &str, compiler: &str) -> Result<PathBuf, Without> {
         let path = sources().join(source);
         let text = std::fs::read_to_string(&path).map_err(|e| Without::Failed(e.to_string()))?;
         self.compiled(&file(source), compiler, &path, &text)
     }
 
-    /// A network by Faust and a compiler.
+    /// Compiles a network by Faust and a compiler.
     ///
     /// # Errors
-    /// Where there is no program.
+    /// If it cannot be compiled.
     pub fn faust(&self, net: &Net, compiler: &str) -> Result<PathBuf, Without> {
         let program = write::faust(net).ok_or_else(|| Without::Missing("a library for space".into()))?;
         let by = version("faust").ok_or_else(|| Without::Missing("faust".into()))?;
@@ -137,7 +137,7 @@ impl Builder {
         c
     }
 
-    /// Makes a file that is not there yet, by a command that writes it.
+    /// Makes a file that does not exist yet, by a command that writes it.
     fn run(&self, made: &Path, command: impl Fn(&Path) -> Command) -> Result<(), Without> {
         if made.exists() {
             return Ok(());

@@ -1,9 +1,12 @@
-//! Peers: programs of ours that play the networks of a model by other means, and what is expected of the engine beside
-//! them. `cargo bench -p ca-benches --bench peers` runs them; the page is `docs/measured/peers.md`, or
-//! `peers-avx2.md` where there is no AVX-512.
+//! Peers: programs written for this bench that play the networks of a model by other means, and the ratios expected of
+//! the engine.
 //!
-//! Decides for peers as processes that time themselves and are asked in turn (`benches/peers/player.h`): no foreign call,
-//! and Python takes part. They read the same clock as the engine here, the processor time of one thread.
+//! `cargo bench -p ca-benches --bench peers` runs them. The page is `docs/measured/peers.md`, or `peers-avx2.md`
+//! without AVX-512.
+//!
+//! Peers are processes that time themselves and are called one after the other (`benches/peers/player.h`), so that no
+//! foreign calls are needed and Python can take part. They read the same clock as the engine: the processor time of one
+//! thread.
 
 pub mod build;
 pub mod net;
@@ -14,37 +17,38 @@ pub mod write;
 
 use net::Net;
 
-/// What a network is expected to cost; `None` where nothing is.
+/// Expected cost of a network; `None` if nothing is expected.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Target {
-    /// at most so many ns a module
+    /// Largest time a module \[ns\].
     pub module: Option<f64>,
-    /// at least so many times as fast as Faust with AVX-512
+    /// Least speed relative to Faust, with AVX-512.
     pub faust: Option<f64>,
-    /// the same with AVX2 alone, where that is another
+    /// The same with AVX2 alone, if it differs.
     pub faust_avx2: Option<f64>,
-    /// at most so much of the time of the damped stencil
+    /// Largest time relative to the damped stencil.
     pub stencil: Option<f64>,
-    /// at least so many times as fast as flat C
+    /// Least speed relative to flat C.
     pub flat: Option<f64>,
 }
 
 /// A row of the table.
 pub struct Case {
-    /// the network
+    /// Network.
     pub net: Net,
-    /// of the stencils of its topology: the shape and the size
+    /// Shape and size of the stencil with the same topology.
     pub stencil: Option<(&'static str, usize)>,
-    /// what is expected
+    /// Expectation.
     pub target: Target,
-    /// ticks of a peer that are compared with the engine: motion in space is chaotic, and rounding is seen after a while
+    /// Ticks of a peer that are compared with the engine; motion in space is chaotic, so that rounding soon becomes
+    /// visible.
     pub compared: usize,
-    /// how far a peer may be from the engine, of the largest value heard: rounding, and what contacts make of it; the bow
-    /// of the engine is a table within 2e-6 of its peak
+    /// Largest difference between a peer and the engine, relative to the largest output. It allows for rounding, its
+    /// growth in contacts, and the bow of the engine, a table within 2e-6 of its peak.
     pub tolerance: f64,
 }
 
-/// All rows.
+/// Returns all rows.
 pub fn cases() -> Vec<Case> {
     let case = |net: Net, target: Target| Case { net, stencil: None, target, compared: 4096, tolerance: 1e-9 };
     let chaotic = |net: Net, target: Target| Case { compared: 1024, tolerance: 1e-6, ..case(net, target) };

@@ -1,110 +1,111 @@
-//! A network as plain records, in the units of a sample: what every peer is made from.
+//! Networks as plain records, in units of a sample, from which the input of every peer is made.
 //!
-//! Decides for records of its own, not for the networks of `ca bench`: those are texts in SI units for one reader, and
-//! peers need the very same numbers in a table, in a Faust program and in a model.
+//! The networks of `ca bench` do not serve here, because they are texts in SI units for one reader. Peers need exactly
+//! the same numbers in a table, a Faust program and a model.
 
-/// What a MAT is.
+/// Type of a MAT.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
-    /// a mass
+    /// A mass.
     Mas,
-    /// a mass on a spring and a damper of its own
+    /// A mass with its own spring and damper.
     Cel {
-        /// stiffness
+        /// Stiffness.
         k: f64,
-        /// viscosity
+        /// Viscosity.
         z: f64,
     },
-    /// a fixed point
+    /// A fixed point.
     Sol,
 }
 
-/// A MAT. Its place and speed are at the start, as in a model; for peers, its place in the first sample of the engine and the
-/// step that led there ([`super::player::Engine::started`]).
+/// A MAT with its position and speed at the start, as in a model. For peers these are its position in the first sample
+/// of the engine and the step that led there ([`super::player::Engine::started`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mat {
-    /// what it is
+    /// Type.
     pub kind: Kind,
-    /// mass
+    /// Mass.
     pub m: f64,
-    /// place; on a line the first number
+    /// Position; on a line the first number.
     pub x: [f64; 3],
-    /// speed, or step
+    /// Speed, or step.
     pub v: [f64; 3],
 }
 
-/// What a LIA does.
+/// Law of a LIA.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Law {
-    /// a spring with damper: k, z, length at rest
+    /// Spring with damper: k, z, length at rest.
     Ref(f64, f64, f64),
-    /// a contact that keeps its ends `d` apart: k, z, d
+    /// Contact that keeps its ends `d` apart: k, z, d.
     But(f64, f64, f64),
-    /// a Hertz contact: k, d
+    /// Hertz contact: k, d.
     Hrz(f64, f64),
-    /// the smooth bow: f, v0
+    /// Smooth bow: f, v0.
     Bow(f64, f64),
-    /// a contact that keeps its ends within `d`, in space: k, z, d
+    /// Contact that keeps its ends within `d`, in space: k, z, d.
     Inside(f64, f64, f64),
 }
 
 /// A LIA.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lia {
-    /// what it does
+    /// Law.
     pub law: Law,
-    /// its first end
+    /// Index of its first end.
     pub a: usize,
-    /// its second end
+    /// Index of its second end.
     pub b: usize,
 }
 
 /// A network.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Net {
-    /// of its row
+    /// Name of its row.
     pub name: String,
-    /// in space, or on a line
+    /// True in space, false on a line.
     pub space: bool,
-    /// masses and fixed points
+    /// Masses and fixed points.
     pub mats: Vec<Mat>,
-    /// links
+    /// Links.
     pub lias: Vec<Lia>,
-    /// masses that are heard, summed; in space along z
+    /// Masses with an output, summed; in space along z.
     pub heard: Vec<usize>,
-    /// contacts between all pairs of these, in one line of a model; in `lias` they are one by one, and last
+    /// Masses with contacts between all pairs, on one line of a model; in `lias` the contacts are separate, and last.
     pub pairs: Option<Vec<usize>>,
 }
 
 impl Net {
-    /// Nothing yet.
+    /// Makes an empty network.
     pub fn new(name: &str, space: bool) -> Net {
         Net { name: name.into(), space, ..Net::default() }
     }
 
-    /// MATs and LIAs.
+    /// Returns the number of MATs and LIAs.
     pub fn modules(&self) -> usize {
         self.mats.len() + self.lias.len()
     }
 
-    /// Lines of a model: all pairs of grains are in one.
+    /// Returns the number of lines in a model, in which all pairs of grains are one.
     pub fn lines(&self) -> usize {
         let grains = self.pairs.as_ref().map_or(0, Vec::len);
         self.modules() - (grains * grains.saturating_sub(1) / 2).saturating_sub(usize::from(grains > 1))
     }
 
-    /// Where the heard masses rest, summed. A SOX takes it off and a peer does not; in space they rest where they start.
+    /// Returns the summed rest positions of the masses with an output. A SOX subtracts them and a peer does not; in
+    /// space they are the start positions.
     pub fn rest(&self) -> f64 {
         if self.space { self.heard.iter().map(|i| self.mats[*i].x[2]).sum() } else { 0.0 }
     }
 
-    /// A MAT at rest on a line, at `x`.
+    /// Adds a MAT at rest on a line, at `x`.
     pub fn mat(&mut self, kind: Kind, m: f64, x: f64) -> usize {
         self.mats.push(Mat { kind, m, x: [x, 0.0, 0.0], v: [0.0; 3] });
         self.mats.len() - 1
     }
 
-    /// A link.
+    /// Adds a link.
     pub fn lia(&mut self, law: Law, a: usize, b: usize) {
         self.lias.push(Lia { law, a, b });
     }

@@ -1,17 +1,16 @@
-//! The networks that peers play, parameters differing from module to module: an engine that is fast only where all are
-//! alike is another one, and the stencils are that.
+//! Networks that peers play. Parameters differ from module to module, because a program specialised for equal modules
+//! is not comparable; the stencils are such programs.
 //!
-//! Decides for everything in motion from the start, and for loads that stay at the same size: numbers that fade take
-//! another time.
+//! Everything moves from the start, and loads keep their size, because decaying numbers change the time of a tick.
 
 use super::net::{Kind, Law, Net};
 
-/// Of the stencils (`benches/peers/stencil.c`): stiffness, viscosity, where the mass at a third starts.
+/// Stiffness and viscosity of the stencils (`benches/peers/stencil.c`), and start position of the mass at a third.
 const STIFF: f64 = 0.2;
 const VISCOUS: f64 = 0.005;
 const START: f64 = 1e-3;
 
-/// Numbers in 0 … 1, the same on every machine: Knuth's linear congruence.
+/// Pseudo-random numbers in 0 … 1, the same on every machine: Knuth's linear congruential generator.
 struct Numbers(u64);
 
 impl Numbers {
@@ -24,17 +23,16 @@ impl Numbers {
         ((self.next() * n as f64) as usize).min(n - 1)
     }
 
-    /// A mass.
     fn m(&mut self) -> f64 {
         1.0 + 0.2 * self.next()
     }
 
-    /// A spring with damper, about `k`.
+    /// Returns a spring with damper, of about `k`.
     fn spring(&mut self, k: f64) -> Law {
         Law::Ref(k * (0.3 + 0.2 * self.next()), 2e-5 * (0.5 + self.next()), 0.0)
     }
 
-    /// Where a mass on a line starts.
+    /// Returns the start position of a mass on a line.
     fn place(&mut self) -> f64 {
         1e-4 * (self.next() - 0.5)
     }
@@ -44,7 +42,7 @@ impl Numbers {
         net.mat(Kind::Mas, m, x)
     }
 
-    /// `n` masses between two ends; all of them in order.
+    /// Adds `n` masses between two fixed ends; returns all in order.
     fn string(&mut self, net: &mut Net, n: usize) -> Vec<usize> {
         let mut row = vec![net.mat(Kind::Sol, 1.0, 0.0)];
         row.extend((0..n).map(|_| self.mas(net)));
@@ -56,7 +54,7 @@ impl Numbers {
         row
     }
 
-    /// `n` × `n` masses with free edges; all of them by rows.
+    /// Adds `n` × `n` masses with free edges; returns all by rows.
     fn mesh(&mut self, net: &mut Net, n: usize) -> Vec<usize> {
         let all: Vec<usize> = (0..n * n).map(|_| self.mas(net)).collect();
         net.mats[all[n * (n / 3) + n / 3]].x[0] = START;
@@ -66,8 +64,8 @@ impl Numbers {
         all
     }
 
-    /// Links at random between `n` ends, none with more than six: a tree first, since what is not joined to what is heard is
-    /// left out by the compiler.
+    /// Returns random links between `n` ends, none with more than six. They start with a tree, because the compiler
+    /// leaves out modules not connected to an output.
     fn links(&mut self, n: usize, links: usize) -> Vec<(usize, usize)> {
         let mut degree = vec![0; n];
         let mut all = Vec::new();
@@ -85,14 +83,14 @@ impl Numbers {
     }
 }
 
-/// The links of a grid of `n` × `n`, along its rows, then across.
+/// Returns the links of a grid of `n` × `n`, along its rows, then across.
 fn grid(n: usize) -> impl Iterator<Item = (usize, usize)> {
     let along = (0..n).flat_map(move |j| (1..n).map(move |i| (j * n + i - 1, j * n + i)));
     let across = (1..n).flat_map(move |j| (0..n).map(move |i| ((j - 1) * n + i, j * n + i)));
     along.chain(across)
 }
 
-/// A string.
+/// Makes a string.
 pub fn string(n: usize) -> Net {
     let mut net = Net::new(&format!("string {n}"), false);
     let row = Numbers(1).string(&mut net, n);
@@ -100,7 +98,7 @@ pub fn string(n: usize) -> Net {
     net
 }
 
-/// A mesh with free edges.
+/// Makes a mesh with free edges.
 pub fn mesh(n: usize) -> Net {
     let mut net = Net::new(&format!("mesh {n}×{n}"), false);
     let all = Numbers(2).mesh(&mut net, n);
@@ -108,7 +106,7 @@ pub fn mesh(n: usize) -> Net {
     net
 }
 
-/// Masses joined at random.
+/// Makes masses joined at random.
 pub fn random(masses: usize, links: usize) -> Net {
     let mut net = Net::new(&format!("random {masses}/{links}"), false);
     let mut r = Numbers(3);
@@ -127,7 +125,7 @@ pub fn random(masses: usize, links: usize) -> Net {
 const HAMMER: Kind = Kind::Cel { k: 2.2e-4, z: 2e-4 };
 const BELOW: f64 = -2e-3;
 
-/// Three strings on a mesh, struck by eight hammers each way, one of them bowed.
+/// Makes three strings on a mesh, struck by eight hammers each way, with one of the strings bowed.
 pub fn mixture() -> Net {
     let mut net = Net::new("mixture", false);
     let mut r = Numbers(4);
@@ -141,7 +139,7 @@ pub fn mixture() -> Net {
         let hammer = net.mat(HAMMER, 5.0, BELOW);
         net.lia(Law::Hrz(1.3, 0.0), hammer, mesh[10 * (1 + i) + 2 + i % 5]);
     }
-    // too heavy to be slowed
+    // too heavy to be slowed down
     let bow = net.mat(Kind::Mas, 1e9, 0.0);
     net.mats[bow].v[0] = 4e-6;
     net.lia(Law::Bow(9e-8, 1e-6), strings[0][9], bow);
@@ -152,7 +150,7 @@ pub fn mixture() -> Net {
     net
 }
 
-/// Cells, all of them heard.
+/// Makes cells, each with an output.
 pub fn cells(n: usize) -> Net {
     let mut net = Net::new(&format!("{n} CEL, {n} SOX"), false);
     for i in 0..n {
@@ -163,7 +161,7 @@ pub fn cells(n: usize) -> Net {
     net
 }
 
-/// Twelve strings of 30 masses on one bridge, struck by twelve felt hammers, one after the other.
+/// Makes twelve strings of 30 masses on one bridge, struck by twelve felt hammers, one after the other.
 pub fn piano() -> Net {
     let mut net = Net::new("piano 12×30", false);
     let mut r = Numbers(5);
@@ -179,7 +177,7 @@ pub fn piano() -> Net {
     net
 }
 
-/// Masses in space, and the springs between them, a hundredth longer than these let them be.
+/// Makes masses in space, with springs between them that are a hundredth shorter than their distances.
 fn space(name: &str, places: &[[f64; 3]], links: impl Iterator<Item = (usize, usize)>, r: &mut Numbers) -> Net {
     let mut net = Net::new(name, true);
     for x in places {
@@ -195,7 +193,7 @@ fn space(name: &str, places: &[[f64; 3]], links: impl Iterator<Item = (usize, us
     net
 }
 
-/// A cloth in space, not quite flat.
+/// Makes a cloth in space, not quite flat.
 pub fn cloth(n: usize) -> Net {
     let mut r = Numbers(6);
     let at = |k: usize, r: &mut Numbers| [0.01 * (k / n) as f64, 0.01 * (k % n) as f64, 5e-4 * r.next()];
@@ -203,7 +201,7 @@ pub fn cloth(n: usize) -> Net {
     space(&format!("cloth {n}×{n}, 3-D"), &places, grid(n), &mut r)
 }
 
-/// Masses in space joined at random.
+/// Makes masses in space joined at random.
 pub fn random_space(masses: usize, links: usize) -> Net {
     let mut r = Numbers(7);
     let places: Vec<_> = (0..masses).map(|_| [r.next(), r.next(), r.next()]).collect();
@@ -211,7 +209,8 @@ pub fn random_space(masses: usize, links: usize) -> Net {
     space(&format!("random {masses}/{links}, 3-D"), &places, links_at.into_iter(), &mut r)
 }
 
-/// Grains in a shell, all pairs of which may touch: on a grid of `n` × `n` × `n` at first, each flying its way.
+/// Makes grains in a shell, with contacts between all pairs: first on a grid of `n` × `n` × `n`, each with its own
+/// velocity.
 pub fn grains(n: usize) -> Net {
     let mut net = Net::new(&format!("{} grains, 3-D", n * n * n), true);
     let mut r = Numbers(8);
@@ -239,7 +238,7 @@ pub fn grains(n: usize) -> Net {
     net
 }
 
-/// What a stencil plays: all alike, ends or edges fixed.
+/// Makes the network of a stencil: all modules equal, with fixed ends or edges.
 pub fn alike(mesh: bool, n: usize, damped: bool) -> Net {
     let mut net = Net::new("all alike", false);
     let link = Law::Ref(STIFF, if damped { VISCOUS } else { 0.0 }, 0.0);

@@ -1,10 +1,11 @@
-//! The page `docs/measured/peers.md`, or `peers-avx2.md` where there is no AVX-512: the table of times, that of ratios beside what is expected, and how rows are written.
+//! Page `docs/measured/peers.md`, or `peers-avx2.md` without AVX-512: the table of times, the table of ratios with
+//! their expectations, and the format of rows.
 
 use super::build::Without;
 use super::{Case, Target};
 use std::fmt::Write as _;
 
-/// Who plays, in the order of the columns.
+/// Players, in the order of the columns.
 pub const PEERS: [&str; 9] = [
     "Faust, clang",
     "Faust, g++",
@@ -17,47 +18,47 @@ pub const PEERS: [&str; 9] = [
     "stencil, undamped",
 ];
 
-/// The columns that are of Faust, of flat C, and the damped stencil.
+/// Columns of Faust, of flat C, and of the damped stencil.
 const FAUST: [usize; 2] = [0, 1];
 const FLAT: [usize; 2] = [2, 3];
 const STENCIL: usize = 7;
 
-/// The time of a tick \[ns\], or why there is none.
+/// Time of a tick \[ns\], or the reason why there is none.
 pub type Time = Result<f64, Without>;
 
-/// What was measured of a network.
+/// Measurements of a network.
 pub struct Row {
-    /// its name
+    /// Name of the network.
     pub name: String,
-    /// its MATs and LIAs, of grains each pair that may touch
+    /// Number of MATs and LIAs; for grains with each pair that may touch.
     pub modules: usize,
-    /// a tick of the engine \[ns\]
+    /// Time of a tick of the engine \[ns\].
     pub engine: f64,
-    /// those of [`PEERS`], `None` where one does not play such a network
+    /// Times of [`PEERS`], `None` for a peer that cannot play the network.
     pub peers: [Option<Time>; PEERS.len()],
-    /// what is expected
+    /// Expectation.
     pub target: Target,
 }
 
-/// A figure beside what is expected of it, and whether it is so.
+/// A figure with its expectation.
 pub struct Claim {
-    /// what is counted
+    /// Name of the figure.
     pub what: &'static str,
-    /// what was measured
+    /// Measured value.
     pub is: f64,
-    /// what is expected, `true` for at least
+    /// Expected value, with `true` for at least.
     pub target: Option<(f64, bool)>,
 }
 
 impl Claim {
-    /// Whether it is as expected; `None` where nothing is.
+    /// Returns true if it is as expected; `None` if nothing is expected.
     pub fn holds(&self) -> Option<bool> {
         self.target.map(|(target, least)| if least { self.is >= target } else { self.is <= target })
     }
 }
 
 impl Row {
-    /// Without times yet.
+    /// Makes a row without times.
     pub fn new(case: &Case) -> Row {
         let (name, modules, target) = (case.net.name.clone(), case.net.modules(), case.target);
         Row { name, modules, engine: f64::INFINITY, peers: [const { None }; PEERS.len()], target }
@@ -68,7 +69,7 @@ impl Row {
         times.copied().min_by(f64::total_cmp)
     }
 
-    /// The figures of the second table, in its order; `None` where there is nothing to compare with.
+    /// Returns the figures of the second table, in order; `None` without a peer to compare with.
     pub fn claims(&self, wide: bool) -> [Option<Claim>; 4] {
         let t = &self.target;
         let faust = t.faust_avx2.filter(|_| !wide).or(t.faust);
@@ -76,7 +77,7 @@ impl Row {
         let most = |v: Option<f64>| v.map(|v| (v, false));
         let times = |what, of: &[usize], target| self.best(of).map(|b| Claim { what, is: b / self.engine, target });
         [
-            // ns are expected of a machine with AVX-512; ratios of all
+            // times are expected only with AVX-512, ratios on any machine
             Some(Claim {
                 what: "ns a module",
                 is: self.engine / self.modules as f64,
@@ -93,7 +94,7 @@ impl Row {
     }
 }
 
-/// The text above the tables.
+/// Text above the tables.
 pub const HEAD: &str = "# Beside other ways to play the same
 
 Made by `UPDATE=1 cargo bench -p ca-benches --bench peers`: do not edit.
@@ -114,7 +115,7 @@ and last; ns are of one machine. A module is a MAT or a LIA; of
 grains each pair that may touch is one, though only those that are near are computed by the engine.
 ";
 
-/// The text below the tables: why some networks fall short.
+/// Text below the tables, about networks below expectation.
 pub const SHORT: &str = "
 What is short of what is expected, by passes (`ca check --schedule`), counted instructions (`benches/counts/run`) and what was
 tried:
@@ -165,7 +166,7 @@ fn claim(claim: Option<&Claim>) -> String {
     }
 }
 
-/// The whole page; `machine` says whose times these are and by which compilers, `wide` whether it has AVX-512.
+/// Makes the page; `machine` describes the machine and the compilers, `wide` is true with AVX-512.
 pub fn page(rows: &[Row], machine: &str, wide: bool) -> String {
     let mut t = format!("{HEAD}\n{machine}\n\n## Time of a tick [ns]\n\n| network | modules | ca |");
     for peer in PEERS {

@@ -1,4 +1,4 @@
-//! Who plays a network: the engine in this process, or a peer that is asked by lines.
+//! Players of a network: the engine in this process, or a peer that receives requests line by line.
 
 use super::net::Net;
 use super::write;
@@ -9,37 +9,37 @@ use std::io::{BufRead as _, BufReader, Error, Write as _};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-/// Ticks before the clock starts, and ticks of a call: those of `benches/peers/player.h`.
+/// Ticks before the clock starts, as in `benches/peers/player.h`.
 pub const WARM: usize = 1024;
-/// Ticks of a call.
+/// Ticks per call, as in `benches/peers/player.h`.
 pub const BLOCK: usize = 64;
 
 /// Plays one network.
 pub trait Player {
-    /// What is heard in the first ticks.
+    /// Returns the output of the first ticks.
     ///
     /// # Errors
-    /// Where a process has ended.
+    /// If a process has ended.
     fn hear(&mut self, ticks: usize) -> Result<Vec<f64>, Error>;
 
-    /// Processor time of so many ticks \[ns\], after [`WARM`] of them from the start.
+    /// Returns the processor time of `ticks` ticks \[ns\], after [`WARM`] ticks from the start.
     ///
     /// # Errors
-    /// Where a process has ended.
+    /// If a process has ended.
     fn time(&mut self, ticks: usize) -> Result<f64, Error>;
 }
 
-/// The engine: a model loaded, compiled and played as by any program that has it as a library.
+/// The engine: a model loaded, compiled and played as by any program with the engine as a library.
 ///
-/// Decides for one state that is set back, not for a new one each round: a peer has its memory where it was given it at its
-/// start, and both are started equally often.
+/// Each round resets the same state, because a peer keeps the memory that it was given at its start. Both are started
+/// equally often.
 pub struct Engine {
     scene: Scene,
     state: State,
 }
 
 impl Engine {
-    /// From the model of a network; a finding is a defect of the bench.
+    /// Compiles the model of a network; panics on errors in it.
     pub fn new(net: &Net) -> Engine {
         let loaded = Loaded::read(&write::model(net), "peer.ca.toml");
         let compiled = loaded.compile(&Options::default());
@@ -47,8 +47,8 @@ impl Engine {
         Engine { state: scene.state(), scene }
     }
 
-    /// The same network with every MAT at its place in the first sample and with the step that leads there: peers begin as
-    /// the engine does, which takes half the force of the first tick off the step at load.
+    /// Returns the network with the position of every MAT in the first sample and the step that leads there. Peers thus
+    /// start like the engine, which subtracts half the force of the first tick from the step at load.
     pub fn started(&self, net: &Net) -> Net {
         let (mut started, state) = (net.clone(), &self.scene.initial);
         for symbol in &self.scene.symbols {
@@ -66,7 +66,7 @@ impl Engine {
         started
     }
 
-    /// Modules that are computed, all pairs of a line as one.
+    /// Returns the number of modules computed, with all pairs of a line as one.
     pub fn modules(&self) -> usize {
         self.scene.symbols.len()
     }
@@ -103,7 +103,7 @@ impl Player for Engine {
     }
 }
 
-/// A peer; it ends with its input.
+/// A peer process; it ends when its input ends.
 pub struct Peer {
     child: Child,
     asked: Option<ChildStdin>,
@@ -111,10 +111,10 @@ pub struct Peer {
 }
 
 impl Peer {
-    /// Starts a program with what it is to play.
+    /// Starts a program with the file that it plays.
     ///
     /// # Errors
-    /// Where it does not start.
+    /// If it does not start.
     pub fn start(command: &[&Path], what: &Path) -> Result<Peer, Error> {
         let [program, args @ ..] = command else { return Err(Error::other("no program")) };
         let mut child =
@@ -157,11 +157,12 @@ impl Drop for Peer {
     }
 }
 
-/// How far two sounds are from each other, of the largest value of the first; not a number where one of them has one.
+/// Returns the largest difference of two sounds, relative to the largest value of the first; NaN if either contains
+/// NaN.
 pub fn apart(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
     let top = a.iter().fold(0.0, |top: f64, v| top.max(v.abs()));
-    // `max` would pass over what is not a number, and any comparison forgets it at the next one
+    // `max` ignores NaN, and a plain comparison loses it at the next value
     let most = a
         .iter()
         .zip(b)

@@ -1,12 +1,13 @@
-//! A network as a model, as the table the peers read, and as a Faust program: the same numbers in each, to the last bit.
+//! Writes a network as a model, as the table that the peers read, and as a Faust program, with the same numbers to the
+//! last bit.
 
 use super::net::{Kind, Law, Net};
 use std::fmt::Write as _;
 
-/// The group of what is in space.
+/// Group of the modules in space.
 const GROUP: &str = "air";
 
-/// A model, one line a module, as `ca` reads it.
+/// Returns a model for `ca`, one line a module.
 pub fn model(net: &Net) -> String {
     let mut t = String::from("[model]\nunits = \"alg\"\n");
     let group = if net.space { format!("{GROUP}.") } else { String::new() };
@@ -24,7 +25,7 @@ pub fn model(net: &Net) -> String {
                 Kind::Mas => format!("m = {:?}, ", m.m),
                 Kind::Cel { k, z } => format!("m = {:?}, k = {k:?}, z = {z:?}, ", m.m),
             };
-            // what is in space stands where it is at rest
+            // in space, `x` is also the rest position
             let place = match (net.space, m.kind) {
                 (true, Kind::Sol) => format!("x = {:?}", m.x),
                 (true, _) => format!("x = {:?}, v = {:?}", m.x, m.v),
@@ -93,7 +94,7 @@ fn parameters(law: Law, space: bool) -> String {
     }
 }
 
-/// The table of `benches/peers/table.h`.
+/// Returns the table for `benches/peers/table.h`.
 pub fn table(net: &Net) -> String {
     let axes = if net.space { 3 } else { 1 };
     let mut t = format!("{axes} {} {} {}\n", net.mats.len(), net.lias.len(), net.heard.len());
@@ -125,12 +126,12 @@ pub fn table(net: &Net) -> String {
     t
 }
 
-/// A Faust program of the modules of mi.lib; `None` in space, which that library does not have. Its Hertz contact is
-/// ours, since the library has none.
+/// Returns a Faust program with modules from mi.lib; `None` in space, which that library lacks. The Hertz contact is
+/// written out, since the library has none.
 ///
-/// A module is given its places one and two samples before the first, and no link acts in the step to that. A link is given
-/// the places before the first sample with their signs turned: the library adds them where it should
-/// take them away (`tests/suite/outside/peers.rs`).
+/// A module takes its positions one and two samples before the first; no link acts in the step to the first sample. A
+/// link takes the positions before the first sample with inverted sign, because the library adds them where it should
+/// subtract them (`tests/suite/outside/peers.rs`).
 pub fn faust(net: &Net) -> Option<String> {
     if net.space {
         return None;
@@ -167,7 +168,7 @@ pub fn faust(net: &Net) -> Option<String> {
 fn module(m: &super::net::Mat) -> String {
     let now = m.x[0] - m.v[0];
     let (k, z) = if let Kind::Cel { k, z } = m.kind { (k, z) } else { (0.0, 0.0) };
-    // what the module alone makes of these two is the first sample
+    // the module alone gives the first sample from these two
     let before = (m.x[0] - (2.0 - (k + z) / m.m) * now) / (z / m.m - 1.0);
     match m.kind {
         Kind::Mas => format!("mi.mass({:?}, 0, {now:?}, {before:?})", m.m),
@@ -182,7 +183,7 @@ fn link(net: &Net, l: &super::net::Lia) -> String {
         Law::Ref(k, z, _) => format!("mi.springDamper({k:?}, {z:?}, {a:?}, {b:?})"),
         Law::But(k, z, d) | Law::Inside(k, z, d) => format!("mi.collision({k:?}, {z:?}, {d:?}, {a:?}, {b:?})"),
         Law::Hrz(k, d) => format!("hertz({k:?}, {d:?})"),
-        // its curve is 0.63 z v exp(1/2 - 4 (v/scale)²)
+        // the curve of the library is 0.63 z v exp(1/2 - 4 (v/scale)²)
         Law::Bow(f, v0) => format!("mi.nlBow({:?}, {:?}, 1, {a:?}, {b:?})", f / (0.63 * v0), 8_f64.sqrt() * v0),
     }
 }

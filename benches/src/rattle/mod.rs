@@ -1,5 +1,5 @@
-//! The rattle of the reference cases C05 and C06: three pyramids in a hollow sphere which is one mass, without
-//! damping. How its energy fares tells how stiff a contact may be.
+//! Rattle of the reference cases C05 and C06: three pyramids in a hollow sphere, which is one mass, without damping.
+//! The drift of its energy shows how stiff a contact may be.
 
 pub mod page;
 
@@ -9,17 +9,17 @@ use ca_core::{Scene, tick};
 use std::fmt::Write as _;
 use std::time::Instant;
 
-/// Length of an edge \[m\].
+/// Length of an edge of a pyramid \[m\].
 const EDGE: f64 = 0.02;
 /// Mass of a corner \[kg\].
 const CORNER: f64 = 1e-3;
 /// Sound rate \[Hz\].
 const RATE: f64 = 48e3;
-/// More energy than this many times that of the start is a scene that has diverged.
+/// Ratio of the energy to that at the start, beyond which a scene has diverged.
 const BLOWN: f64 = 1e7;
 
-/// The model: contacts of stiffness kT²/m = `a` by `method`, velocities drawn with `seed`. Corners of different pyramids
-/// keep 4 mm apart.
+/// Returns the model with contacts of stiffness kT²/m = `a` by `method`, and velocities from `seed`. Corners of
+/// different pyramids stay 4 mm apart.
 pub fn text(a: f64, method: &str, seed: u64) -> String {
     let mut rng = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1;
     let mut roll = || {
@@ -63,22 +63,22 @@ fn built(a: f64, method: &str, seed: u64, energy: bool) -> Scene {
     compiled(&model(&text(a, method, seed)), KernelClass::Fast, energy)
 }
 
-/// How the energy of a run fared.
+/// Energy of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Fared {
-    /// energy at the end, or when it diverged, over that at the start
+    /// Energy at the end, or at the divergence, relative to the start.
     pub end: f64,
-    /// largest |E/E₀ − 1| at any tick
+    /// Largest |E/E₀ − 1| at any tick.
     pub worst: f64,
-    /// largest |energy that does not add up| over that at the start
+    /// Largest |residual| relative to the energy at the start.
     pub residual: f64,
-    /// largest |energy made| of a contact over that at the start
+    /// Largest |energy made| by a contact, relative to the energy at the start.
     pub made: f64,
-    /// played so long \[s\]
+    /// Time played \[s\].
     pub seconds: f64,
 }
 
-/// Plays the rattle for `seconds`, or until it diverges, with the energy ledger kept.
+/// Plays the rattle for `seconds`, or until it diverges, with the energy ledger.
 pub fn fares(a: f64, method: &str, seed: u64, seconds: f64) -> Fared {
     let scene = built(a, method, seed, true);
     let mut s = scene.state();
@@ -104,7 +104,7 @@ pub fn fares(a: f64, method: &str, seed: u64, seconds: f64) -> Fared {
     f
 }
 
-/// Time of a tick without the energy ledger \[ns\], the best of three runs of `seconds`.
+/// Returns the time of a tick without the energy ledger \[ns\], the best of three runs of `seconds`.
 pub fn costs(a: f64, method: &str, seed: u64, seconds: f64) -> f64 {
     let scene = built(a, method, seed, false);
     let ticks = (seconds * RATE) as u64;

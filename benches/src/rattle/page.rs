@@ -1,4 +1,4 @@
-//! The page `docs/measured/rattle-energy.md`: how a run is written in a cell, so that a test finds it there again.
+//! Page `docs/measured/rattle-energy.md`: the format of its cells, which a test compares with the page.
 
 use super::Fared;
 use std::fmt::Write as _;
@@ -22,17 +22,17 @@ what it is. Played for 10 s at 48 kHz from three draws of the velocities.
 |---|---|---|---|---|
 ";
 
-/// The energy of an explicit run.
+/// Formats the energy of an explicit run.
 pub fn ended(f: &Fared) -> String {
     if f.worst.is_finite() { format!("{:.4}", f.end) } else { format!("diverged after {:.2} s", f.seconds) }
 }
 
-/// The energy of a stable run.
+/// Formats the energy of a stable run.
 pub fn strayed(f: &Fared) -> String {
     format!("{:.1e}", f.worst)
 }
 
-/// One row of the table; `None` where there is no time.
+/// Formats a row of the table; `None` stands for a time that was not measured.
 pub fn row(a: f64, explicit: &[Fared], first: Option<f64>, stable: &[Fared], second: f64) -> String {
     let cells = |of: fn(&Fared) -> String, runs: &[Fared]| runs.iter().map(of).collect::<Vec<_>>().join(", ");
     let mut t = String::new();
@@ -42,7 +42,7 @@ pub fn row(a: f64, explicit: &[Fared], first: Option<f64>, stable: &[Fared], sec
     t
 }
 
-/// The whole page.
+/// Makes the page.
 pub fn page(table: &str) -> String {
     format!("{HEAD}{table}")
 }

@@ -1,7 +1,7 @@
 //! Error against run time of a model, over methods and rates.
 //!
-//! Decides to compare what the outputs listen to, not what they give: gains, high and low passes are the same for all
-//! ways, and those that hang on the rate would be counted as errors of the scheme.
+//! The values that outputs read are compared, before gains and filters: filters are the same for all candidates, and
+//! their dependence on the rate would count as an error of the scheme.
 #![forbid(unsafe_code)]
 
 pub mod bench;
@@ -29,91 +29,90 @@ pub use reference::Origin;
 use reference::Reference;
 use score::Score;
 
-/// Candidates are timed in turn, so often, and each time as long as this \[ns\] or once; the quickest time of each counts: the
-/// others were disturbed.
+/// Rounds of timing, and least time per candidate and round \[ns\]. The fastest counts: the others were disturbed.
 const ROUNDS: usize = 4;
 const TURN: f64 = 1e7;
 
-/// The highest rate that a model is compiled for \[Hz\].
+/// Highest rate at which a model is compiled \[Hz\].
 const HIGHEST: f64 = 1e7;
 
-/// Samples that are kept of each candidate, of all probes together; beyond it a model is played less long.
+/// Maximum number of samples per candidate, over all probes; it limits the duration.
 const MOST: f64 = 5e7;
 
-/// What a section of a page is called.
+/// Title of the section.
 pub const TITLE: &str = "Error against run time";
 
-/// As long as a model is played if nothing is said \[s\].
+/// Longest default duration \[s\].
 const LONGEST: f64 = 1.0;
 
-/// A candidate, measured.
+/// Measured candidate.
 pub struct MethodRow {
-    /// its name
+    /// Name of the method.
     pub method: &'static str,
-    /// multiple of the rate
+    /// Multiple of the rate.
     pub times: u32,
-    /// how far it is from the reference
+    /// Distance from the reference.
     pub score: Score,
-    /// time of one sample of the model's own rate \[ns\]
+    /// Time per sample at the rate of the model \[ns\].
     pub ns: f64,
-    /// what is certified of it
+    /// Level of its certificate.
     pub level: Level,
-    /// the energy ledger at its end, where there is one
+    /// Energy ledger at the end, if there is one.
     balance: Option<Balance>,
-    /// nothing is both more exact and quicker
+    /// True if no other candidate beats it in both error and time.
     pub front: bool,
 }
 
 impl MethodRow {
-    /// As people call it.
+    /// Display name.
     pub fn name(&self) -> String {
         if self.times == 1 { self.method.into() } else { format!("{} x{}", self.method, self.times) }
     }
 
-    /// Energy that the scheme makes, relative to what there was.
+    /// Energy made by the scheme, relative to the peak of the energy.
     pub fn energy_error(&self) -> Option<f64> {
         self.balance.filter(|b| b.peak > 0.0).map(|b| (b.scheme_error.abs() + b.residual.abs()) / b.peak)
     }
 }
 
-/// What is to be measured.
+/// Options of a measurement.
 pub struct AccuracyOptions<'a> {
-    /// the sound rate \[Hz\]; that of the model if none
+    /// Sound rate \[Hz\]; as the model if `None`.
     pub rate: Option<f64>,
-    /// what is listened to
+    /// Probes to compare.
     pub probes: &'a [String],
-    /// how long \[s\]; that of the model up to one second if none
+    /// Duration \[s\]; as the model, up to one second, if `None`.
     pub seconds: Option<f64>,
-    /// multiples of the rate
+    /// Multiples of the rate.
     pub times: &'a [u32],
-    /// the multiple of the reference
+    /// Multiple of the rate for the reference.
     pub reference: u32,
-    /// what to do where nothing moves
+    /// Advice in the message for a model in which nothing moves.
     pub remedy: &'static str,
-    /// called now and then with how many steps of how many are done; false where no more is wanted
+    /// Called regularly with the number of finished steps and of all steps; false stops the measurement.
     pub progress: &'a mut dyn FnMut(u64, u64) -> bool,
 }
 
-/// All that was measured.
+/// Result of a measurement.
 pub struct Measured {
-    /// a candidate each
+    /// One row per candidate.
     pub rows: Vec<MethodRow>,
-    /// what they are held against
+    /// Reference of the comparison.
     pub reference: Reference,
-    /// the sound rate \[Hz\]
+    /// Sound rate \[Hz\].
     pub rate: f64,
-    /// samples that were played
+    /// Samples played.
     pub frames: usize,
-    /// methods that the model cannot take, and why
+    /// Methods that the model cannot use, with the reason.
     pub refused: Vec<(&'static str, String)>,
-    /// what the compiler warns of with a method, and not without it
+    /// Warnings that the compiler gives only with a method.
     pub warned: Vec<(&'static str, String)>,
 }
 
 /// Measures a model.
 ///
 /// # Errors
-/// Where it does not compile, where nothing moves, and where no more is wanted.
+/// If the model does not compile, if nothing moves, or if `progress` returns false.
 pub fn measured(loaded: &Loaded, ask: &mut AccuracyOptions) -> Result<Measured, Failure> {
     let probes = ask.probes.to_vec();
     let scene = loaded.compile(&Options { rate: ask.rate, probes: probes.clone(), ..Options::default() })?;
@@ -160,8 +159,8 @@ pub fn measured(loaded: &Loaded, ask: &mut AccuracyOptions) -> Result<Measured, 
     Ok(Measured { rows, reference, rate, frames, refused: candidates.refused, warned: candidates.warned })
 }
 
-/// The outputs of a model by name, one for each thing that is heard: as a probe, the name of an output is what it hears
-/// along its direction, before gain and filters.
+/// Returns the names of the outputs of a model, one for each distinct source. As a probe, the name of an output reads
+/// its source along its direction, before gain and filters.
 pub fn heard(model: &Model) -> Vec<String> {
     let mut all = Vec::new();
     let mut known: Vec<(&str, [Option<&Value>; 2])> = Vec::new();
@@ -176,7 +175,7 @@ pub fn heard(model: &Model) -> Vec<String> {
     all
 }
 
-/// Which probe each column is of: the axes of one place in space are one probe, whose error is a distance.
+/// Returns the probe index of each column. The axes of one place in space are one probe, whose error is a distance.
 fn bodies(scene: &Scene) -> Vec<usize> {
     let place = |name: &str| match name.rsplit_once('.') {
         Some((place, "x" | "y" | "z")) => place.to_owned(),
@@ -193,7 +192,6 @@ fn bodies(scene: &Scene) -> Vec<usize> {
     of
 }
 
-/// How far it is, and whether anybody still wants it.
 struct Steps<'a> {
     done: u64,
     of: u64,
@@ -201,19 +199,16 @@ struct Steps<'a> {
 }
 
 impl Steps<'_> {
-    /// One more is done.
     fn step(&mut self) -> Result<(), Failure> {
         self.done += 1;
         self.look()
     }
 
-    /// Whether to go on.
     fn look(&mut self) -> Result<(), Failure> {
         if (self.tell)(self.done, self.of) { Ok(()) } else { Err(Failure::Stopped) }
     }
 }
 
-/// Plays a candidate and scores it.
 fn row(
     candidate: &Candidate,
     reference: &Reference,
@@ -234,7 +229,7 @@ fn row(
     })
 }
 
-/// The quickest time of a sample in one turn of a way \[ns\].
+/// Returns the fastest time per sample of a candidate in one round \[ns\].
 fn turn(candidate: &Candidate, frames: usize, steps: &mut Steps) -> Result<f64, Failure> {
     let (mut best, mut whole) = (f64::INFINITY, 0.0);
     while whole < TURN {
@@ -244,7 +239,7 @@ fn turn(candidate: &Candidate, frames: usize, steps: &mut Steps) -> Result<f64, 
     Ok(best)
 }
 
-/// Marks what nothing beats in both error and time.
+/// Marks candidates that no other beats in both error and time.
 fn mark(rows: &mut [MethodRow]) {
     for i in 0..rows.len() {
         let (e, t) = (rows[i].score.error, rows[i].ns);
@@ -256,14 +251,14 @@ fn mark(rows: &mut [MethodRow]) {
     }
 }
 
-/// A number in a table.
+/// Formats a number for a table.
 fn small(v: f64) -> String {
     if v.is_finite() { format!("{v:.1e}") } else { "-".into() }
 }
 
 impl Measured {
-    /// The cheapest candidate with at most this error; among those that are not known to be unstable. None where the reference
-    /// is not known as well as that: errors below it are not distinguished.
+    /// Returns the cheapest candidate with at most this error, except unstable ones. Returns `None` where the error of
+    /// the reference is greater, so that smaller errors cannot be distinguished.
     pub fn cheapest(&self, error: f64) -> Option<&MethodRow> {
         if self.reference.known > error {
             return None;
@@ -272,7 +267,7 @@ impl Measured {
         good.min_by(|a, b| a.ns.total_cmp(&b.ns))
     }
 
-    /// In words, what all methods are compared with.
+    /// Describes the reference in words.
     pub fn origin(&self) -> String {
         let (known, method) = (self.reference.known, self.reference.method);
         let by = if method == AS_WRITTEN { String::new() } else { format!(" by {method}") };
@@ -287,12 +282,12 @@ impl Measured {
         }
     }
 
-    /// As long as it was played \[s\].
+    /// Duration played \[s\].
     pub fn seconds(&self) -> f64 {
         self.frames as f64 / self.rate
     }
 
-    /// A row of the table.
+    /// Returns a row of the table.
     pub fn cells(&self, r: &MethodRow) -> Vec<String> {
         let under = r.score.error < self.reference.known;
         vec![
@@ -308,11 +303,11 @@ impl Measured {
         ]
     }
 
-    /// What a row says.
+    /// Head of the table.
     pub const HEAD: [&'static str; 9] =
         ["method", "error", "spectrum", "cents", "decay dB", "energy", "ns/sample", "x real time", "stability"];
 
-    /// The plot, the table, and what is to be said of methods.
+    /// Returns the plot, the table and the remarks on methods.
     pub fn section(&self) -> Section {
         let points = self.rows.iter().map(|r| Point {
             name: r.name(),

@@ -1,7 +1,7 @@
-//! The candidates, ways to compute a model: methods its modules know, and single precision, at multiples of its rate.
+//! Candidates: the methods that the modules of a model know, and single precision, at multiples of its rate.
 //!
-//! Decides that a method is asked for as an author would, by a word in the model: what the compiler refuses is no way, and
-//! what it would do anyway is no second one.
+//! A method is set as an author would, by a word in the model. A method that the compiler refuses is not a candidate,
+//! nor is one that leads to the same scene as another.
 
 use super::Steps;
 use super::play::{self, Columns};
@@ -13,20 +13,19 @@ use ca_lab::catalog;
 use ca_lab::load::{self, Loaded};
 use ca_model::diag::Severity;
 
-/// The method of a model that nothing is asked of.
+/// Name of the method of an unchanged model.
 pub const AS_WRITTEN: &str = "as written";
 
-/// A method for the whole model.
+/// Method for the whole model.
 struct Method {
-    /// as people call it
     name: &'static str,
-    /// of the model: method and θ
+    /// Method and θ of the model.
     linear: Option<(&'static str, Option<&'static str>)>,
-    /// of all modules that know this word
+    /// Method of all modules that know this word.
     word: Option<&'static str>,
 }
 
-/// All there are, the model as it is first.
+/// All methods, the unchanged model first.
 const METHODS: [Method; 10] = [
     Method { name: AS_WRITTEN, linear: None, word: None },
     Method { name: "centred", linear: Some(("centred", None)), word: None },
@@ -40,22 +39,18 @@ const METHODS: [Method; 10] = [
     Method { name: "newton", linear: None, word: Some("newton") },
 ];
 
-/// A way to compute a model.
 pub struct Candidate {
-    /// its name
     pub method: &'static str,
-    /// multiple of the rate
     pub times: u32,
-    /// what runs
     pub scene: Scene,
-    /// the same with the energy ledger
+    /// The scene with the energy ledger.
     pub audited: Option<Scene>,
-    /// the same in single precision, which runs in its place
+    /// The scene in single precision, played instead if present.
     pub single: Option<Scene<f32>>,
 }
 
 impl Candidate {
-    /// Plays it: what its probes read, and the nanoseconds of a sample.
+    /// Plays it and returns what its probes read, and the time per sample \[ns\].
     pub fn play(&self, frames: usize, steps: &mut Steps) -> Result<(Columns, f64), Failure> {
         match &self.single {
             Some(scene) => single::columns(scene, &self.scene, (frames, self.times), steps),
@@ -64,7 +59,7 @@ impl Candidate {
     }
 }
 
-/// The model by the method of this name; `None` where no module knows its word.
+/// Returns the model with the method of this name; `None` where no module knows its word.
 pub fn with_method(loaded: &Loaded, name: &str) -> Option<Loaded> {
     let method = METHODS.iter().find(|m| m.name == name)?;
     let mut model = loaded.model.clone();
@@ -97,18 +92,16 @@ pub fn with_method(loaded: &Loaded, name: &str) -> Option<Loaded> {
     })
 }
 
-/// All there are.
 #[derive(Default)]
 pub struct Candidates {
-    /// those that compile
     pub all: Vec<Candidate>,
-    /// methods that the model cannot take, and why
+    /// Methods that the model cannot use, with the reason.
     pub refused: Vec<(&'static str, String)>,
-    /// what the compiler warns of with a method, and not without it
+    /// Warnings that the compiler gives only with a method.
     pub warned: Vec<(&'static str, String)>,
 }
 
-/// All methods at all multiples of the rate.
+/// Returns all methods at all multiples of the rate.
 pub fn candidates(loaded: &Loaded, probes: &[String], rate: f64, times: &[u32]) -> Candidates {
     let Candidates { mut all, mut refused, mut warned } = Candidates::default();
     let mut known: Vec<&'static str> = Vec::new();
@@ -159,7 +152,7 @@ pub fn candidates(loaded: &Loaded, probes: &[String], rate: f64, times: &[u32]) 
     Candidates { all, refused, warned }
 }
 
-/// True where two scenes run the same passes on the same numbers.
+/// Returns whether two scenes run the same passes on the same numbers.
 fn same(a: &Scene, b: &Scene) -> bool {
     let names = |s: &Scene| {
         s.passes.forces.iter().chain(&s.passes.moves).map(ca_core::internal::op::Op::name).collect::<Vec<_>>()

@@ -1,4 +1,4 @@
-//! A scene played in memory: what its probes read at the samples of the model's own rate, and the time it took.
+//! Plays a scene in memory: the values of its probes at the samples of the model's rate, and the time taken.
 
 use super::Steps;
 use ca_core::{Balance, Real, Scene};
@@ -7,27 +7,26 @@ use ca_io::play::{BLOCK, play};
 use ca_io::player::Player;
 use ca_lab::Failure;
 
-/// A column for each probe.
+/// One column per probe.
 pub type Columns = Vec<Vec<f64>>;
 
-/// The place of the probes in a row of outputs, and the rows that are kept.
+/// Selects probes and samples from rows of outputs.
 #[derive(Clone, Copy)]
 pub struct Kept {
-    /// columns before the probes
+    /// Columns before the probes.
     pub channels: usize,
-    /// all columns
     pub n_out: usize,
-    /// ticks of a sample, which is heard at the first of them
+    /// Ticks per sample; the first of them is stored.
     pub times: u32,
 }
 
 impl Kept {
-    /// Empty columns with room for `frames` samples.
+    /// Allocates empty columns for `frames` samples.
     pub fn columns(self, frames: usize) -> Columns {
         vec![Vec::with_capacity(frames); self.n_out - self.channels]
     }
 
-    /// Keeps rows that end at tick `done`; from tick `known` on nothing is known.
+    /// Stores rows that end at tick `done`; values from tick `known` are NaN.
     pub fn keep(self, all: &mut [Vec<f64>], rows: &[f64], done: u64, known: u64) {
         let width = self.n_out.max(1);
         let first = done - (rows.len() / width) as u64;
@@ -39,12 +38,12 @@ impl Kept {
     }
 }
 
-/// The tick from which on nothing is known of what a player gives.
+/// Returns the tick from which the output of a player is invalid.
 pub fn known<R: Real>(player: &Player<R>) -> u64 {
     if player.diverged { player.state.tick } else { u64::MAX }
 }
 
-/// Plays `frames` samples of `times` ticks; also the nanoseconds of a sample. Samples out of range are NaN.
+/// Plays `frames` samples of `times` ticks. Returns the columns (NaN once diverged) and ns per sample.
 pub fn columns(scene: &Scene, frames: usize, times: u32, steps: &mut Steps) -> Result<(Columns, f64), Failure> {
     let kept = Kept { channels: scene.counts.channels, n_out: scene.counts.n_out, times };
     let mut all = kept.columns(frames);
@@ -56,7 +55,7 @@ pub fn columns(scene: &Scene, frames: usize, times: u32, steps: &mut Steps) -> R
     Ok((all, played.wall.as_nanos() as f64 / frames.max(1) as f64))
 }
 
-/// The energy ledger after `ticks` ticks, or at the last tick within range.
+/// Returns the energy ledger after `ticks` ticks, or at the last tick before a divergence.
 pub fn ledger(scene: &Scene, ticks: u64) -> Option<Balance> {
     let mut p = Performance::new(scene, None).ok()?;
     p.until(ticks, 1);

@@ -1,11 +1,13 @@
-//! What a model should do: by the closed form of its modes, or by itself at a far higher rate.
+//! Reference for a model: the closed form of its modes, or the model itself at a far higher rate.
 //!
-//! Decides for the closed form only where it is all there is: everything linear on lines, damping that couples no modes,
-//! nothing that drives or weighs. Elsewhere three rates, each twice the last, tell the order p at which the model
-//! converges; if it does so as its scheme can ([`highest`]), the last two are carried on to rate infinity by (A − B)/(2^p − 1), and that
-//! step is also how well the reference is known. A model that does not converge (chaos, a jump at every tick) is reported: its
-//! reference is then the finest run, known as well as the last two agree. A method of higher order takes the place of the
-//! model as written where, at an eighth of that rate, it is known better and the two agree within what they are known to.
+//! The closed form is used only where it covers everything: linear modules on lines, damping that does not couple
+//! modes, no inputs and no weight. Otherwise three rates, each twice the last, show the order p at which the model
+//! converges. If that order is possible for its scheme ([`highest`]), the last two are extrapolated to infinite rate by
+//! (A − B)/(2^p − 1), and this step is also the error of the reference. A model that does not converge (chaos, a jump
+//! at every tick) is reported: its reference is the finest run, with the difference of the last two as error.
+//!
+//! A method of higher order replaces the model as written if its error at an eighth of that rate is smaller and both
+//! agree.
 
 use super::Steps;
 use super::methods::{AS_WRITTEN, with_method};
@@ -19,41 +21,41 @@ use ca_lab::catalog;
 use ca_lab::load::{self, Loaded};
 use ca_model::{Entry, Value};
 
-/// Where a reference comes from.
+/// Origin of a reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Origin {
-    /// the modes, in closed form
+    /// Modes in closed form.
     Modes,
-    /// the model at this multiple of the rate, and the order at which it converges
+    /// The model at this multiple of the rate, and its order of convergence.
     Rate(u32, f64),
-    /// the model at this multiple of the rate, which does not converge as a scheme should
+    /// The model at this multiple of the rate, which does not converge like its scheme.
     Open(u32),
 }
 
-/// A reference.
+/// Values to compare with, and how well they are known.
 pub struct Reference {
-    /// what the probes should read, at the samples of the model's own rate
+    /// Values of the probes at the samples of the model's rate.
     pub columns: Columns,
-    /// of which probe each of them is
+    /// Probe of each column.
     pub of: Vec<usize>,
-    /// from where
+    /// Origin of the values.
     pub origin: Origin,
-    /// by which method, where it is the model at a higher rate
+    /// Method of the model, if the origin is a higher rate.
     pub method: &'static str,
-    /// how well it is known, relative
+    /// Relative error.
     pub known: f64,
 }
 
-/// Damping below this couples no modes.
+/// Damping below this does not couple modes.
 const COUPLED: f64 = 1e-9;
 
 /// Links whose force has a bend or a jump.
 const BENDS: [&str; 6] = ["BUT", "HRZ", "PLK", "ATT", "LNL", "BOW"];
 
-/// Methods that leave nothing out and converge faster than others do.
+/// Methods that leave nothing out and may converge faster than the others.
 const FINE: [&str; 3] = ["newton", "centred", "pefrl"];
 
-/// The best there is for so many samples.
+/// Returns the best reference available.
 pub fn reference(
     loaded: &Loaded,
     probes: &[String],
@@ -89,7 +91,7 @@ pub fn reference(
     by(model, method, times)
 }
 
-/// A model at `times` its rate, carried on from there to rate infinity where it converges as a scheme should.
+/// Plays a model at `times` its rate and extrapolates to infinite rate if it converges like its scheme.
 fn carried(
     loaded: &Loaded,
     method: &'static str,
@@ -115,10 +117,11 @@ fn carried(
     Ok(Reference { columns, of: of.to_vec(), origin: Origin::Rate(times, order), method, known: last * step })
 }
 
-/// The largest order of a model's method. A larger measured order is chance: contacts close at other phases of a tick at each rate.
+/// Returns the highest order that the method of a model can have. A higher measured order is chance, since contacts
+/// close at other phases of a tick at each rate.
 fn highest(loaded: &Loaded) -> f64 {
     let model = &loaded.model;
-    // by no method is a force with a bend of fourth order
+    // with a bent force, no method reaches fourth order
     if model.items.iter().any(|i| BENDS.contains(&i.kind.as_str())) {
         return 2.0;
     }
@@ -136,7 +139,7 @@ fn highest(loaded: &Loaded) -> f64 {
     if model.meta.iter().any(fourth) || all.any(fourth) { 4.0 } else { 2.0 }
 }
 
-/// The motion of the modes at the probes; `None` where they are not all there is.
+/// Returns the motion of the modes at the probes; `None` where they do not cover the model.
 fn closed(loaded: &Loaded, probes: &[String], scene: &Scene, frames: usize) -> Option<Columns> {
     let still = scene.inputs.is_empty() && scene.about.gestures.is_empty() && scene.layout.weighed.is_empty();
     let flat = scene.symbols.iter().all(|s| s.axes == 1);
@@ -150,7 +153,7 @@ fn closed(loaded: &Loaded, probes: &[String], scene: &Scene, frames: usize) -> O
         clouds: loaded.clouds.clone(),
         ..Options::default()
     };
-    // what is given by a pitch has that pitch, which the stiffness that a scheme needs for it would miss
+    // a module given by a pitch has exactly that pitch, without the stiffness by which a scheme corrects its warping
     let mut model = loaded.model.clone();
     model.set("model.method", "modal");
     for props in std::iter::once(&mut model.meta).chain(model.groups.iter_mut().map(|g| &mut g.props)) {
@@ -179,7 +182,7 @@ fn closed(loaded: &Loaded, probes: &[String], scene: &Scene, frames: usize) -> O
     Some(columns)
 }
 
-/// Displacement and motion per tick of each mode at load.
+/// Displacement, and motion per tick, of each mode at load.
 fn start(network: &Network, found: &Modes) -> Vec<(f64, f64)> {
     let tick_dt = network.tick_dt;
     let along = |of: &[f64], shape: &[f64]| -> f64 {

@@ -1,10 +1,10 @@
-//! Schedule: the passes of one tick, and the cost of each.
+//! Passes of a tick and their costs.
 //!
-//! Each pass is measured, and compared with the prediction of `ca_compile::cost`: its instructions, times the time of an
-//! instruction on this machine. A pass above its prediction waits for memory or another pass; a pass below it has wider vectors than
-//! the table. A pass runs over and over on a copy of a state in motion, which is renewed before every batch so that nothing
-//! decays to zero or grows. The fastest batch counts, since other programs disturb the others. Passes warm the caches for each
-//! other, so the whole tick is measured too, and the sum of the passes may differ from it.
+//! Each pass is measured and compared with the prediction of `ca_compile::cost`: its instructions times the time per
+//! instruction on this machine. A slower pass waits for memory or another pass; a faster one uses wider vectors than
+//! the table assumes. A pass runs repeatedly on a copy of a state in motion, renewed before each batch so that nothing
+//! decays or grows. The fastest batch counts, since other programs disturb the rest. Passes warm the caches for each
+//! other, so the whole tick is measured too and may differ from the sum of the passes.
 
 use crate::bench;
 use crate::timing::Timing;
@@ -17,47 +17,47 @@ use std::time::{Duration, Instant};
 
 /// Time of play that brings the state into motion \[s\].
 const WARM: f64 = 0.2;
-/// A large scene is played no longer than this for it.
+/// Limit of real time for that play.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// The pass of groups at the gesture rate, and a tick at which a frame begins.
+/// Pass of groups at the gesture rate, and a tick at which a frame begins.
 const GROUP: &str = "gesture group";
 const FIRST: u64 = 1;
 
-/// One pass.
+/// Measured pass.
 #[derive(Clone)]
 pub struct PassRow {
-    /// reads, forces, writes or moves
+    /// Stage of the tick: reads, forces, writes or moves.
     pub stage: &'static str,
-    /// the pass
+    /// The pass.
     pub op: Op,
-    /// its modules
+    /// Number of its modules.
     pub modules: usize,
-    /// time of a tick \[ns\]
+    /// Time per tick \[ns\].
     pub ns: f64,
-    /// instructions of a tick, if the table of costs has the pass
+    /// Instructions per tick, if the cost table has the pass.
     pub instructions: Option<f64>,
 }
 
 /// All passes, and the whole tick.
 #[derive(Clone)]
 pub struct Schedule {
-    /// in the order of the tick
+    /// Passes in the order of the tick.
     pub rows: Vec<PassRow>,
-    /// time of the whole tick \[ns\]
+    /// Time of the whole tick \[ns\].
     pub tick: f64,
-    /// instructions of a tick, without passes that the table of costs does not have
+    /// Predicted instructions of a tick, without passes that the cost table lacks.
     pub instructions: f64,
-    /// time of an instruction on this machine \[ns\]
+    /// Time per instruction on this machine \[ns\].
     pub ns_per_instruction: f64,
-    /// groups at the gesture rate: their step of a frame \[ns\]
+    /// Time of a step of groups at the gesture rate, once per frame \[ns\].
     pub step: Option<f64>,
 }
 
-/// Measures every pass of a tick, and the time of an instruction.
+/// Measures every pass of a tick, and the time per instruction.
 ///
 /// # Errors
-/// If the scene by which an instruction is timed does not compile.
+/// If the reference scene for the time per instruction does not compile.
 pub fn measure(scene: &Scene) -> Result<Schedule, Failure> {
     let mut state = scene.state();
     if let Ok(mut p) = Performance::new(scene, None) {
@@ -92,7 +92,7 @@ pub fn measure(scene: &Scene) -> Result<Schedule, Failure> {
             }
         })
         .collect();
-    // what is done once a frame is not what most ticks do
+    // the step happens once per frame: average over its ticks
     let frame = f64::from(scene.rates.frame);
     let step = rows.iter_mut().find(|r| r.op.name() == GROUP).map(|r| {
         let first = fastest(&state, |s| one(&r.op, scene, s, FIRST));
@@ -105,7 +105,7 @@ pub fn measure(scene: &Scene) -> Result<Schedule, Failure> {
     Ok(Schedule { rows, tick, instructions: cost::of_tick(scene), ns_per_instruction, step })
 }
 
-/// One pass, as if it were always the same tick: some count ticks.
+/// Runs one pass always at the same tick, since some passes count ticks.
 fn one(op: &Op, scene: &Scene, s: &mut State, tick: u64) {
     s.tick = tick;
     (op.kernel)(op, scene, s);
@@ -117,7 +117,7 @@ fn fastest(state: &State, run: impl FnMut(&mut State)) -> f64 {
     Timing::default().fastest(&mut state.clone(), |s| s.clone_from(state), run)
 }
 
-/// The layout of the links of a pass; empty for a pass without links.
+/// Describes the layout of the links of a pass; empty for a pass without links.
 pub fn form(op: &Op) -> String {
     if op.law.is_none() {
         return String::new();
@@ -149,12 +149,12 @@ pub fn form(op: &Op) -> String {
     words.join(" + ")
 }
 
-/// Number of pairs, for a pass that joins all pairs of two sets as one module.
+/// Returns the number of pairs of a pass that joins all pairs of two sets as one module.
 pub fn pairs(scene: &Scene, op: &Op) -> Option<u64> {
     op.ports.pair_set.map(|c| scene.links.pair_sets[c].pairs())
 }
 
-/// Passes that a scene may have, and this one does not need.
+/// Names the optional passes that this scene does not need.
 pub fn absent(scene: &Scene) -> Vec<&'static str> {
     // `high pass of motion` is a high pass too
     let is =

@@ -1,19 +1,19 @@
-//! How far a run is from the reference: as a motion, as a spectrum, in pitch and in decay.
+//! Distance of a run from the reference: as a motion, as a spectrum, in pitch and in decay.
 
 use super::play::Columns;
 use ca_report::Spectrum;
 use ca_report::pitch::{partial, spectrum};
 
-/// What is said of a run.
+/// Scores of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Score {
-    /// ‖x − reference‖ / ‖reference‖ of the worst probe
+    /// ‖x − reference‖ / ‖reference‖ of the worst probe.
     pub error: f64,
-    /// the same of the levels of the spectrum
+    /// The same for the levels of the spectrum.
     pub spectrum: f64,
-    /// how much the strongest partial is too high \[cents\]; none of silence
+    /// Pitch of the strongest partial above the reference \[cents\]; `None` for silence.
     pub cents: Option<f64>,
-    /// how much more the second half is than it should be, against the first \[dB\]
+    /// Excess of the second half over the first, relative to the reference \[dB\].
     pub decay: f64,
 }
 
@@ -21,8 +21,8 @@ fn square(v: impl Iterator<Item = f64>) -> f64 {
     v.map(|v| v * v).sum()
 }
 
-/// ‖a − b‖ / ‖b‖ of the worst probe; of probes that are nothing in `b`, whether they are in `a`. Columns of one probe, of
-/// the same number in `of`, are the axes of one place, and their distance is that of the place.
+/// Returns ‖a − b‖ / ‖b‖ of the worst probe, or ‖a‖ for a probe that is 0 in `b`. Columns with the same number in `of`
+/// are the axes of one probe, which is compared as a vector.
 pub fn apart(a: &Columns, b: &Columns, of: &[usize]) -> f64 {
     let one = |probe: std::ops::Range<usize>| {
         let pairs = || a[probe.clone()].iter().zip(&b[probe.clone()]);
@@ -34,7 +34,6 @@ pub fn apart(a: &Columns, b: &Columns, of: &[usize]) -> f64 {
     worst.fold(0.0, |m: f64, v| if v.is_nan() { f64::INFINITY } else { m.max(v) })
 }
 
-/// The columns of each probe.
 fn probes(of: &[usize]) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
     let mut at = 0;
     of.chunk_by(|a, b| a == b).map(move |c| {
@@ -43,7 +42,7 @@ fn probes(of: &[usize]) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
     })
 }
 
-/// Compares a run with what it should be.
+/// Compares a run with the reference.
 pub fn score(run: &Columns, reference: &Columns, of: &[usize], rate: f64) -> Score {
     let energy = |columns: &[Vec<f64>], half: usize| -> f64 {
         let part = |c: &Vec<f64>| {
@@ -61,7 +60,7 @@ pub fn score(run: &Columns, reference: &Columns, of: &[usize], rate: f64) -> Sco
         if let (Some(x), Some(y)) = (of(a), of(b)) {
             let levels = |all: &[Spectrum]| all.iter().map(level).collect::<Columns>();
             far = far.max(apart(&levels(&x), &levels(&y), &vec![0; x.len()]));
-            // the axis along which it should move most
+            // the axis of largest motion in the reference
             let most =
                 (0..b.len()).max_by(|i, j| square(b[*i].iter().copied()).total_cmp(&square(b[*j].iter().copied())));
             let pitches = most.and_then(|k| partial(&x[k]).zip(partial(&y[k])));

@@ -1,7 +1,7 @@
-//! The model as written in single precision: its scene bound to `f32`.
+//! Plays the model as written in single precision: its scene bound to `f32`.
 //!
-//! Decides to give it what a gesture gives the scene in double precision, tick by tick and written down beforehand: who
-//! moves ports and when is decided in one place, and the time measured is that of the ticks.
+//! The scene in double precision supplies the inputs of each tick beforehand. Gestures are thus read in one place, and
+//! only ticks are timed.
 
 use super::Steps;
 use super::play::{Columns, Kept, known};
@@ -15,10 +15,9 @@ use ca_lab::load::Loaded;
 use ca_model::diag::Severity;
 use std::time::Instant;
 
-/// As people call it.
 pub const SINGLE: &str = "single";
 
-/// A scene that was compiled for [`Precision::Single`], bound to it.
+/// Binds a scene that was compiled for [`Precision::Single`].
 ///
 /// # Errors
 /// [`Unbound`].
@@ -26,7 +25,7 @@ pub fn bound(scene: &Scene) -> Result<Scene<f32>, Unbound> {
     scene.bind(&cordis_anima::laws())
 }
 
-/// The scene in single precision, or why there is none.
+/// Compiles the scene in single precision, or returns the reason why that is impossible.
 pub fn compiled(loaded: &Loaded, options: &Options) -> Result<Scene<f32>, String> {
     let options = Options {
         rate: options.rate,
@@ -44,8 +43,7 @@ pub fn compiled(loaded: &Loaded, options: &Options) -> Result<Scene<f32>, String
     }
 }
 
-/// As [`columns`](super::play::columns), of a scene in single precision; `double`, the same in double precision,
-/// knows what its ports are given.
+/// As [`columns`](super::play::columns), in single precision; the same scene in `double` supplies the inputs.
 pub fn columns(
     scene: &Scene<f32>,
     double: &Scene,

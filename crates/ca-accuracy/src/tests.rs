@@ -8,13 +8,13 @@ const CONTACTS: &str = "[SOL]\nl = { x = -0.01 }\nr = { x = 0.0137 }\n[MAS]\nb =
                         }\n[BUT]\nc = { between = [\"l\", \"b\"], k = 4e5 }\nd = { between = [\"q\", \"r\"], k = 4e5 }\ne = { between = \
                         [\"b\", \"q\"], k = 4e5 }\n[SOX]\no = { from = \"b\" }\n";
 
-/// The same by hand at 4096 times the rate: the place of `b` at each sample, from its rest.
+/// Positions of `b` relative to its rest at each sample, integrated here at 4096 times the rate.
 fn by_hand(frames: usize) -> Vec<f64> {
     const TIMES: u32 = 4096;
     let (dt, k) = (1.0 / (48e3 * f64::from(TIMES)), 4e5);
     let force = |b: f64, q: f64| {
         let [l, r, e] = [b + 0.01, 0.0137 - q, q - b].map(|gap: f64| k * gap.min(0.0));
-        // each pushes its ends apart
+        // each contact pushes its ends apart
         [(-l + e) / 1e-3, (r - e) / 2e-3]
     };
     let (mut x, mut v) = ([0.0, 5e-3], [0.731, -0.3]);
@@ -34,7 +34,7 @@ fn by_hand(frames: usize) -> Vec<f64> {
     places
 }
 
-/// An order that the scheme cannot have is chance, and a reference carried on by it is off by ten times what was said.
+/// The extrapolation must not use an order that the scheme cannot have: its error would be ten times the stated one.
 #[test]
 fn a_reference_with_contacts_is_known_as_well_as_is_said() {
     let loaded = Loaded::read(CONTACTS, "contacts.ca.toml");

@@ -1,17 +1,16 @@
-//! Timing: what one call costs on this machine.
+//! Measures the time of a call on this machine.
 //!
-//! Decides to count the processor time of this thread and not the time on the wall: on a machine that does other things too
-//! the wall counts those, eight times what a tick took where it was tried. The fastest of several batches counts, which is
-//! the one whose caches nobody else used. Where the system has no clock for a thread it is the wall after all.
+//! It uses the processor time of this thread: on a busy machine, wall time was eight times as long. The fastest of
+//! several batches counts, since other programs did not use its caches. Systems without such a clock use wall time.
 
 use std::time::Duration;
 
-/// How long is measured.
+/// Extent of a measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct Timing {
-    /// a batch of calls lasts at least this long
+    /// Least duration of a batch of calls.
     pub batch: Duration,
-    /// so many batches, of which the fastest counts
+    /// Number of batches; the fastest counts.
     pub batches: u32,
 }
 
@@ -22,7 +21,7 @@ impl Default for Timing {
 }
 
 impl Timing {
-    /// The fastest time of one call \[ns\]; `renew` stands before each batch and is not counted.
+    /// Returns the fastest time of one call \[ns\]; `renew` runs before each batch and is not counted.
     pub fn fastest<S>(self, state: &mut S, renew: impl Fn(&mut S), mut call: impl FnMut(&mut S)) -> f64 {
         let mut batch = |n: u32| {
             renew(state);
@@ -48,7 +47,7 @@ pub fn processor() -> Duration {
     Duration::new(now.tv_sec.unsigned_abs(), u32::try_from(now.tv_nsec).unwrap_or_default())
 }
 
-/// Time on the wall.
+/// Wall time.
 #[cfg(not(unix))]
 pub fn processor() -> Duration {
     use std::sync::LazyLock;
@@ -57,7 +56,7 @@ pub fn processor() -> Duration {
     BEGIN.elapsed()
 }
 
-/// Whose times these are.
+/// Describes the processor of this machine.
 pub fn machine() -> String {
     let cpuinfo = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let name = cpuinfo.lines().find_map(|l| l.strip_prefix("model name")).and_then(|l| l.split_once(": "));
@@ -65,8 +64,8 @@ pub fn machine() -> String {
     format!("{}{virtual_one}", name.map_or("a processor that does not say its name", |(_, name)| name.trim()))
 }
 
-/// The time in which this machine reads so many bytes and writes two fifths of them back \[ns\], with the widest vectors it
-/// has and next to nothing to compute: a tick that takes about as long for as many waits for memory, whatever it computes.
+/// Returns the time in which this machine reads `bytes` bytes and writes two fifths of them back \[ns\], with its
+/// widest vectors and hardly any computation. A tick that takes about as long for as many bytes is limited by memory.
 pub fn streaming(bytes: usize) -> f64 {
     let row = || vec![0.5; bytes.div_ceil(40)];
     let read = [row(), row(), row()];
@@ -84,7 +83,7 @@ pub fn streaming(bytes: usize) -> f64 {
     )
 }
 
-/// Slices of its own, or nobody could know that one is not part of another, and there would be no vectors.
+/// A function, so that its slices are known not to overlap, as vectors require.
 #[inline(always)]
 fn stream(x: &mut [f64], d: &mut [f64], a: &[f64], b: &[f64], c: &[f64]) {
     for ((((x, d), a), b), c) in x.iter_mut().zip(d).zip(a).zip(b).zip(c) {
@@ -93,7 +92,7 @@ fn stream(x: &mut [f64], d: &mut [f64], a: &[f64], b: &[f64], c: &[f64]) {
     }
 }
 
-/// The caches of data of the first processor, as far as the system says: name and bytes, smallest first.
+/// Returns the data caches of the first processor, as far as known: name and bytes, smallest first.
 pub fn caches() -> Vec<(String, u64)> {
     let mut all = Vec::new();
     for index in 0..8 {

@@ -1,8 +1,7 @@
-//! Sound straight to the system's sound device.
+//! Sound directly to a sound device of the system.
 //!
-//! Decides that a device is asked for what the model makes, and refused where it cannot play that as it is: nothing is
-//! converted to another rate here. Its callback takes samples from a ring and reads the clock, no more; what a device
-//! complains of is reported by the recorder.
+//! A device must play the scene as it is, or it is refused; nothing is resampled here. The callback only takes samples
+//! from a ring and reads the clock. The recorder reports errors of the device.
 
 use super::{Output as Any, Playing};
 use crate::AudioError;
@@ -17,10 +16,9 @@ use cpal::{
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::channel;
 
-/// Frames at once of a device that leaves the choice, if none are asked for.
+/// Default number of frames per call, for a device that leaves the choice.
 const BUFFER: u32 = 256;
 
-/// Opens a device by name.
 pub(super) fn open(wanted: &str, buffer: Option<u32>, scene: &Scene) -> Result<(Playing, Follow, Watch), AudioError> {
     let (host, device) = find(wanted)?;
     let name = device.to_string();
@@ -60,7 +58,6 @@ pub(super) fn open(wanted: &str, buffer: Option<u32>, scene: &Scene) -> Result<(
     Ok((Playing { output, counts, words, name, host: host.name(), events: None }, follow, watch))
 }
 
-/// An open device.
 pub(super) struct Output {
     stream: cpal::Stream,
 }
@@ -71,7 +68,7 @@ impl Output {
     }
 }
 
-/// A host by name, a device by name or id; the default device of the default host where nothing is said.
+/// Finds a host by name, or a device by name or id; the default device of the default host for an empty name.
 fn find(wanted: &str) -> Result<(HostId, Device), AudioError> {
     if wanted.is_empty() {
         let host = cpal::default_host();
@@ -92,13 +89,11 @@ fn find(wanted: &str) -> Result<(HostId, Device), AudioError> {
     all().into_iter().find(|(_, d)| is(d)).ok_or_else(none)
 }
 
-/// Everything that plays.
 fn all() -> Vec<(HostId, Device)> {
     let hosts = cpal::available_hosts().into_iter().filter_map(|id| Some((id, cpal::host_from_id(id).ok()?)));
     hosts.flat_map(|(id, host)| host.output_devices().into_iter().flatten().map(move |d| (id, d))).collect()
 }
 
-/// Names of everything that plays.
 pub(super) fn names() -> Vec<String> {
     all().iter().filter_map(|(_, d)| Some(d.id().ok()?.to_string())).collect()
 }
@@ -117,7 +112,7 @@ fn there_is() -> String {
     format!("there is {}", ticked(names.iter().map(String::as_str)))
 }
 
-/// How a device plays a scene as it is, and how many frames it asks for at once.
+/// Returns the configuration in which a device plays a scene as it is, and the frames per call.
 fn fit(device: &Device, scene: &Scene, buffer: Option<u32>) -> Result<(StreamConfig, u32), AudioError> {
     let refused = |why: String| AudioError::Failed(format!("`{device}` {why}"));
     let configs: Vec<_> = device
@@ -136,7 +131,7 @@ fn fit(device: &Device, scene: &Scene, buffer: Option<u32>) -> Result<(StreamCon
     let wide = configs.iter().filter(|c| c.channels() as usize >= scene.counts.channels);
     let plays = |lo: u32, hi: u32| (f64::from(lo)..=f64::from(hi)).contains(&scene.rate) && scene.rate.fract() == 0.0;
     let at_rate = wide.clone().filter(|c| plays(c.min_sample_rate(), c.max_sample_rate()));
-    // one channel is heard on both sides
+    // one channel goes to both sides
     let wanted = if scene.counts.channels == 1 { 2 } else { scene.counts.channels };
     let near = |c: &&SupportedStreamConfigRange| (c.channels() as usize).abs_diff(wanted);
     let Some(config) = at_rate.min_by_key(near) else {

@@ -1,7 +1,7 @@
-//! MIDI from the callback of a sound server such as JACK: a ring to the thread that plays it.
+//! Passes MIDI from the callback of a sound server such as JACK through a ring to the thread that plays it.
 //!
-//! Only events of channels pass. An event that finds the ring full is left out whole and counted, because a callback cannot wait.
-//! The callback neither allocates nor locks.
+//! Only channel events pass. An event that does not fit in the ring is dropped whole and counted, because a callback
+//! cannot wait. The callback neither allocates nor locks.
 
 use ca_io::live_midi::Cable;
 use rtrb::{Consumer, Producer, RingBuffer};
@@ -9,18 +9,18 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
-/// Bytes that may wait: more than a cable brings in a second.
+/// Capacity of the ring \[bytes\]: more than a cable carries in a second.
 const WAITING: usize = 4096;
 /// Shortest time between two reports of lost events.
 const QUIET: Duration = Duration::from_secs(1);
 
-/// The end of the callback.
+/// Callback's end of the ring.
 pub struct EventWriter {
     bytes: Producer<u8>,
     lost: Arc<AtomicU64>,
 }
 
-/// The end of the thread that plays.
+/// Playing thread's end of the ring.
 pub struct EventReader {
     name: String,
     bytes: Consumer<u8>,
@@ -29,7 +29,7 @@ pub struct EventReader {
     told: (u64, Option<Instant>),
 }
 
-/// Both ends of a port of this name.
+/// Makes both ends for a port of this name.
 pub fn ring(name: String) -> (EventWriter, EventReader) {
     let (writer, bytes) = RingBuffer::new(WAITING);
     let lost = Arc::new(AtomicU64::new(0));
@@ -38,7 +38,7 @@ pub fn ring(name: String) -> (EventWriter, EventReader) {
 }
 
 impl EventWriter {
-    /// One event, with its status.
+    /// Adds one event, with its status byte.
     pub fn push(&mut self, event: &[u8]) {
         let of_channel = event.first().is_some_and(|status| (0x80..0xf0).contains(status));
         if of_channel && self.bytes.push_entire_slice(event).is_err() {
@@ -48,7 +48,7 @@ impl EventWriter {
 }
 
 impl EventReader {
-    /// Name of the port.
+    /// Returns the name of the port.
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -60,7 +60,7 @@ impl EventReader {
         feed(&mut self.cable, came);
     }
 
-    /// A report of events that were lost since the last one.
+    /// Returns a report of events lost since the last report.
     pub fn news(&mut self) -> Option<String> {
         let (before, at) = self.told;
         let lost = self.lost.load(Relaxed);
@@ -97,7 +97,7 @@ mod tests {
         assert!(reader.news().unwrap().contains("2 events"));
         writer.push(&[0; WAITING + 1]);
         writer.push(&[0x90; WAITING + 1]);
-        // not again at once
+        // not again immediately
         assert_eq!(reader.news(), None);
         assert!(came(&mut reader).is_empty());
     }

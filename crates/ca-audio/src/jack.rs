@@ -1,9 +1,9 @@
-//! Sound by a JACK server, as PipeWire is one.
+//! Sound through a JACK server, such as PipeWire.
 //!
-//! Decides that a server is never started from here, and taken as it is: its rate and its buffer are its own, and a model of another
-//! rate is refused with the rate to say. The callback fills a buffer of its own and hands it out channel by channel; it
-//! neither allocates nor locks. MIDI comes by a port beside those of sound, which is connected to nothing by itself: what stands behind
-//! a server may be a device that is read without it, too.
+//! This program never starts a server. It uses the rate and the buffer of the server, and refuses a model of another
+//! rate with a message that names the right one. The callback fills its own buffer and distributes it by channel; it
+//! neither allocates nor locks. The MIDI port is not connected automatically, because the device behind it may also be
+//! read directly.
 
 use super::{Output as Any, Playing};
 use crate::AudioError;
@@ -19,22 +19,24 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::{Sender, channel};
 
-/// Frames that are filled at once: more than a server asks for.
+/// Frames filled at a time: more than a server requests.
 const MOST: usize = 8192;
 
-/// A client of a server, before and after it plays.
+/// A client of a server, before and after it is activated.
 pub(super) struct Output {
     waits: Option<(Client, Process, Notes)>,
     plays: Option<AsyncClient<Notes, Process>>,
-    /// names of our ports
+    /// Names of the client's ports.
     ports: Vec<String>,
     counts: Arc<Counts>,
     rate: f64,
     words: Sender<String>,
 }
 
-/// Opens a client: [`AudioError::Failed`] where no server answers, [`AudioError::Unfit`] where it does not play the scene as it is.
-/// It takes MIDI where `midi` says so.
+/// Opens a client, with a MIDI port if `midi` is set.
+///
+/// Returns [`AudioError::Failed`] if no server answers, [`AudioError::Unfit`] if the server cannot play the scene as it
+/// is.
 pub(super) fn open(scene: &Scene, buffer: Option<u32>, midi: bool) -> Result<(Playing, Follow, Watch), AudioError> {
     let none = |_| {
         let how =
@@ -52,7 +54,7 @@ pub(super) fn open(scene: &Scene, buffer: Option<u32>, midi: bool) -> Result<(Pl
             format!("JACK is asked in buffers of {frames} frames, not {n}; its server decides that (jackd -p {n})");
         return Err(AudioError::Unfit(why));
     }
-    // one channel is heard on both sides
+    // one channel goes to both sides
     let wide = if scene.counts.channels == 1 { 2 } else { scene.counts.channels };
     let failed = |e: jack::Error| AudioError::Failed(e.to_string());
     let ports: Vec<Port<AudioOut>> = (0..wide)
@@ -79,14 +81,13 @@ pub(super) fn open(scene: &Scene, buffer: Option<u32>, midi: bool) -> Result<(Pl
     Ok((Playing { output: Any::Jack(Box::new(output)), counts, words, name, host: "JACK", events }, follow, watch))
 }
 
-/// A port of MIDI, and both ends of where its events go.
+/// Opens a MIDI port, with both ends of the ring for its events.
 fn midi_in(client: &Client) -> Result<((Port<MidiIn>, EventWriter), EventReader), jack::Error> {
     let port = client.register_port("midi_in", MidiIn)?;
     let (writer, reader) = ring(format!("JACK port {}", port.name()?));
     Ok(((port, writer), reader))
 }
 
-/// Whether a server answers.
 #[cfg(feature = "devices")]
 pub(super) fn is_there() -> bool {
     Client::new("ca", ClientOptions::NO_START_SERVER).is_ok()
@@ -110,13 +111,13 @@ impl Output {
         Ok(())
     }
 
-    /// Without a word to the server.
+    /// Leaves without telling the server.
     pub(super) fn leave(self) {
         std::mem::forget(self.plays);
     }
 }
 
-/// What a server tells beside asking. That it has ended is seen by its not asking.
+/// Receives notifications of the server. The end of a server shows as missing calls.
 struct Notes {
     counts: Arc<Counts>,
 }
@@ -128,12 +129,12 @@ impl NotificationHandler for Notes {
     }
 }
 
-/// What it asks.
+/// Fills the buffers that the server requests.
 struct Process {
     ports: Vec<Port<AudioOut>>,
     midi: Option<(Port<MidiIn>, EventWriter)>,
     player: Player,
-    /// interleaved
+    /// Interleaved samples.
     mixed: Vec<f32>,
 }
 

@@ -1,9 +1,9 @@
-//! Sound of a scene that plays in real time: a JACK server (`jack`), a PulseAudio server (`pulse`), or a sound device of the
-//! system (`device`, feature `devices`).
+//! Sound output of a scene in real time: a JACK server (`jack`), a PulseAudio server (`pulse`), or a sound device of
+//! the system (`device`, feature `devices`).
 //!
-//! Neither server needs anything when this is built: libjack is loaded at run time, and PulseAudio is spoken to by its socket. A
-//! machine without them runs the same program. The clock of the engine follows what plays ([`ca_haptic::serve::audio`]). A scene
-//! is never converted to another rate. [`Switch`] changes the output while the model plays.
+//! Neither server is needed at build time: libjack is loaded at run time, and PulseAudio is reached through its socket.
+//! The same program runs on a machine without them. The clock of the engine follows the output
+//! ([`ca_haptic::serve::audio`]). A scene is never resampled. [`Switch`] changes the output while the model plays.
 
 #[cfg(feature = "devices")]
 mod device;
@@ -30,18 +30,18 @@ pub const PULSE: &str = "pulse";
 /// Name of the default sound device.
 pub const DEFAULT: &str = "default";
 
-/// Longest wait for the ring of the engine at the end, besides the time that it plays.
+/// Longest wait at the end for the ring of the engine, besides its playing time.
 const LATE: Duration = Duration::from_millis(200);
 /// Longest wait for a server.
 const FAR: Duration = Duration::from_secs(1);
 
-/// An output that cannot be opened.
+/// Reason why an output cannot be opened.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum AudioError {
-    /// it does not play the scene as it is: another rate, too few channels
+    /// It cannot play the scene as it is: another rate, too few channels.
     Unfit(String),
-    /// it is absent, or does not work
+    /// It is absent or does not work.
     Failed(String),
 }
 
@@ -54,20 +54,20 @@ impl fmt::Display for AudioError {
 
 impl std::error::Error for AudioError {}
 
-/// Arguments of every output.
+/// Request for an output.
 #[derive(Clone)]
 pub struct AudioRequest {
-    /// gives the rate \[Hz\] and the channels
+    /// Scene, for the rate \[Hz\] and the channels.
     pub scene: Arc<Scene>,
-    /// frames at once; the output chooses if there is none
+    /// Frames per call; the output chooses if `None`.
     pub buffer: Option<u32>,
-    /// opens a port for MIDI too, if the output has some
+    /// Also opens a MIDI port, if the output has one.
     pub midi: bool,
-    /// priority of the thread of a PulseAudio stream
+    /// Priority of the thread of a PulseAudio stream.
     pub thread: RtRequest,
 }
 
-/// An output that plays.
+/// An open output.
 pub struct Playing {
     output: Output,
     counts: Arc<Counts>,
@@ -84,13 +84,13 @@ enum Output {
     Device(device::Output),
 }
 
-/// An output that plays, with the end of the engine and the end of the recorder.
+/// An open output, with the ends for the engine and the recorder.
 pub type Opened = (Playing, Follow, Watch);
 
 /// Opens an output by name: [`JACK`], [`PULSE`], [`DEFAULT`], or a device of [`names`].
 ///
 /// # Errors
-/// If it is absent, or does not play the scene as it is.
+/// If it is absent, or cannot play the scene as it is.
 pub fn open(name: &str, wants: &AudioRequest) -> Result<Opened, AudioError> {
     match name {
         JACK => jack::open(&wants.scene, wants.buffer, wants.midi),
@@ -100,7 +100,8 @@ pub fn open(name: &str, wants: &AudioRequest) -> Result<Opened, AudioError> {
     }
 }
 
-/// Opens the first server that runs, with its name. `unfit` gets the reasons of servers that run and do not play the scene.
+/// Opens the first running server, and returns its name too. `unfit` receives the reasons of running servers that
+/// cannot play the scene.
 pub fn first(wants: &AudioRequest, mut unfit: impl FnMut(String)) -> Option<(&'static str, Opened)> {
     [JACK, PULSE].into_iter().find_map(|name| match open(name, wants) {
         Ok(opened) => Some((name, opened)),
@@ -112,12 +113,12 @@ pub fn first(wants: &AudioRequest, mut unfit: impl FnMut(String)) -> Option<(&'s
     })
 }
 
-/// Names of outputs that need no look at the machine.
+/// Returns the outputs known without searching for devices.
 pub fn servers() -> impl Iterator<Item = &'static str> {
     [JACK, PULSE].into_iter().chain(cfg!(feature = "devices").then_some(DEFAULT))
 }
 
-/// Names of all outputs. It may take seconds; a build without devices has [`servers`] alone.
+/// Returns the names of all outputs, which may take seconds; in a build without devices only [`servers`].
 pub fn names() -> Vec<String> {
     #[cfg(feature = "devices")]
     let devices = device::names();
@@ -142,12 +143,12 @@ fn device(_: &str, _: &AudioRequest) -> Result<Opened, AudioError> {
 }
 
 impl Playing {
-    /// True if it reports that it will ask for nothing more.
+    /// Returns true if the output reports that it will request nothing more.
     pub fn is_over(&self) -> bool {
         matches!(&self.output, Output::Pulse(pulse) if pulse.is_over())
     }
 
-    /// Closes it. A `lost` server gets no answer to wait for.
+    /// Closes the output, without a reply from a `lost` server.
     pub fn close(self, lost: bool) {
         match self.output {
             Output::Jack(output) if lost => output.leave(),
@@ -155,14 +156,14 @@ impl Playing {
         }
     }
 
-    /// Begins to ask for sound.
+    /// Starts the output.
     ///
     /// # Errors
     /// If it does not start.
     pub fn start(&mut self) -> Result<(), AudioError> {
         let started = match &mut self.output {
             Output::Jack(output) => output.start().map_err(|e| e.to_string()),
-            // it counts time from its first word on
+            // a PulseAudio stream starts when it is opened
             Output::Pulse(_) => Ok(()),
             #[cfg(feature = "devices")]
             Output::Device(output) => output.start().map_err(|e| e.to_string()),
@@ -170,32 +171,32 @@ impl Playing {
         started.map_err(|e| AudioError::Failed(format!("`{}` does not start: {e}", self.name)))
     }
 
-    /// Counts of what it asked for and got.
+    /// Returns the counters of requested and delivered samples.
     pub fn counts(&self) -> &Counts {
         &self.counts
     }
 
-    /// Its name.
+    /// Returns the name.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The kind of server or device.
+    /// Returns the type of server or device.
     pub fn host(&self) -> &'static str {
         self.host
     }
 
-    /// The MIDI port that it brings, once.
+    /// Returns the MIDI port, once.
     pub fn events(&mut self) -> Option<EventReader> {
         self.events.take()
     }
 
-    /// Its complaints since the last call.
+    /// Returns its error messages since the last call.
     pub fn complaints(&self) -> impl Iterator<Item = String> {
         self.words.try_iter()
     }
 
-    /// Plays what the engine left in its ring, at a `rate` \[Hz\], and closes.
+    /// Plays the samples left in the ring of the engine, at `rate` \[Hz\], and closes the output.
     pub fn end(self, rate: f64) {
         let left = 2.0 * self.counts.lead.load(Relaxed) as f64 / rate;
         let end = Instant::now() + LATE + Duration::from_secs_f64(left);
@@ -204,15 +205,15 @@ impl Playing {
         }
         let is_over = self.is_over();
         match self.output {
-            // a server that is gone would be waited for without end
+            // closing a client of a dead server would never return
             Output::Jack(output) => {
                 if !self.counts.done.load(Relaxed) {
                     output.leave();
                 }
             }
-            // what it has queued is heard
+            // plays the samples queued in the server
             Output::Pulse(_) => {
-                // from what was given last, which is as long as what is asked for at once
+                // counted from the last message, which is as long as one request
                 let last = Duration::from_secs_f64(self.counts.buffer.load(Relaxed) as f64 / rate);
                 let queued = Duration::from_nanos(self.counts.delay.load(Relaxed)) + last;
                 std::thread::sleep(if is_over { Duration::ZERO } else { queued.min(FAR) });

@@ -1,8 +1,9 @@
-//! Changes the output of the sound while the model plays: by choice, and when a device goes away.
+//! Changes the sound output while the model plays, on request or when a device disappears.
 //!
-//! The performance never waits for a sound device: a new thread opens each device, and the engine takes over open ones. When a
-//! device goes away, a message says so and another one plays, or the page; the wanted device is tried every two seconds until it
-//! is back. Without another output the engine goes on at the last rate of the device, and is heard again when the device asks.
+//! The performance never waits for a sound device: a new thread opens each device, and the engine switches to it once
+//! it is open. When a device disappears, a message says so, and another device or the page plays. The wanted device is
+//! tried every two seconds until it returns. Without any output the engine continues at the last rate of the device;
+//! its sound returns when the device calls again.
 
 use crate::{AudioError, AudioRequest, EventReader, Opened, Playing};
 use ca_haptic::serve::Recorder;
@@ -12,61 +13,57 @@ use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
-/// The page of `ca play`.
+/// Name of the page of `ca play`.
 pub const PAGE: &str = "page";
-/// A device without a call for this time is gone; a busy machine may stand still for less.
+/// Time without a call after which a device counts as gone; a busy machine may pause for less.
 const GONE: Duration = Duration::from_secs(1);
-/// Between two tries whether it is back.
+/// Time between attempts to reopen a device.
 const AGAIN: Duration = Duration::from_secs(2);
 
-/// Called with the MIDI port of the output that plays from now on, and with its host.
+/// Called with the MIDI port and the host of a new output.
 pub type Changed<'a> = dyn FnMut(Option<EventReader>, &'static str) + 'a;
 
-/// Outputs among which a [`Switch`] chooses.
+/// Outputs that a [`Switch`] may choose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SwitchOptions {
-    /// there is a page that can play
+    /// True if a page can play.
     pub page: bool,
-    /// an output can be chosen
+    /// True if an output can be chosen.
     pub open: bool,
-    /// a new thread looks for sound devices, besides servers
+    /// True if a new thread searches for sound devices, in addition to servers.
     pub devices: bool,
 }
 
-/// Why a device is opened.
 #[derive(Clone, Copy, PartialEq)]
 enum Why {
-    /// by `ca audio` or the page
+    /// Chosen by `ca audio` or the page.
     Asked,
-    /// another one is gone
+    /// Another device has gone.
     Instead,
-    /// it was gone
+    /// The wanted device had gone.
     Back,
 }
 
-/// A device that is being opened.
 struct Opening {
     name: String,
     why: Why,
     opened: Receiver<Result<Opened, AudioError>>,
 }
 
-/// The output of the sound.
+/// Sound output of a performance.
 pub struct Switch {
     wants: AudioRequest,
-    /// there is a page that can play
     page: bool,
-    /// something can be chosen
     open: bool,
     patch: Patch,
     playing: Option<Playing>,
-    /// names of what plays and of what is to; empty for nothing
+    /// Names of the present and the wanted output; empty for none.
     now: String,
     wanted: String,
     opening: Option<Opening>,
-    /// what else is tried
+    /// Alternatives still to try.
     instead: VecDeque<String>,
-    /// when the device last asked, if it did at all; and whether it is gone
+    /// Time of the last call of the device, if there was one; whether the device is gone.
     heard: Option<Instant>,
     lost: bool,
     again: Instant,
@@ -74,7 +71,7 @@ pub struct Switch {
 }
 
 impl Switch {
-    /// For an output that is open, with its name, or none; with the end of the engine.
+    /// Takes an open output with its name, or none; also returns the engine's end of the sound.
     pub fn new(
         wants: AudioRequest,
         found: Option<(String, Opened)>,
@@ -117,12 +114,12 @@ impl Switch {
         (switch, outlet)
     }
 
-    /// The MIDI port of the server, once.
+    /// Returns the MIDI port of the server, once.
     pub fn events(&mut self) -> Option<EventReader> {
         self.playing.as_mut()?.events()
     }
 
-    /// From now on it asks.
+    /// Starts the output.
     ///
     /// # Errors
     /// If the output does not start.
@@ -130,12 +127,13 @@ impl Switch {
         self.playing.as_mut().map_or(Ok(()), Playing::start)
     }
 
-    /// The host of the output, if it is not the page.
+    /// Returns the host of the output, unless it is the page.
     pub fn host(&self) -> Option<&'static str> {
         self.playing.as_ref().map(Playing::host)
     }
 
-    /// One turn: complaints of devices, outputs that are asked for, gone or back. `changed` is called if another output plays.
+    /// Processes messages of devices, requested outputs, and devices that disappeared or returned. Calls `changed` for
+    /// a new output.
     pub fn turn(&mut self, recorder: &mut Recorder, changed: &mut Changed) {
         if let Some(playing) = &self.playing {
             for text in playing.complaints() {
@@ -182,7 +180,6 @@ impl Switch {
         self.says(recorder);
     }
 
-    /// Opens a device on a new thread.
     fn begin(&mut self, name: &str, why: Why) {
         let (tell, opened) = channel();
         let (wants, of) = (self.wants.clone(), name.to_owned());
@@ -193,7 +190,7 @@ impl Switch {
         self.opening = thread.is_ok().then(|| Opening { name: name.into(), why, opened });
     }
 
-    /// Looks if the device is gone.
+    /// Checks if the device is gone, and then lists the other outputs to try.
     fn look(&mut self, recorder: &mut Recorder) {
         let Some(playing) = &self.playing else { return };
         if playing.counts().alive.load(Relaxed) {
@@ -215,7 +212,7 @@ impl Switch {
         }
     }
 
-    /// Takes up what is open.
+    /// Switches to a device that has been opened.
     fn take(&mut self, recorder: &mut Recorder, changed: &mut Changed) {
         let Some(opening) = &self.opening else { return };
         let opened = match opening.opened.try_recv() {
@@ -246,13 +243,12 @@ impl Switch {
                 recorder.say(true, format!("sound: {text}"));
                 recorder.outputs().refused = Some(text);
             }
-            // what is not there yet is tried again
+            // a missing device is tried again later
             Err(_) => {}
         }
         self.says(recorder);
     }
 
-    /// The page plays.
     fn by_page(&mut self, recorder: &mut Recorder, changed: &mut Changed) {
         if !self.patch.put(None) {
             return;
@@ -265,7 +261,7 @@ impl Switch {
         self.says(recorder);
     }
 
-    /// Another plays, or none; the one before is closed beside the performance, since a server may take its time.
+    /// Replaces the output. The old one is closed on another thread, because a server may be slow.
     fn leave(&mut self, next: Option<Playing>) {
         let lost = std::mem::take(&mut self.lost);
         (self.heard, self.instead) = (None, VecDeque::new());
@@ -274,7 +270,7 @@ impl Switch {
         }
     }
 
-    /// Writes down the output, for `ca audio` and the page.
+    /// Updates the output shown by `ca audio` and the page.
     fn says(&self, recorder: &mut Recorder) {
         let heard = recorder.heard().map(|(device, ms)| format!("{device}, {ms:.1} ms after the model"));
         let plays = heard.unwrap_or_else(|| if self.now == PAGE { "by the page".into() } else { String::new() });
@@ -282,7 +278,7 @@ impl Switch {
         (o.plays, o.wanted, o.busy) = (plays, self.wanted.clone(), self.opening.is_some());
     }
 
-    /// Lets what the engine left be heard.
+    /// Plays the samples left in the ring of the engine, then closes the output.
     pub fn end(self, rate: f64) {
         match self.playing {
             Some(playing) if self.lost => playing.close(true),
@@ -292,12 +288,12 @@ impl Switch {
     }
 }
 
-/// Names that can be chosen without a look at the machine.
+/// Returns the outputs that can be chosen without searching for devices.
 fn named(page: bool) -> Vec<String> {
     page.then_some(PAGE).into_iter().chain(crate::servers()).map(Into::into).collect()
 }
 
-/// The same and all sound devices, which a new thread finds; `None` in a build without them.
+/// Returns those and all sound devices, found by a new thread; `None` in a build without devices.
 fn choices(page: bool) -> Option<Receiver<Vec<String>>> {
     if !cfg!(feature = "devices") {
         return None;

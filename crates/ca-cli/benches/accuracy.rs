@@ -1,7 +1,8 @@
-//! Error against run time of twelve scenes, by `ca accuracy` as a process.
+//! Measures error against run time of twelve scenes, with `ca accuracy` as a process.
 //!
-//! Decides on what the command itself says of a scene, so that whoever reads the page can ask it again of theirs. Prints
-//! the page; with `UPDATE=1` writes it to `docs/measured/accuracy.md` and its pictures to `docs/measured/accuracy/`.
+//! The bench uses only the output of the command, so that readers of the page can repeat it for their models. It prints
+//! the page. With `UPDATE=1` it writes the page to `docs/measured/accuracy.md` and the pictures to
+//! `docs/measured/accuracy/`.
 #![allow(missing_docs)]
 
 use ca_benches::accuracy::{CASES, ErrorRow, Found, STIFF, claims, page::page, stiffened, svg};
@@ -9,7 +10,7 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, ExitCode, Stdio};
 
-/// What `ca accuracy` finds of a model.
+/// Runs `ca accuracy` on a model and parses its output.
 fn measured(text: &str, seconds: &str, times: &str, reference: &str) -> Found {
     let dir = tempfile::tempdir().expect("a folder");
     let path = dir.path().join("model.ca.toml");
@@ -45,7 +46,7 @@ fn measured(text: &str, seconds: &str, times: &str, reference: &str) -> Found {
 }
 
 fn main() -> ExitCode {
-    // `cargo test --benches` asks whether it runs at all
+    // `cargo test --benches` only checks that it runs
     let long = std::env::args().any(|a| a == "--bench");
     if !long {
         let one = measured(&stiffened(1), "0.005", "1", "8");
@@ -73,7 +74,7 @@ fn main() -> ExitCode {
     if update {
         std::fs::write(docs.join("accuracy.md"), text).expect("the page can be written");
     }
-    // what does not depend on the machine must hold; times are reported
+    // errors do not depend on the machine and must hold; times are only reported
     let errors = claims.iter().filter(|c| c.what.starts_with("error"));
     if errors.clone().all(ca_benches::accuracy::Claim::holds) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

@@ -1,8 +1,8 @@
-//! How late the loop through the hand is: `ca serve` and `ca device sim` as processes, with and without real-time
+//! Measures the latency of the haptic loop: `ca serve` and `ca device sim` as processes, with and without real-time
 //! priority, with and without load.
 //!
-//! Decides on what the two commands tell of themselves: they count every frame, and nothing of the bench stands in their
-//! way. Prints the tables; with `UPDATE=1` writes them to `docs/measured/latency.md`.
+//! The bench uses the summaries of the two commands. They count every frame, and the bench adds no work to the loop. It
+//! prints the tables. With `UPDATE=1` it writes them to `docs/measured/latency.md`.
 #![allow(missing_docs)]
 
 #[cfg(target_os = "linux")]
@@ -15,12 +15,11 @@ mod linux {
     use std::process::{Child, Command, Stdio};
     use std::time::{Duration, Instant};
 
-    /// A process that ends with its value.
+    /// A process that is killed on drop.
     struct Proc(Child);
 
     impl Drop for Proc {
         fn drop(&mut self) {
-            // one that ended already cannot be killed
             let _ = self.0.kill();
             let _ = self.0.wait();
         }
@@ -33,13 +32,12 @@ mod linux {
             Proc(c.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().expect("ca starts"))
         }
 
-        /// Computes until its standard input ends.
         fn load() -> Proc {
             let mut c = Command::new(std::env::current_exe().expect("this program"));
             Proc(c.arg("--load").stdin(Stdio::piped()).spawn().expect("load starts"))
         }
 
-        /// What it reported, at its end.
+        /// Waits for the end and returns the reported JSON.
         fn reported(mut self) -> Value {
             let out = self.0.stdout.take().expect("a pipe");
             let reported = serde_json::from_reader(out).expect("ca tells of its run as JSON");
@@ -101,7 +99,7 @@ mod linux {
                 std::hint::spin_loop();
             }
         }
-        // `cargo test --benches` asks whether it runs at all
+        // `cargo test --benches` only checks that it runs
         let long = std::env::args().any(|a| a == "--bench");
         let seconds = if long { 20.0 } else { 0.2 };
         let runs: Vec<Run> = RUNS.iter().map(|which| run(*which, seconds)).collect();

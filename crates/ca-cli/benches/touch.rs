@@ -1,8 +1,9 @@
-//! How late a touch is heard: from a message of the page, and from a byte of MIDI, to the sound that JACK hands to its device or that
-//! the page is sent.
+//! Measures the latency of a touch: from a message of the page or a MIDI byte to the sound at the JACK device or at the
+//! page.
 //!
-//! Decides that a touch counts as heard at the first sample that is not silence, in a model that rests until it is touched, so that
-//! nothing of the instrument's own is in the time. Prints the table; with `UPDATE=1` writes it to `docs/measured/touch.md`.
+//! The model is at rest and silent until it is touched. A touch counts as heard at the first sample that is not
+//! silence, so that the instrument adds no delay. The bench prints the table. With `UPDATE=1` it writes
+//! `docs/measured/touch.md`.
 #![allow(missing_docs)]
 
 #[cfg(target_os = "linux")]
@@ -29,22 +30,22 @@ mod linux {
     use tungstenite::client::IntoClientRequest as _;
     use tungstenite::{Message, WebSocket};
 
-    /// Rests, and is silent soon.
+    /// A model that decays to silence quickly.
     const MODEL: &str = "[CEL]\nbar = { m = \"1 g\", f = \"400 Hz\", t60 = \"30 ms\" }\n[ENF]\npush = { to = \"bar\", midi = { note = \
                          \"C4\", to = \"1 N\", attack = \"0 s\", release = \"0 s\" } }\n[SOX]\nout = { from = \"bar\", gain = 1000 }\n";
-    /// Sample beyond which it is heard; full scale is 1.
+    /// Smallest sample that counts as heard; full scale is 1.
     const HEARD: f32 = 1e-6;
-    /// Frames of a period of JACK.
+    /// Frames per JACK period.
     const PERIOD: u32 = 256;
     const RATE: f64 = 48_000.0;
     const SERVER: &str = "ca_bench";
 
-    /// A process that ends with its value.
+    /// A process that is ended on drop.
     struct Proc(Child);
 
     impl Drop for Proc {
         fn drop(&mut self) {
-            // one that ended already cannot be ended
+            // fails for a process that has already ended
             let _ = Command::new("kill").arg(self.0.id().to_string()).status();
             let end = Instant::now() + Duration::from_secs(5);
             while matches!(self.0.try_wait(), Ok(None)) && Instant::now() < end {
@@ -70,7 +71,7 @@ mod linux {
             std::fs::write(dir.path().join("bar.ca.toml"), MODEL).expect("a model");
             let pipe = dir.path().join("midi");
             assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo").success());
-            // both ends, so that neither waits for the other
+            // opened for reading and writing, so that neither end blocks
             let midi = std::fs::File::options().read(true).write(true).open(&pipe).expect("the pipe");
             let mut c = Command::new(env!("CARGO_BIN_EXE_ca"));
             c.args(["play", "bar.ca.toml", "--no-open", "--audio", audio, "--midi", "midi"]).current_dir(dir.path());
@@ -114,7 +115,7 @@ mod linux {
             }
         }
 
-        /// Something to be heard, or its end.
+        /// Starts or ends a touch by pointer or MIDI.
         fn touch(&mut self, what: &str, on: bool) {
             if what == "pointer" {
                 self.say(&json!({"type": "drag", "by": [if on { 1e-3 } else { 0.0 }]}));
@@ -123,7 +124,7 @@ mod linux {
             }
         }
 
-        /// When the page was sent the first sound after now \[ns\].
+        /// Waits for the first audible sound sent to the page, and returns the time \[ns\].
         fn sent(&mut self) -> u64 {
             loop {
                 if let Message::Binary(bytes) = self.page.read().expect("a page") {
@@ -135,7 +136,7 @@ mod linux {
             }
         }
 
-        /// Takes what comes while it becomes silent.
+        /// Reads messages until the model is silent.
         fn rest(&mut self) {
             let end = Instant::now() + Duration::from_millis(400);
             while Instant::now() < end {
@@ -144,7 +145,7 @@ mod linux {
         }
     }
 
-    /// Ears at JACK: when the first sound came, 0 while none did.
+    /// A JACK client that stores the time of the first audible sample, 0 before it.
     struct Ears(jack::Port<jack::AudioIn>, Arc<AtomicU64>);
 
     impl jack::ProcessHandler for Ears {
@@ -152,14 +153,14 @@ mod linux {
             let now = now_ns();
             let sample = self.0.as_slice(scope).iter().position(|x| x.abs() > HEARD);
             if let Some(k) = sample.filter(|_| self.1.load(Relaxed) == 0) {
-                // what is handed over in this period is played in the next
+                // a sample of this period is played in the next one
                 self.1.store(now + (1e9 * (k as f64 + f64::from(PERIOD)) / RATE) as u64, Relaxed);
             }
             jack::Control::Continue
         }
     }
 
-    /// Times \[ms\], sorted.
+    /// Repeats a measurement `n` times and returns the sorted times \[ms\].
     fn measured(n: usize, mut one: impl FnMut() -> f64) -> Vec<f64> {
         let mut all: Vec<f64> = (0..n).map(|_| one()).collect();
         all.sort_by(f64::total_cmp);
@@ -224,13 +225,13 @@ mod linux {
                 })
             })
             .collect();
-        // what the page keeps ahead, and its browser, as the page tells people
+        // buffering by the page and its browser, as the page displays it
         let behind = Tab::open(&played.address).map(|mut tab| {
             let end = Instant::now() + Duration::from_secs(20);
             while tab.js("+document.documentElement.dataset.frames > 20") != true && Instant::now() < end {
                 std::thread::sleep(Duration::from_millis(50));
             }
-            // sound begins with a press of somebody
+            // browsers start sound only after a user gesture
             let at = tab.js("(r => [r.x + r.width / 2, r.y + r.height / 2])(document.getElementById('sound').getBoundingClientRect())");
             let [x, y] = [0, 1].map(|k| at[k].as_f64().unwrap_or_default());
             tab.mouse("mousePressed", x, y);
@@ -268,14 +269,14 @@ The machine of this page is a virtual one with two cores, which it shares with o
 ";
 
     pub fn main() {
-        // libjack knows its server by the environment of its process
+        // libjack finds its server through an environment variable
         if std::env::var("JACK_DEFAULT_SERVER").ok().as_deref() != Some(SERVER) {
             let mut again = Command::new(std::env::current_exe().expect("this program"));
             let ran = again.args(std::env::args().skip(1)).env("JACK_DEFAULT_SERVER", SERVER).status();
             assert!(ran.expect("this program again").success());
             return;
         }
-        // `cargo test --benches` asks whether it runs at all
+        // `cargo test --benches` only checks that it runs
         let long = std::env::args().any(|a| a == "--bench");
         let n = if long { 100 } else { 1 };
         let mut rows = Vec::new();

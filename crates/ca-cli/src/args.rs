@@ -1,5 +1,5 @@
-//! Arguments of several commands: options, forms of their values, and their completion by a shell. The other arguments stand with
-//! their commands.
+//! Arguments shared by several commands: options, value parsers, and shell completion. Other arguments are beside their
+//! commands.
 
 pub mod common;
 pub mod completions;

@@ -1,4 +1,4 @@
-//! The command line: the program, its subcommands, and the rules for all of them.
+//! The command line: program, subcommands and common rules.
 
 use crate::args::common::imported;
 use crate::commands::Command;
@@ -24,12 +24,12 @@ pub struct Cli {
     pub command: Command,
 }
 
-/// The command line as it is read: a negative number after an option is its value, to be judged as any other.
+/// Builds the parser. A negative number after an option is parsed as its value and checked like any other value.
 pub fn command() -> clap::Command {
     numbers(Cli::command().mut_subcommand("render", |c| c.args(other_names())))
 }
 
-/// Names that options of `ca render` have in other programs. clap answers them with the name here.
+/// Names that options of `ca render` have in other programs. clap answers them with a suggestion of the right name.
 fn other_names() -> [clap::Arg; 3] {
     [("--format", "bits", "bit-depth"), ("--seconds", "duration", "length"), ("--rate", "sample-rate", "samplerate")]
         .map(|(ours, one, other)| {
@@ -38,7 +38,7 @@ fn other_names() -> [clap::Arg; 3] {
         })
 }
 
-/// True with `--quiet` or `--json`: then the command prints as little as possible beside its result.
+/// Returns true with `--quiet` or `--json`. The command then prints little besides its result.
 pub fn is_terse(matches: &clap::ArgMatches) -> bool {
     let given = |flag: &str| matches.try_get_one::<bool>(flag).is_ok_and(|v| v.is_some_and(|v| *v));
     given("quiet") || given("json") || matches.subcommand().is_some_and(|(_, m)| is_terse(m))

@@ -1,8 +1,8 @@
-//! The command `ca` as a library: models in text to sound, findings and pages.
+//! The command `ca` as a library: turns text models into sound, findings and pages.
 //!
-//! Every command shares its exit codes (0 ok, 1 failed, 2 usage, 3 finished but degraded, 130 interrupted). Results go to stdout,
-//! everything about them to stderr, and a reader of stdout that goes away is not a failure. A command is a file or folder of
-//! `commands/` whose `run` returns an outcome.
+//! All commands share their exit codes: 0 ok, 1 failed, 2 usage, 3 finished but degraded, 130 interrupted. Results go
+//! to stdout and messages to stderr. A reader that closes stdout early does not cause a failure. Each command is a file
+//! or folder of `commands/` whose `run` returns an outcome.
 #![forbid(unsafe_code)]
 
 mod args;
@@ -21,8 +21,8 @@ use outcome::{Ended, Failure};
 use std::ffi::OsString;
 use std::io::Write as _;
 
-/// Runs the command with these arguments, its name first, and returns its exit code. Results go to stdout,
-/// messages to stderr. A shell that completes a line asks by the variable `COMPLETE` and gets only its answer.
+/// Runs the command with these arguments, its name first, and returns its exit code. Results go to stdout, messages to
+/// stderr. If a shell requests completion through the variable `COMPLETE`, prints only the candidates.
 pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
     let args: Vec<OsString> = args.into_iter().collect();
     let here = std::env::current_dir().ok();
@@ -47,7 +47,7 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
         }
     };
     let ended = vectors().and_then(|()| commands::run(&cli.command));
-    // a program that is not in Rust ends without this
+    // a host program not written in Rust does not flush stdout at its exit
     let _ = std::io::stdout().flush();
     match ended {
         Ok(Ended::Well) | Err(Failure::BrokenPipe) => 0,
@@ -68,11 +68,12 @@ pub fn run(args: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
-/// The performance that arguments of `ca play` ask for, for a program that plays in its own process. `read` gives the model,
-/// to which `changes` are made as by `--set`.
+/// Builds the performance requested by arguments of `ca play`, for a program that plays in its process. `read` returns
+/// the model, to which `changes` are applied as by `--set`.
 ///
 /// # Errors
-/// [`ca_lab::Failure::Failed`] with the usage of the command if the arguments make no sense, and the errors of `read`.
+/// Returns [`ca_lab::Failure::Failed`] with the usage of the command if the arguments are invalid, and the errors of
+/// `read`.
 pub fn play_request(
     name: &str,
     args: impl IntoIterator<Item = OsString>,
@@ -91,7 +92,7 @@ pub fn play_request(
     }
 }
 
-/// Refuses other values of `CA_VECTORS`: a test with a misspelt one would compare a processor with itself.
+/// Refuses unknown values of `CA_VECTORS`. With a misspelt value, a test would compare a processor with itself.
 fn vectors() -> Result<(), Failure> {
     match std::env::var_os("CA_VECTORS") {
         Some(asked) if asked != "portable" && asked != "avx2" => {

@@ -1,4 +1,4 @@
-//! From what was typed to a model and a scene.
+//! Reads models and compiles scenes from arguments.
 
 use crate::args::Source;
 use crate::outcome::Failure;
@@ -12,11 +12,10 @@ use ca_model::diag::Severity;
 use std::path::Path;
 use std::sync::OnceLock;
 
-/// The word that means standard input.
 const STDIN: &str = "-";
 
-/// The model that a word means: a file, a bundled model, or `-`, what is read from standard input. That is read once in a run, and
-/// is the same model each time.
+/// Reads the model named by a word: a file, a bundled model, or `-` for standard input. Standard input is read once per
+/// run and returns the same model each time.
 pub fn read(word: &str) -> Result<Loaded, ca_lab::Failure> {
     static TEXT: OnceLock<Result<String, FileError>> = OnceLock::new();
     if word != STDIN {
@@ -29,7 +28,7 @@ pub fn read(word: &str) -> Result<Loaded, ca_lab::Failure> {
     Ok(Loaded::read(text.as_ref().map_err(Clone::clone)?, "stdin"))
 }
 
-/// The file of a model that is to be changed in place.
+/// Returns the path of a model to be changed in place. Refuses standard input and bundled models.
 pub fn own_file(word: &str) -> Result<&Path, Failure> {
     let why = match word {
         STDIN => "standard input cannot be changed in place",
@@ -55,7 +54,7 @@ pub fn changed(mut loaded: Loaded, source: &Source) -> Result<Loaded, ca_lab::Fa
     Ok(loaded)
 }
 
-/// Prints the warnings about a model in full, and nothing else that was found; `-q` leaves them.
+/// Prints the full warnings about a model, but no other findings. `-q` does not suppress them.
 pub fn warn(loaded: &Loaded, scene: &Compiled) {
     let mut diags = scene.findings.clone();
     diags.list.retain(|d| d.severity == Severity::Warning);
@@ -64,7 +63,7 @@ pub fn warn(loaded: &Loaded, scene: &Compiled) {
     }
 }
 
-/// Compiles, or shows all findings and ends the command.
+/// Compiles a model. If it has errors, returns all findings.
 pub fn scene(loaded: &Loaded, options: &Options) -> Result<Compiled, Failure> {
     Ok(loaded.compile(options).map_err(ca_lab::Failure::Found)?)
 }

@@ -1,33 +1,33 @@
-//! How a command ended, and what of the failures of the crates below is a wrong request.
+//! Outcome of a command, and conversion of the failures of other crates.
 //!
-//! Decides that commands give back how they ended and never exit themselves, so that what is left over is dropped; which exit
-//! code that is stands in one place, `main`.
+//! Commands return their outcome and never exit, so that all values are dropped. Only `crate::run` maps outcomes to
+//! exit codes.
 
 use crate::term;
 use ca_device_tools::ToolError;
 use ca_haptic::host::{HostError, HostErrorKind};
 
-/// How a command ended where it did not fail.
+/// Outcome of a command without a failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ended {
-    /// as asked
+    /// Finished as requested.
     Well,
-    /// something was made, but not what was meant: unstable, clipped, inputs refused
+    /// Finished, but not as intended: unstable, clipped, or with refused inputs.
     Degraded,
 }
 
-/// Why a command failed. What is said ends up on stderr.
+/// Reason for a failure. Its message is printed on stderr.
 #[derive(Debug)]
 pub enum Failure {
-    /// the request makes no sense: exit code 2
+    /// Invalid request: exit code 2.
     Usage(String),
-    /// the request could not be done: exit code 1
+    /// Failed request: exit code 1.
     Failed(String),
-    /// as before, but all is already said: exit code 1
+    /// Failed request whose message is already printed: exit code 1.
     Reported,
-    /// Ctrl-C: exit code 130; with a message about the work that is kept
+    /// Ctrl-C: exit code 130, with a message about the work that is kept.
     Interrupted(String),
-    /// the reader of standard output, or of another pipe, went away
+    /// The reader of standard output, or of another pipe, closed it.
     BrokenPipe,
 }
 
@@ -84,5 +84,5 @@ impl From<ToolError> for Failure {
     }
 }
 
-/// What every command gives back.
+/// Result of every command.
 pub type Outcome = Result<Ended, Failure>;

@@ -1,14 +1,15 @@
-//! Outputs: the files that a command would write, beside those that it reads.
+//! Checks that output files do not overwrite inputs or each other.
 //!
-//! Every command that writes asks here before it begins, since a file that was written over cannot be had again. Files are
-//! told apart by where they lie, since one file has many names: links, and other spellings of a path.
+//! Every command that writes calls this before it begins, because an overwritten file is lost. Files are compared by
+//! identity, not by path, because links and path spellings give one file several names.
 
 use crate::outcome::Failure;
 use std::fs::Metadata;
 use std::os::unix::fs::{FileTypeExt as _, MetadataExt as _};
 use std::path::{Path, PathBuf};
 
-/// Refuses to write over an input, and two outputs into one file. An output has its option, an input is named as in "the take".
+/// Refuses to overwrite an input, or to write two outputs to one file. An output has its option; an input has a name
+/// such as "the take".
 pub fn apart(outputs: &[(&str, &Path)], inputs: &[(&str, &Path)]) -> Result<(), Failure> {
     for (n, (option, path)) in outputs.iter().enumerate() {
         let shown = path.display();
@@ -24,7 +25,8 @@ pub fn apart(outputs: &[(&str, &Path)], inputs: &[(&str, &Path)]) -> Result<(), 
     Ok(())
 }
 
-/// True of two paths that lead to one file, which need not be there yet. Devices such as `/dev/null` keep nothing.
+/// Returns true if two paths lead to the same file, which may not exist yet. Devices such as `/dev/null` never count as
+/// the same.
 fn same(a: &Path, b: &Path) -> bool {
     match (a.metadata(), b.metadata()) {
         (Ok(a), Ok(b)) => {
@@ -36,10 +38,10 @@ fn same(a: &Path, b: &Path) -> bool {
     }
 }
 
-/// The path at which a file that is not there yet would be made.
+/// Returns the path at which a missing file would be created.
 fn target(path: &Path) -> Option<PathBuf> {
     let mut path = path.to_owned();
-    // as many as Linux follows
+    // limit on symbolic links in Linux
     for _ in 0..40 {
         let folder = path.parent()?;
         let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };

@@ -1,12 +1,12 @@
-//! Pages of HTML: refused before the work is done where their name says otherwise, and written at its end.
+//! HTML pages: checks their path before the work, and writes them at its end.
 
 use crate::load::has_extension;
 use crate::outcome::Failure;
 use std::path::Path;
 
-/// Refuses to write a page to a file that is not called `.html`.
+/// Refuses a path for a page without the extension `.html`, or in a missing folder.
 pub fn is_page(path: &Path) -> Result<(), Failure> {
-    // a device such as /dev/null has no extension, and need not
+    // a device such as /dev/null does not need an extension
     let plain = !path.exists() || path.is_file();
     if plain && !has_extension(path, "html") {
         let what = format!("`{}`: the page is HTML", path.display());

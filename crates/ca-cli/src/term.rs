@@ -1,7 +1,6 @@
-//! The terminal: colour only where someone looks, and the few words that lead a line.
+//! Terminal output: optional colour, and prefixes for messages.
 //!
-//! Decides that `NO_COLOR`, `TERM=dumb` and anything that is not a terminal mean plain text, and that nothing panics
-//! where stderr is closed.
+//! Text is plain with `NO_COLOR`, with `TERM=dumb`, and outside a terminal. A closed stderr does not cause a panic.
 
 use ca_device_tools::Message;
 use ca_model::diag::{Diags, Severity};
@@ -12,7 +11,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal as _, Write as _};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether stderr takes colour.
+/// Returns true if stderr supports colour.
 pub fn color() -> bool {
     let set = |name: &str| std::env::var_os(name).is_some_and(|v| !v.is_empty());
     !set("NO_COLOR") && std::env::var_os("TERM").is_none_or(|t| t != "dumb") && std::io::stderr().is_terminal()
@@ -25,22 +24,22 @@ fn lead(word: &str, code: &str, text: &str) {
         if color() { writeln!(err, "\x1b[1;{code}m{word}\x1b[0m: {text}") } else { writeln!(err, "{word}: {text}") };
 }
 
-/// `error: …`
+/// Prints `error: …`.
 pub fn error(text: &str) {
     lead("error", "31", text);
 }
 
-/// `warning: …`
+/// Prints `warning: …`.
 pub fn warning(text: &str) {
     lead("warning", "33", text);
 }
 
-/// `note: …`
+/// Prints `note: …`.
 pub fn note(text: &str) {
     lead("note", "36", text);
 }
 
-/// A message of a tool.
+/// Prints a message of a tool.
 pub fn message(message: Message) {
     match message {
         Message::Note(text) => note(&text),
@@ -48,15 +47,15 @@ pub fn message(message: Message) {
     }
 }
 
-/// Whether the page of a finding is still to be named; that is done once in a run.
+/// True while the next findings should refer to `ca explain`; it is reset after the first time in a run.
 static EXPLAINING: AtomicBool = AtomicBool::new(false);
 
-/// Says whether findings lead to `ca explain`.
+/// Sets whether findings refer to `ca explain`.
 pub fn explaining(yes: bool) {
     EXPLAINING.store(yes, Ordering::Relaxed);
 }
 
-/// Findings with their places, and which page says more of the first error, or else of the first warning.
+/// Prints findings with their places, and the page about the first error or else the first warning.
 pub fn findings(diags: &Diags, model: &Model) {
     let text = render::text(diags, model, color());
     let worst = diags.list.iter().filter(|d| d.severity != Severity::Note).min_by_key(|d| d.severity);
@@ -69,7 +68,7 @@ pub fn findings(diags: &Diags, model: &Model) {
     }
 }
 
-/// A time \[s\] in the unit in which people count it.
+/// Formats a time \[s\] in a convenient unit.
 pub fn time(seconds: f64) -> String {
     let (by, unit) = match seconds {
         s if s < 1.0 => (1e3, "ms"),
@@ -81,7 +80,7 @@ pub fn time(seconds: f64) -> String {
     format!("{} {unit}", short(seconds * by))
 }
 
-/// A bar for long work; hidden by itself where stderr is no terminal.
+/// Creates a progress bar for long work. It stays hidden if stderr is not a terminal.
 pub fn progress(steps: u64) -> ProgressBar {
     let bar = ProgressBar::new(steps);
     let template =

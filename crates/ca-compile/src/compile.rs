@@ -1,7 +1,7 @@
-//! Compile: all passes, one after the other, from a model to a scene.
+//! Compiles a model into a scene: calls all passes in order.
 //!
-//! Decides that the order of the passes stands in this one file: a pass knows the network and none of those behind it. What is
-//! asked for besides a scene, its linear part, takes the same way as far as the network goes.
+//! The order of the passes is defined only in this file. A pass uses the network, never a later pass. `linear` runs the
+//! same passes up to the finished network.
 
 use crate::certify::{beside, certify};
 use crate::connect::{coupling, hands, wire};
@@ -19,18 +19,17 @@ use ca_core::{Catalog, Certificate, Precision, Scene, Unit};
 use ca_model::diag::Diags;
 use ca_model::{Entry, Model};
 
-/// What a model became.
+/// A compiled model.
 #[derive(Debug)]
 pub struct Compiled {
-    /// what runs
+    /// The compiled scene.
     pub scene: Scene,
-    /// the same with the energy ledger, where [`Options::audited`] asks for it and one can be kept
+    /// The same scene with the energy ledger, if [`Options::audited`] asks for it and the method supports a ledger.
     pub audited: Option<Box<Scene>>,
-    /// warnings and notes, sorted by place
+    /// Warnings and notes, sorted by place.
     pub findings: Diags,
 }
 
-/// It reads as its scene, with the findings added.
 impl core::ops::Deref for Compiled {
     type Target = Scene;
     fn deref(&self) -> &Scene {
@@ -38,7 +37,7 @@ impl core::ops::Deref for Compiled {
     }
 }
 
-/// The network of a model, without what nobody hears.
+/// Returns the network of a model without the modules that no output depends on.
 fn network(model: &Model, catalog: &Catalog, options: &Options) -> Result<(Pruned, Diags), Diags> {
     let mut diags = Diags::new();
     let net = resolve::resolve(model, catalog, options, &mut diags);
@@ -64,31 +63,34 @@ fn network(model: &Model, catalog: &Catalog, options: &Options) -> Result<(Prune
     Ok((net, diags))
 }
 
-/// A number that stands in another text than a model, such as the plan of a sweep: in SI, read and judged as one of a
-/// model that has no parameters; `what` names it in what is said.
+/// Parses a number from a text other than a model, such as the plan of a sweep, and returns it in SI.
+///
+/// The text is checked as in a model without parameters. `what` names the number in findings.
 ///
 /// # Errors
-/// With one finding, where it is no such number or out of range.
+/// One finding, if the entry is not a number of this unit or is out of range.
 pub fn measured(e: &Entry, unit: Unit, range: (f64, f64), what: &str) -> Result<f64, Diags> {
     let mut diags = Diags::new();
     let v = values::Values::new(None, &mut diags).constant(e, unit, range, what);
     v.ok_or(diags)
 }
 
-/// The linear part of a model at load, for its modes.
+/// Returns the linear part of a model at load, for its modes.
 ///
 /// # Errors
-/// All findings, sorted, with an error among them; also where the numbers are beyond computing.
+/// All findings, sorted, with at least one error. Numbers that are not finite are also an error.
 #[cfg(feature = "analysis")]
 pub fn linear(model: &Model, catalog: &Catalog, options: &Options) -> Result<crate::analysis::Network, Diags> {
     linear_part(model, catalog, options, Purpose::Modes)
 }
 
-/// The same with the coefficients that a tick computes with, and with the places that position ports move
-/// ([`Network::driven`](crate::analysis::Network::driven)): what a tick does, as matrices.
+/// Returns one tick as matrices: the linear part with the coefficients that the tick computes with.
+///
+/// The matrices include the positions that position ports move
+/// ([`Network::driven`](crate::analysis::Network::driven)).
 ///
 /// # Errors
-/// As [`linear`].
+/// As for [`linear`].
 #[cfg(feature = "analysis")]
 pub fn linear_tick(model: &Model, catalog: &Catalog, options: &Options) -> Result<crate::analysis::Network, Diags> {
     linear_part(model, catalog, options, Purpose::Tick)
@@ -105,7 +107,7 @@ fn linear_part(
     let linear = crate::net::linear::network(&net, purpose);
     let numbers = |p: &crate::analysis::Dof| [p.c, p.k, p.z].iter().all(|v| v.is_finite());
     if !linear.linear.dofs.iter().all(numbers) || !linear.linear.rows.iter().all(|r| (r.k + r.z).is_finite()) {
-        // what the numbers are is for the certificate to say
+        // The certificate reports which numbers these are.
         certify(model, &net, crate::options::Effort::Open, &mut diags);
         diags.sort();
         return Err(diags);
@@ -116,7 +118,7 @@ fn linear_part(
 /// Compiles a model.
 ///
 /// # Errors
-/// All findings, sorted, with an error among them.
+/// All findings, sorted, with at least one error.
 pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Compiled, Diags> {
     let (mut net, mut diags) = network(model, catalog, options)?;
     let part = slow::find(model, &net, &mut diags);
@@ -127,7 +129,7 @@ pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Co
         }
         Some(part) => {
             rates::sound(&mut net, part);
-            // the same once more: what was said of it is said
+            // The findings of this second run are dropped: the first one reported them.
             let (mut own, _) = network(model, catalog, options)?;
             rates::group(&mut own, part);
             Some((own, part))
@@ -157,13 +159,14 @@ pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Co
     let scene = emit(options, &mut diags);
     diags.sort();
     let Some(scene) = scene else { return Err(diags) };
-    // `pefrl` keeps no ledger
+    // `pefrl` does not support a ledger.
     let audited = options.audited && !options.energy && !net.is_composed();
     let kept = || emit(&Options { energy: true, ..options.clone() }, &mut Diags::new());
     Ok(Compiled { scene, audited: if audited { kept().map(Box::new) } else { None }, findings: diags })
 }
 
-/// The groups at the gesture rate as a scene of their own. Its rows are not fused: the force on a mass is known before it moves.
+/// Compiles the groups at the gesture rate to a separate scene. Its rows are not fused with integration, because the
+/// force on a mass must be known before the mass moves.
 fn slow_scene<'a>(
     model: &Model,
     net: &Pruned,
@@ -178,7 +181,6 @@ fn slow_scene<'a>(
     Some(Slow::new(net, part, scene))
 }
 
-/// The order of the MATs in the state.
 fn order(net: &Pruned, options: &Options) -> ordering::Storage {
     match options.kernel {
         KernelClass::Fast | KernelClass::Listed => ordering::storage(net),

@@ -1,4 +1,5 @@
-//! What to say where a value is wrong: its place within the quotes, what it is, what is wanted, what to write instead.
+//! Texts and fixes for findings about wrong values: the place within the quotes, what was found, and what to write
+//! instead.
 
 use alloc::format;
 use alloc::string::String;
@@ -7,7 +8,7 @@ use ca_model::diag::Diag;
 use ca_model::quantity::{self, Quantity, QuantityError};
 use ca_model::{Entry, Item, Span, Value};
 
-/// What to write to be within a range.
+/// Returns the help text for a value outside `min..=max`.
 pub fn range_help(min: f64, max: f64, show: impl Fn(f64) -> String) -> String {
     match (min, max) {
         (f64::MIN, f64::MAX) => "use a finite number".into(),
@@ -18,8 +19,8 @@ pub fn range_help(min: f64, max: f64, show: impl Fn(f64) -> String) -> String {
     }
 }
 
-/// The place of bytes `from .. to` of the text that stands in quotes at `span`; the whole where quotes and escapes do
-/// not let it be reported.
+/// Returns the span of bytes `from..to` of the text in quotes at `span`. Returns the whole span if quotes or escapes
+/// make the byte positions differ from those in the file.
 pub fn inside(span: Span, text: &str, from: usize, to: usize) -> Span {
     if !span.is_some() || span.end < span.start || span.end - span.start != text.len() + 2 {
         return span;
@@ -28,16 +29,16 @@ pub fn inside(span: Span, text: &str, from: usize, to: usize) -> Span {
     Span { start: start + from.min(text.len()), end: start + to.min(text.len()) }
 }
 
-/// The place of the unit in a quantity that was read.
+/// Returns the span of the unit in a quantity that was parsed.
 pub fn unit_span(e: &Entry, text: &str) -> Span {
     let end = text.trim_end().len();
     let at = text.char_indices().find(|(_, c)| c.is_alphabetic() && !matches!(c, 'e' | 'E') || *c == '%').map(|c| c.0);
     at.map_or(e.span, |at| inside(e.span, text, at, end))
 }
 
-/// What to say where a text is no quantity.
+/// Returns the error for a text that is not a quantity.
 pub fn bad_quantity(what: &str, e: &Entry, text: &str, err: &QuantityError, unit: Option<Unit>) -> Diag {
-    // something missing is shown at what stands before it
+    // If something is missing, the label points at the character before it.
     let (from, to) = if err.end > err.at { (err.at, err.end) } else { (err.at.saturating_sub(1), err.at.max(1)) };
     let span = inside(e.span, text, from, to);
     let word = text.get(from..to).unwrap_or("");
@@ -53,7 +54,7 @@ pub fn bad_quantity(what: &str, e: &Entry, text: &str, err: &QuantityError, unit
         None => "write a number and its unit, e.g. `\"8 kN/m\"`".into(),
     };
     let Some(hint) = &err.hint else { return d.help(help) };
-    // a comma is replaced by a dot, a word by the word meant
+    // A comma becomes a dot; a misspelt word becomes the suggestion.
     let new = if word == "," { "." } else { hint.as_str() };
     let mended = [&text[..from], new, &text[to..]].concat();
     match quantity::parse(&mended) {
@@ -63,7 +64,7 @@ pub fn bad_quantity(what: &str, e: &Entry, text: &str, err: &QuantityError, unit
     }
 }
 
-/// What to write instead of a quantity of the wrong dimension.
+/// Adds the help, and a fix if there is one, for a quantity of the wrong dimension.
 pub fn instead(d: Diag, text: &str, q: &Quantity, unit: Unit, e: &Entry) -> Diag {
     if unit.dim.same(Unit::NONE.dim) {
         let end = text.char_indices().find(|(_, c)| c.is_alphabetic() && !matches!(c, 'e' | 'E'));
@@ -80,7 +81,7 @@ pub fn instead(d: Diag, text: &str, q: &Quantity, unit: Unit, e: &Entry) -> Diag
     d.help(format!("write e.g. `{}`", quoted(unit)))
 }
 
-/// A plausible quantity of a unit, for help texts.
+/// Returns a plausible quantity of a unit, for help texts.
 pub fn example(unit: Unit) -> String {
     let n = match unit.symbol {
         "m" => "2 mm",
@@ -97,17 +98,17 @@ pub fn example(unit: Unit) -> String {
     n.into()
 }
 
-/// The same as it stands in a file: in quotes, unless it is a plain number.
+/// Returns [`example`] as written in a file: in quotes, unless it is a plain number.
 pub fn quoted(unit: Unit) -> String {
     if unit.symbol.is_empty() { example(unit) } else { format!("\"{}\"", example(unit)) }
 }
 
-/// A unit as it is named in a sentence.
+/// Returns the name of a unit within a sentence.
 pub fn wanted(symbol: &str) -> &str {
     if symbol.is_empty() { "a plain number" } else { symbol }
 }
 
-/// What to say where a unit has the wrong dimension; `symbol` is the right one.
+/// Returns the error for a unit of the wrong dimension; `symbol` is the right one.
 pub fn wrong_unit(what: &str, symbol: &str, is: &str, span: Span) -> Diag {
     let is = wanted(is);
     let title = if symbol.is_empty() {
@@ -118,7 +119,7 @@ pub fn wrong_unit(what: &str, symbol: &str, is: &str, span: Span) -> Diag {
     Diag::error("E008", title).at(span, format!("this is {is}"))
 }
 
-/// What a value is, for people.
+/// Returns the type of a value as a phrase for findings.
 pub fn type_name(v: &Value) -> &'static str {
     match v {
         Value::Num(_) => "a number",
@@ -129,24 +130,24 @@ pub fn type_name(v: &Value) -> &'static str {
     }
 }
 
-/// A method that a link cannot go by where it is.
+/// Returns the error for a method that a link cannot use where it is.
 pub fn no_method(item: &Item, title: String, label: &str, help: &str) -> Diag {
     let entry = item.args.iter().find(|e| e.key == "method");
     let d = Diag::error("E028", title).at(entry.map_or(item.name_span, |e| e.span), label).help(help);
     if let Some(e) = entry { d.fix(e.span, "\"ca\"") } else { d }
 }
 
-/// Three digits, towards zero.
+/// Rounds down to three digits.
 pub fn round_down(v: f64) -> f64 {
     three_digits(v, libm::floor)
 }
 
-/// Three digits, away from zero.
+/// Rounds up to three digits.
 pub fn round_up(v: f64) -> f64 {
     three_digits(v, libm::ceil)
 }
 
-/// The power of ten goes through text, so that what is shown has three digits and no noise behind them.
+/// Rounds to three digits. The power of ten is applied as text, so that display adds no further digits.
 fn three_digits(v: f64, to: fn(f64) -> f64) -> f64 {
     let ten = libm::floor(libm::log10(v.abs().max(1e-300))) - 2.0;
     let n = to(v / libm::pow(10.0, ten));

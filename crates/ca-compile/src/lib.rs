@@ -1,4 +1,4 @@
-//! The scene compiler: from what the author wrote to what runs, leaving out what the scene does not need.
+//! The scene compiler: turns a model into a scene that contains only what the outputs and devices need.
 //!
 //! ```text
 //! Model ─ lower ─ Resolved ─ connect ─ Wired ─ passes ─ Pruned ─ certify ─ emit ─ Scene
@@ -6,12 +6,13 @@
 //!         parameters         taps of outputs   cheaper laws      order, arrays, passes
 //! ```
 //!
-//! Decides on one network of plain records between model and scene: every pass reads and rewrites that, and all of them
-//! push findings into one list, so an author sees everything at once. The folders are in the order of work, and each
-//! knows those before it and the network, never those behind it.
+//! All passes read and rewrite one network of plain records between model and scene. They push findings into one list,
+//! so that the author sees all of them at once. A folder uses the network and the folders before it in this diagram,
+//! never those behind it.
 //!
-//! [`load`](load::load) reads and compiles a text, [`compile`] a model, [`linear`] gives the matrices at load whose
-//! [modes](analysis) are asked for (feature `analysis`). What a model says is in `ca-model`, what runs in `ca-core`.
+//! [`load`](load::load) reads and compiles a text, and [`compile`] compiles a model. With the feature `analysis`,
+//! [`linear`] returns the matrices at load, from which [`analysis`] computes the modes. The language is in `ca-model`,
+//! the run-time in `ca-core`.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -31,7 +32,7 @@ mod net;
 mod options;
 mod passes;
 
-/// Most degrees of freedom of a network whose modes are computed: the matrix is dense.
+/// Largest number of degrees of freedom for which modes are computed, since the matrix is dense.
 pub const MOST_MODES: usize = 4000;
 
 pub use compile::{Compiled, compile, measured};

@@ -1,8 +1,9 @@
-//! From text to scene in one call, with one list of findings: what every front end does first.
+//! Reads and compiles a model from text, with one list of findings. All front ends start here.
 //!
-//! Decides that the compiler also looks at a model the reader found errors in, so that all errors of a file come in one
-//! run. What the compiler says then is believed only where the reader has not been: one mistake is one finding, and
-//! warnings about half a model are guesswork. A reader that stopped at its limit has said enough.
+//! The compiler also runs on a model with reading errors, so that one run reports all errors of a file. In that case
+//! only its errors are kept, and only at places that the reader has not reported: one mistake gives one finding, and
+//! warnings about an incomplete model would be guesses. If the reader has reached its limit of findings, the compiler
+//! does not run.
 
 use crate::compile::{Compiled, compile};
 use crate::options::Options;
@@ -12,8 +13,8 @@ use ca_model::{Model, Span, read};
 
 /// Reads and compiles a model; `file` is its name in reports.
 ///
-/// The model is returned whatever happens: reports are rendered from its text. Warnings and notes of both steps are in
-/// [`Compiled::findings`]; with an error there is no scene, and all findings are returned, sorted, none of them twice.
+/// The model is returned in any case, because reports are rendered from its text. [`Compiled::findings`] has the
+/// warnings and notes of both steps. If there is an error, the result is all findings, sorted and without duplicates.
 ///
 /// ```
 /// use ca_compile::{Options, load};
@@ -32,10 +33,10 @@ pub fn load(text: &str, file: &str, catalog: &Catalog, options: &Options) -> (Mo
     (model, result)
 }
 
-/// Compiles a model that was read, perhaps changed by [`Model::set`], with what the reader found.
+/// Compiles a model that was read, and possibly changed by [`Model::set`]; `found` holds the findings of the reader.
 ///
 /// # Errors
-/// All findings, sorted, with an error among them.
+/// All findings, sorted, with at least one error.
 pub fn finish(model: &Model, found: Diags, catalog: &Catalog, options: &Options) -> Result<Compiled, Diags> {
     if found.is_full() {
         return Err(found);
@@ -66,15 +67,15 @@ pub fn finish(model: &Model, found: Diags, catalog: &Catalog, options: &Options)
     Err(all)
 }
 
-/// True where a finding of the compiler only follows from one of the reader.
+/// Returns whether a finding of the compiler is a consequence of one of the reader.
 fn follows(d: &Diag, read: &[Diag], model: &Model) -> bool {
     let same = |o: &Diag| o.code == d.code && o.span() == d.span();
-    // what is missing, in a module of which something could not be read
+    // True if the reader reported something within this span.
     let within =
         |whole: Span| read.iter().any(|o| o.labels.iter().any(|l| whole.start <= l.0.start && l.0.end <= whole.end));
     let item = || model.items.iter().find(|i| i.name_span == d.span() && d.span().is_some());
     match d.code {
-        // an empty model, and references to what the reader has lost
+        // The model is empty, or refers to something that the reader could not read.
         "E024" => true,
         "E013" if !d.span().is_some() => true,
         "E005" => {

@@ -1,4 +1,4 @@
-//! What the caller asks of a compilation.
+//! Options of a compilation.
 
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -6,26 +6,26 @@ use ca_core::Precision;
 use ca_core::internal::kind::cloud::Clouds;
 use ca_core::internal::scene::Coupling;
 
-/// Which passes run the links.
+/// Kernels that run the links.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum KernelClass {
-    /// batches by law, chains as runs: fast
+    /// Batches by law, with chains as runs: the fast form.
     #[default]
     Fast,
-    /// the same batches, each as a pass of its own: what `Fast` joins, folds and fuses must have the bits of these
+    /// The same batches, each as a separate pass. `Fast` joins, folds and fuses them and must have the same bits.
     Listed,
-    /// links one by one in document order: the bits of a plain loop over modules
+    /// Links one by one in document order: the bits of a plain loop over the modules.
     Reference,
 }
 
-/// How far a scene is judged.
+/// Depth of the stability analysis of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Effort {
-    /// by cheap bounds
+    /// Cheap bounds only.
     Bounds,
-    /// by a factorisation, where they leave it open
+    /// A factorisation where the bounds do not decide.
     Open,
-    /// with the largest eigenvalue
+    /// A factorisation, and the largest eigenvalue.
     Largest,
 }
 
@@ -39,34 +39,34 @@ impl Options {
     }
 }
 
-/// What the caller asks of a compilation.
+/// Options of a compilation.
 #[derive(Clone, Debug, Default)]
 #[allow(clippy::struct_excessive_bools, reason = "each is asked for by itself")]
 pub struct Options {
-    /// sound rate \[Hz\]; the model's own if `None`
+    /// Sound rate \[Hz\]; `None` takes the rate of the model.
     pub rate: Option<f64>,
-    /// keep the energy ledger
+    /// Adds the energy ledger to the scene.
     pub energy: bool,
-    /// make the scene without a ledger and with it, [`Compiled::audited`](crate::Compiled::audited): what takes long, the modes
-    /// of a large scene above all, is computed once for both
+    /// Compiles a second scene, with the ledger: [`Compiled::audited`](crate::Compiled::audited). Expensive steps,
+    /// above all the modes of a large scene, run once for both.
     pub audited: bool,
-    /// selectors of modules to be heard besides the outputs: displacement of a MAT, force of a LIA
+    /// Selectors of modules to record besides the outputs: the displacement of a MAT or the force of a LIA.
     pub probes: Vec<String>,
-    /// what the files named in the model hold
+    /// Contents of the files named in the model.
     pub clouds: Clouds,
-    /// narrow down the largest eigenvalue, where the build can
+    /// Computes the largest eigenvalue, if the build has the feature `analysis`.
     pub exact: bool,
-    /// judge stability by cheap bounds alone, without a factorisation: for who has judged such a scene before
+    /// Judges stability by cheap bounds only, without a factorisation: for a scene that was judged before.
     pub bounds_only: bool,
-    /// which passes run the links
+    /// Kernels that run the links.
     pub kernel: KernelClass,
-    /// keep what nothing hears: somebody looks at it
+    /// Keeps modules that no output depends on, e.g. to display them.
     pub whole: bool,
-    /// device ports that are coupled to their links, since their device cannot render these
+    /// Device ports to couple to their links virtually, because their device cannot render these links directly.
     pub couplings: Vec<Coupling>,
-    /// the number that the scene is bound to ([`Scene::bind`](ca_core::Scene::bind)): in single precision what that does not keep is
-    /// refused, and only for double precision kernels in vectors are taken
+    /// Number type that the scene is bound to ([`Scene::bind`](ca_core::Scene::bind)). For single precision, models
+    /// that lose too much by it are refused, and no vector kernels are used.
     pub precision: Precision,
-    /// begin as by this older [`ca_core::ARITHMETIC`], for takes; as by the one of now if `None`
+    /// [`ca_core::ARITHMETIC`] version to compile for, taken from an older take; `None` means the present version.
     pub arithmetic: Option<u32>,
 }

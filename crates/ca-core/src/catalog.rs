@@ -1,7 +1,6 @@
-//! The ordered list of all kinds a build knows, and the list of sources they cite.
+//! The ordered list of all kinds of a build, and the list of sources they cite.
 //!
-//! Decides that each crate lists its kinds in one place, and that whoever reads models puts the lists together in one
-//! place, e.g. `ca_model::catalog().with(ca_lpr::KINDS)`.
+//! Each crate lists its kinds in one place. Readers of models combine them: `ca_model::catalog().with(ca_lpr::KINDS)`.
 
 use crate::kind::Kind;
 use alloc::vec::Vec;
@@ -47,15 +46,14 @@ pub const SOURCES: &[(&str, &str)] = &[
     ("Bilbao 2009", "S. Bilbao, Numerical Sound Synthesis, Wiley, 2009"),
 ];
 
-/// All kinds a build knows, in the order documentation shows them.
+/// All kinds of a build, in the order of the documentation.
 #[derive(Clone, Debug)]
 pub struct Catalog {
     kinds: Vec<&'static Kind>,
 }
 
 impl Catalog {
-    /// MATs, LIAs and ports: the kinds of this crate. Those a model is written with have generators too:
-    /// `ca_model::catalog()`.
+    /// Returns the kinds of this crate: MATs, LIAs and ports. `ca_model::catalog()` adds the generators.
     pub fn core() -> Catalog {
         let lists = [crate::mat::KINDS, crate::phi::KINDS, crate::io::KINDS];
         Catalog { kinds: lists.concat() }
@@ -64,7 +62,7 @@ impl Catalog {
     /// Adds the kinds of another crate.
     ///
     /// # Panics
-    /// Where a code is taken: of two kinds of one code a model could name only the first.
+    /// If a code is already taken, since a model could name only the first kind with this code.
     #[must_use]
     pub fn with(mut self, kinds: &[&'static Kind]) -> Catalog {
         for kind in kinds {
@@ -81,12 +79,12 @@ impl Catalog {
         self
     }
 
-    /// The kind with this code.
+    /// Returns the kind with this code.
     pub fn get(&self, code: &str) -> Option<&'static Kind> {
         self.kinds.iter().copied().find(|k| k.code == code)
     }
 
-    /// All of them.
+    /// Iterates over all kinds.
     pub fn iter(&self) -> impl Iterator<Item = &'static Kind> + '_ {
         self.kinds.iter().copied()
     }

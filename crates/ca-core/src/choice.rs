@@ -1,11 +1,10 @@
-//! Choices: a parameter that is one word of several, as an enum with its words beside the variants.
+//! Choices: parameters that take one of several words, as enums whose words stand beside their variants.
 //!
-//! Decides that a choice travels among the other arguments as the number of its word and becomes its enum where it is
-//! read, so that nothing is compared with a bare number. The alternative, an argument of its own type for words, would
-//! put a case into every array of numbers that a law is loaded from. The macro needs nothing of what a kind is, so it stands
-//! below all other modules, some of which come before kinds.
+//! A choice travels among the numeric arguments as the index of its word and becomes its enum where it is read, so code
+//! never compares bare numbers. A separate argument type for words would put a case into every array of numbers. The
+//! macro does not need `kind`, and modules below `kind` declare choices, so this module stands below all others.
 
-/// Declares an enum of words, first the one that holds if nothing is written.
+/// Declares an enum whose variants have words. The first variant is the default.
 ///
 /// ```
 /// ca_core::choice! {
@@ -30,10 +29,10 @@ macro_rules! choice {
         }
 
         impl $name {
-            /// The words, in the order of the variants.
+            /// Words in the order of the variants.
             pub const WORDS: &'static [&'static str] = &[$($word),+];
 
-            /// The choice of a number of a word; the first where there is none.
+            /// Returns the variant with this index, or the last one if the index is too large. `None` gives the first.
             pub fn of(number: impl Into<Option<f64>>) -> $name {
                 const ALL: &[$name] = &[$($name::$variant),+];
                 ALL[number.into().map_or(0, |n| n as usize).min(ALL.len() - 1)]

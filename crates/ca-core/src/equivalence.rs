@@ -1,20 +1,21 @@
-//! Equivalence: how large and how heavy the simulated world is in the hand.
+//! Equivalence: size and weight of the simulated world at a device.
 //!
-//! Decides for the table of ICMC 2013 (6.3, 6.4; docs/numerics.md §6). A device puts X = α·x into the model and
-//! gets f = β·F back; everything else follows: a quantity of dimension lengthᵃ forceᵇ timeᶜ is α⁻ᵃ βᵇ Teᶜ times as
-//! large in the hand as in the model, so the exponents of a row come from its dimension and no table of them can be
-//! wrong in one place. Te is the unit of time of the model's numbers: 1 s, or a sample of the reference rate in `alg`
-//! units. Nobody needs α or β: two rows of different classes, as pairs "real = simulated", settle both; one row settles
-//! them where another class is held (the anchor, a padlock on its row). The alternative, two gains in the file, would
-//! make an author compute what the table shows.
+//! It follows the table of ICMC 2013 (6.3, 6.4; docs/numerics.md §6). A device puts X = α·x into the model and gets f =
+//! β·F back. A quantity of dimension lengthᵃ forceᵇ timeᶜ is then α⁻ᵃ βᵇ Teᶜ times as large at the device as in the
+//! model. The exponents of each row are computed from its dimension, so the table cannot be wrong in one place. Te is
+//! the unit of time of the model's numbers: 1 s, or a sample of the reference rate in `alg` units.
 //!
-//! Nothing of it reaches the tick: the result is a pair of [`Gains`] for each device key.
+//! Authors do not need α or β. Two rows of different classes, as pairs "real = simulated", determine both. One row
+//! determines them if another class is held (the anchor, shown as a padlock on its row). Two gains in the file instead
+//! would make the author compute what the table shows.
+//!
+//! The tick does not use the equivalence. Its result is a pair of [`Gains`] for each device key.
 
 use crate::kind::{Dim, Unit};
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// Between the real and the simulated world, for one degree of freedom.
+/// Gains between the real and the simulated world, for one degree of freedom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Gains {
@@ -31,21 +32,20 @@ impl Default for Gains {
 }
 
 impl Gains {
-    /// Real joules per simulated joule.
+    /// Returns real joules per simulated joule.
     pub fn energy(self) -> f64 {
         self.beta / self.alpha
     }
-    /// Real N/m per simulated N/m.
+    /// Returns real N/m per simulated N/m.
     pub fn stiffness(self) -> f64 {
         self.alpha * self.beta
     }
-    /// True where both are numbers a device can work with.
     fn sane(self) -> bool {
         [self.alpha, self.beta, self.stiffness(), self.energy()].iter().all(|v| (1e-30..=1e30).contains(v))
     }
 }
 
-/// What a row hangs on: rows of one class are one equivalence said twice.
+/// Class of a row, by the gain it depends on. Rows of one class state the same equivalence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Class {
@@ -57,12 +57,12 @@ pub enum Class {
     Impedance,
     /// β/α
     Energy,
-    /// neither: the clock decides
+    /// neither gain: fixed by the clock
     Time,
 }
 
 impl Class {
-    /// Its name in messages and files.
+    /// Returns the name in messages and files.
     pub fn name(self) -> &'static str {
         match self {
             Class::Position => "position",
@@ -72,27 +72,27 @@ impl Class {
             Class::Time => "time",
         }
     }
-    /// A row that stands for it.
+    /// Returns a row that represents the class.
     pub fn row(self) -> &'static Quantity {
         let name = if self == Class::Impedance { "stiffness" } else { self.name() };
         ROWS.iter().find(|r| r.name == name).unwrap_or(&ROWS[0])
     }
-    /// The class a word means: the name of a row, or `impedance`.
+    /// Returns the class of a word: the name of a row, or `impedance`.
     pub fn of(word: &str) -> Option<Class> {
         if word == "impedance" { Some(Class::Impedance) } else { row(word).map(Quantity::class) }
     }
 }
 
-/// A quantity that has an equivalence.
+/// A quantity with an equivalence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantity {
-    /// its name in a model file
+    /// name in a model file
     pub name: &'static str,
     /// unit of the real side
     pub unit: Unit,
 }
 
-/// The table, in the order it is shown.
+/// The rows of the table, in order of display.
 pub const ROWS: &[Quantity] = &[
     Quantity { name: "position", unit: Unit::METRE },
     Quantity { name: "velocity", unit: Unit::SPEED },
@@ -108,19 +108,19 @@ pub const ROWS: &[Quantity] = &[
     Quantity { name: "time", unit: Unit::SECOND },
 ];
 
-/// The row of this name.
+/// Returns the row of this name.
 pub fn row(name: &str) -> Option<&'static Quantity> {
     ROWS.iter().find(|r| r.name == name)
 }
 
 impl Quantity {
-    /// Exponents (p, q, s): real/simulated = αᵖ βᑫ Teˢ.
+    /// Returns the exponents (p, q, s) of real/simulated = αᵖ βᑫ Teˢ.
     pub fn exponents(&self) -> [i32; 3] {
         // length^(m−kg) force^kg time^(s+2kg) is m^m kg^kg s^s
         let Dim { m, kg, s } = self.unit.dim;
         [(kg - m) as i32, kg as i32, (s + 2.0 * kg) as i32]
     }
-    /// What it hangs on.
+    /// Returns the class.
     pub fn class(&self) -> Class {
         match self.exponents() {
             [0, 0, _] => Class::Time,
@@ -130,23 +130,23 @@ impl Quantity {
             _ => Class::Energy,
         }
     }
-    /// Real over simulated, for a model whose unit of time is `time_unit` seconds.
+    /// Returns real over simulated, for a model whose unit of time is `time_unit` seconds.
     pub fn factor(&self, g: Gains, time_unit: f64) -> f64 {
         let [p, q, s] = self.exponents();
         power(g.alpha, p) * power(g.beta, q) * power(time_unit, s)
     }
 }
 
-/// An equivalence: so much of `row` in the hand \[SI\] per 1 of it in the model's numbers.
+/// An equivalence: the amount of `row` at the device \[SI\] per 1 in the model's numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
-    /// the quantity
+    /// quantity
     pub row: &'static Quantity,
     /// real over simulated
     pub ratio: f64,
 }
 
-/// The gains that make both pairs true. `None` for rows of one class, for time, and beyond all numbers.
+/// Returns the gains that satisfy both pairs, or `None` for rows of one class, for time, and for gains out of range.
 ///
 /// ```
 /// use ca_core::equivalence::{Pair, row, solve};
@@ -157,7 +157,7 @@ pub struct Pair {
 /// assert!((g.alpha - 50.0).abs() < 1e-12 && (g.beta - 777_924.0).abs() < 1e-6);
 /// ```
 pub fn solve(pairs: [Pair; 2], time_unit: f64) -> Option<Gains> {
-    // of α and β alone: ln rᵢ = pᵢ ln α + qᵢ ln β
+    // in α and β alone: ln rᵢ = pᵢ ln α + qᵢ ln β
     let [(p1, q1, r1), (p2, q2, r2)] = pairs.map(|e| {
         let [p, q, s] = e.row.exponents();
         (p, q, e.ratio / power(time_unit, s))
@@ -173,48 +173,49 @@ pub fn solve(pairs: [Pair; 2], time_unit: f64) -> Option<Gains> {
     (det != 0 && g.sane()).then_some(g)
 }
 
-/// The gains that make one pair true and keep what `anchor` stands for as it is in `held`.
+/// Returns the gains that satisfy one pair and keep the quantity of `anchor` as in `held`.
 pub fn keep(pair: Pair, anchor: Class, held: Gains, time_unit: f64) -> Option<Gains> {
     let row = anchor.row();
     solve([pair, Pair { row, ratio: row.factor(held, time_unit) }], time_unit)
 }
 
-/// What stays when a row of this class is edited and nobody said anything: the travel of the key; where that is what
-/// is edited, the feel.
+/// Returns the class held by default when a row of this class is edited: the position, or for the position the
+/// impedance.
 pub fn anchor_for(edited: Class) -> Class {
     if edited == Class::Position { Class::Impedance } else { Class::Position }
 }
 
-/// How a device key differs from the others.
+/// Difference of a device key from the others.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Scale {
     /// name of the TGR
     pub key: String,
-    /// its α over that of the whole
+    /// α of the key relative to the model
     pub position: f64,
-    /// its β over that of the whole
+    /// β of the key relative to the model
     pub force: f64,
 }
 
 impl Scale {
-    /// A lever keeps energy; anything else makes energy given at this key more or less than that given at others.
+    /// Returns true if the key is a lever, which conserves energy. Otherwise its energy has another scale than at other
+    /// keys.
     pub fn is_lever(&self) -> bool {
         self.position == self.force
     }
 }
 
-/// The equivalence of a model.
+/// Equivalence of a model.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Equivalence {
-    /// of the whole
+    /// gains of the whole model
     pub gains: Gains,
     /// unit of time of the model's numbers \[s\]: 1, or a sample of the reference rate in `alg` units
     pub time_unit: f64,
-    /// the anchor written in the model
+    /// anchor written in the model
     pub anchor: Option<Class>,
-    /// keys that differ, in the order of the document
+    /// keys that differ, in document order
     pub keys: Vec<Scale>,
 }
 
@@ -225,7 +226,7 @@ impl Default for Equivalence {
 }
 
 impl Equivalence {
-    /// The gains of a key, by the name of its TGR.
+    /// Returns the gains of a key, by the name of its TGR.
     pub fn of(&self, key: &str) -> Gains {
         let Gains { alpha, beta } = self.gains;
         match self.keys.iter().find(|k| k.key == key) {
@@ -235,7 +236,6 @@ impl Equivalence {
     }
 }
 
-/// v to a small whole power.
 fn power(v: f64, n: i32) -> f64 {
     let whole = (0..n.unsigned_abs()).fold(1.0, |a, _| a * v);
     if n < 0 { 1.0 / whole } else { whole }

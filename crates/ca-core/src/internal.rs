@@ -1,5 +1,5 @@
-//! The modules of this crate for the compiler, the engine, the views and the tests of this workspace. No promise is made about
-//! anything here: a program uses the names at the root of the crate.
+//! Exports the modules of this crate to the compiler, the engine, the views and the tests of this workspace. Anything
+//! here may change at any time. A program uses the names at the root of the crate.
 
 macro_rules! modules {
     ($($module:ident)*) => {

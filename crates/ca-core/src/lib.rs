@@ -1,31 +1,34 @@
-//! The run-time of CORDIS-ANIMA: virtual instruments made of masses and interactions, as a short list of homogeneous
-//! passes over flat arrays.
+//! The run-time of CORDIS-ANIMA: plays instruments of masses and interactions as a few homogeneous passes over arrays.
 //!
 //! ```text
 //! Scene (immutable, shared)      State (flat arrays, one per player)
 //!        └──── tick(&scene, &mut state) ────┘
 //! ```
-//! A [`Scene`] says what there is, a [`State`] how it stands, and [`tick()`] moves it on by one sample: no allocation, no
-//! lock, no call of the system, the same bits on every processor. The halves of a tick are public ([`compute_forces`] and
-//! [`integrate`]): a device gets the force of this tick before any mass moves, so the one-sample delay stays one sample.
+//! A [`Scene`] describes the instrument and never changes. A [`State`] holds every number that changes. [`tick()`]
+//! advances a state by one sample: it does not allocate, lock or call the system, and gives the same bits on every
+//! processor.
 //!
-//! Where to go:
-//! - to play: [`Scene`], [`State`], [`tick()`]; parameters that change meanwhile, [`Controls`]; the names of modules, [`Symbols`];
-//!   what was proven of the scene, [`Certificate`]; energy, [`Ledger`]; a model in the hand, [`equivalence`]; a mass that is
-//!   pulled without a device, [`mod@pointer`];
-//! - to compute with another number than `f64`: [`Scene::bind`], [`Real`], [`Dual`];
-//! - to add a law: its functions, [`Phi`]; the law as data, [`Law`]; its record, [`Kind`], with [`Param`] and [`Unit`]; a parameter
-//!   that is one of several words, [`choice!`]; all kinds of a program, [`Catalog`].
+//! Both halves of a tick are public ([`compute_forces`] and [`integrate`]). A device gets the force of this tick before
+//! any mass moves, so the one-sample delay stays one sample.
 //!
-//! The module `internal`, which this page does not show, has the rest for the other crates of the workspace: passes and the arrays
-//! that they read, methods, the rate boundary, the builder of a generator. No promise is made about it.
+//! Starting points:
+//! - to play: [`Scene`], [`State`], [`tick()`]; live parameters, [`Controls`]; names of modules, [`Symbols`]; what is
+//!   proven of the scene, [`Certificate`]; energy, [`Ledger`]; real and model units at a device, [`equivalence`];
+//!   pulling a mass without a device, [`mod@pointer`];
+//! - to compute with a number type other than `f64`: [`Scene::bind`], [`Real`], [`Dual`];
+//! - to add a law: its functions, [`Phi`]; the law as data, [`Law`]; its record, [`Kind`], with [`Param`] and [`Unit`];
+//!   a parameter that is one of several words, [`choice!`]; all kinds of a program, [`Catalog`].
 //!
-//! What is not here: nothing reads a file or a text, and nothing makes a scene. Models are read by `ca-model` and compiled
-//! by `ca-compile`; a program adds `cordis-anima`, which is both with files and sound.
+//! The undocumented module `internal` exports the rest to the other crates of the workspace: passes and their arrays,
+//! methods, the rate boundary, the builder of generators. It may change at any time.
 //!
-//! A tick computes with a [`Real`]: `f64`, or the number that a scene is bound to ([`Scene::bind`]), `f32` or a number with
-//! derivatives. Features: `std` (default) finds the widest instructions of the machine at run time; `bytes` writes compiled scenes as
-//! bytes and reads them (`Scene::to_bytes`, `Scene::from_bytes`).
+//! This crate does not read files or text, and does not make scenes. `ca-model` reads models and `ca-compile` compiles
+//! them. A program depends on `cordis-anima`, which combines both with files and sound.
+//!
+//! A tick computes with a [`Real`]: `f64`, or the type of [`Scene::bind`], which is `f32` or a number with derivatives.
+//!
+//! Features: `std` (default) detects the widest vector instructions of the machine at run time; `bytes` writes compiled
+//! scenes to bytes and reads them back (`Scene::to_bytes`, `Scene::from_bytes`).
 #![no_std]
 #![forbid(unsafe_code)]
 

@@ -1,9 +1,9 @@
-//! Changes while playing: by name, in units, computed off the tick and ramped in it.
+//! Live changes: set by name and in units, computed outside the tick and ramped in it.
 //!
-//! Decides that a tick knows nothing of parameters, only of coefficients. [`Controls`] (one per player, outside the
-//! real-time thread) turns `strike.k = 8000` into a [`Patch`] with the very functions the compiler used, so derived
-//! parameters such as f and t60 move all their coefficients together; [`State::apply`] starts the ramps without
-//! allocating. Only what the model declares `live` has a place here (or everything, if the compiler was asked).
+//! A tick knows only coefficients, not parameters. [`Controls`] (one per player, outside the real-time thread) turns
+//! `strike.k = 8000` into a [`Patch`] with the same functions that the compiler used. So derived parameters such as f
+//! and t60 move all their coefficients together. [`State::apply`] starts the ramps without allocating. Only parameters
+//! that the model declares `live` are included, or all if the compiler was asked to.
 
 use crate::kind::builder::{Arg, Args, Generator};
 use crate::kind::{Kind, MatSpec, Unit};
@@ -16,12 +16,12 @@ use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// A parameter that may change while playing.
+/// A parameter that may change while the scene plays.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiveParam {
-    /// its name: a `[param]`, or `module.parameter` where everything is live
+    /// name: a `[param]`, or `module.parameter` if everything is live
     pub name: String,
-    /// unit; plain where the model gives none
+    /// unit; plain if the model gives none
     pub unit: Unit,
     /// smallest value, SI
     pub min: f64,
@@ -29,107 +29,107 @@ pub struct LiveParam {
     pub max: f64,
     /// value at load, SI
     pub value: f64,
-    /// one line for people
+    /// documentation in one line
     pub doc: String,
 }
 
-/// A parameter that a port drives ([`crate::op::driven`]).
+/// A parameter driven by a port ([`crate::op::driven`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct DrivenParam {
-    /// the parameter; its value is that before the port is looked at
+    /// the parameter; its value is the one before the port is read
     pub param: LiveParam,
     /// name of the port
     pub port: String,
-    /// where the port is at its smallest and largest value \[m\] or \[N\]
+    /// port values for its smallest and largest value \[m\] or \[N\]
     pub span: [f64; 2],
 }
 
-/// Where a number of a module comes from.
+/// Source of a number of a module.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Source {
     /// not written
     Absent,
-    /// this value for good
+    /// fixed value
     Const(f64),
-    /// slot of the item it was made from
+    /// slot of its item
     Slot(u32),
 }
 
-/// How to compute the coefficients of a module.
+/// Rule to compute the coefficients of a module.
 #[derive(Clone, Copy)]
 pub enum Loader {
     /// a MAT, with the viscosity of its medium \[N s/m\]
     Mat(&'static MatSpec, f64),
     /// a LIA
     Lia(&'static Law),
-    /// its first parameter times this: the gain of an output, or, with an acceleration \[m/s²\], the weight of a mass
+    /// its first parameter times this factor: the gain of an output, or the weight of a mass (acceleration \[m/s²\])
     Times(f64),
 }
 
 /// A module with coefficients that depend on live parameters.
 #[derive(Clone)]
 pub struct LiveModule {
-    /// how
+    /// rule for the coefficients
     pub loader: Loader,
-    /// from what, in the order of the parameters of its kind
+    /// sources of the values, in the order of the parameters of its kind
     pub values: alloc::sync::Arc<[Source]>,
-    /// to where: indices into [`LivePlan::coefs`], one per coefficient
+    /// destinations: indices into [`LivePlan::coefs`], one per coefficient
     pub to: Vec<u32>,
 }
 
 /// An item of the model that depends on live parameters.
 #[derive(Clone)]
 pub struct LiveItem {
-    /// its kind
+    /// kind of the item
     pub kind: &'static Kind,
     /// axes along which its MATs move
     pub dim: u8,
-    /// how what is linear in it is computed
+    /// scheme for its linear parts
     pub scheme: Scheme,
-    /// its resolved parameters
+    /// resolved parameters
     pub args: Vec<Arg>,
-    /// which of them follow which live parameter: (argument, parameter, factor)
+    /// arguments that follow live parameters: (argument, parameter, factor)
     pub follows: Vec<(usize, usize, f64)>,
-    /// the generator that derives numbers from them, if it is one
+    /// generator that derives numbers from them, if it is one
     pub generator: Option<&'static Generator>,
-    /// what it became
+    /// modules made from it
     pub modules: Vec<LiveModule>,
 }
 
-/// Everything the compiler knows about live parameters.
+/// Live parameters as the compiler knows them.
 #[derive(Clone, Default)]
 pub struct LivePlan {
-    /// the scene they belong to
+    /// scene of the parameters
     pub scene: Identity,
     /// the parameters
     pub params: Vec<LiveParam>,
-    /// the coefficients they reach: indices into [`State::coef`]
+    /// coefficients that they set: indices into [`State::coef`]
     pub coefs: Vec<u32>,
-    /// parameters that ports drive, which nobody else sets
+    /// parameters driven by ports, which cannot be set otherwise
     pub driven: Vec<DrivenParam>,
-    /// the coefficients that these reach: indices into `coefs`, rising
+    /// coefficients that driven parameters set: indices into `coefs`, rising
     pub driven_coefs: Vec<u32>,
-    /// how to get from one to the other
+    /// items that connect parameters and coefficients
     pub items: Vec<LiveItem>,
-    /// what has to be solved anew, where implicit links depend on them
+    /// factor to recompute, if implicit links depend on live parameters
     pub implicit: Option<LiveImplicit>,
 }
 
-/// The factor of implicit links, as far as it follows live parameters.
+/// The part of the factor of implicit links that follows live parameters.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct LiveImplicit {
-    /// what it is made of
+    /// structure of the matrix
     pub made: Inertia,
-    /// the first of its coefficients in [`LivePlan::coefs`]
+    /// first of its coefficients in [`LivePlan::coefs`]
     pub first: u32,
-    /// place and present value of each coefficient it depends on, rising
+    /// index and present value of each coefficient it depends on, rising
     pub known: Vec<(u32, f64)>,
 }
 
 impl LiveImplicit {
-    /// Adds the factor to a patch that changes what it is made of; false where there is none.
+    /// Adds the factor to a patch that changes its inputs. Returns false if the factor does not exist.
     fn follow(&mut self, coefs: &[u32], room: &mut Scratch, patch: &mut Patch) -> bool {
         let mut changed = false;
         for (i, v) in &patch.set {
@@ -153,23 +153,23 @@ impl LiveImplicit {
 /// New values of coefficients, to be applied together.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Patch {
-    /// the scene it belongs to: [`Scene::identity`](crate::Scene::identity), where it is made by hand
+    /// scene of the patch: [`Scene::identity`](crate::Scene::identity) if made by hand
     pub scene: Identity,
     /// index into [`LivePlan::coefs`] and value
     pub set: Vec<(u32, f64)>,
 }
 
-/// Why a change was refused.
+/// Why a live change was refused.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Refused {
     /// no live parameter has this name
     Unknown(String),
-    /// outside the range it was declared with
+    /// outside the declared range
     Range(String, f64, f64),
-    /// a port drives it: its name, and that of the port
+    /// driven by a port: name of the parameter and of the port
     Driven(String, String),
-    /// the values together have no solution, e.g. a pitch out of reach
+    /// the values together cannot be solved, e.g. a pitch out of reach
     Unsolvable(String),
 }
 
@@ -185,26 +185,23 @@ impl core::fmt::Display for Refused {
 }
 impl core::error::Error for Refused {}
 
-/// The live parameters of a scene as someone plays them. Lives outside the tick.
+/// The live parameters of a scene during a performance. It is used outside the tick.
 #[derive(Clone)]
 pub struct Controls {
     plan: LivePlan,
     tick_dt: f64,
-    /// whether a coefficient is finite as a number of the tick
+    /// tests whether a coefficient is finite in the number type of the tick
     finite: fn(f64) -> bool,
     room: Scratch,
 }
 
-/// What a change needs in passing; kept, so that a gesture that moves a parameter at every frame allocates nothing.
+/// Working memory of a change. It is kept so that a gesture that moves a parameter in every frame does not allocate.
 #[derive(Clone, Default)]
 struct Scratch {
-    /// numbers of a generator
     slots: Vec<Option<f64>>,
-    /// numbers of a module
     values: Vec<Option<f64>>,
     /// coefficients of a module, or of the factor of implicit links
     coefs: Vec<f64>,
-    /// working memory of that factor
     around: Vec<f64>,
     /// arguments before the change: item, argument and value
     before: Vec<(usize, usize, Arg)>,
@@ -213,18 +210,18 @@ struct Scratch {
 }
 
 impl Controls {
-    /// The parameters at their values at load; `tick_dt` is that of a tick \[s\].
+    /// Makes the parameters with their values at load; `tick_dt` is the duration of a tick \[s\].
     pub fn new(plan: &LivePlan, tick_dt: f64) -> Controls {
         Controls { plan: plan.clone(), tick_dt, finite: f64::is_finite, room: Scratch::default() }
     }
 
-    /// The same for a scene over `R`: a value whose coefficients are not finite there is refused.
+    /// Adapts them to a scene over `R`: a value whose coefficients are not finite in `R` is refused.
     #[must_use]
     pub(crate) fn over<R: Real>(self) -> Controls {
         Controls { finite: |v| R::of(v).is_finite(), ..self }
     }
 
-    /// The parameters, with their present values.
+    /// Returns the parameters with their present values.
     pub fn params(&self) -> &[LiveParam] {
         &self.plan.params
     }
@@ -232,7 +229,7 @@ impl Controls {
     /// Sets `name` to `value` \[SI\] and returns the coefficients that change.
     ///
     /// # Errors
-    /// [`Refused`], and nothing has changed.
+    /// [`Refused`]; nothing has then changed.
     pub fn set(&mut self, name: &str, value: f64) -> Result<Patch, Refused> {
         let Some(p) = self.plan.params.iter().position(|p| p.name == name) else {
             let driven = self.plan.driven.iter().find(|d| d.param.name == name);
@@ -244,11 +241,11 @@ impl Controls {
         Ok(patch)
     }
 
-    /// Sets parameter number `p` of [`Controls::params`] to `value` \[SI\] and writes the coefficients that change into
-    /// `patch`, in place of what it held. From the second change on it allocates nothing.
+    /// Sets parameter number `p` of [`Controls::params`] to `value` \[SI\] and replaces the content of `patch` by the
+    /// coefficients that change. From the second change on it does not allocate.
     ///
     /// # Errors
-    /// [`Refused`], and nothing has changed; `patch` is of no use then.
+    /// [`Refused`]; nothing has then changed, and `patch` is useless.
     pub fn turn(&mut self, p: usize, value: f64, patch: &mut Patch) -> Result<(), Refused> {
         patch.set.clear();
         patch.scene = self.plan.scene;
@@ -300,9 +297,8 @@ impl Controls {
 }
 
 impl LiveItem {
-    /// Adds what its modules become to a patch.
     fn patch(&self, tick_dt: f64, room: &mut Scratch, patch: &mut Patch) -> Result<(), Refused> {
-        // numbers derived from the item's parameters: those of a generator, or the parameters themselves
+        // numbers of the item: derived by its generator, or the parameters themselves
         room.slots.clear();
         match self.generator {
             Some(g) => {
@@ -329,7 +325,7 @@ impl LiveItem {
 }
 
 impl Source {
-    /// The number, given the slots of the item.
+    /// Returns the number, given the slots of the item.
     pub fn get(self, slots: &[Option<f64>]) -> Option<f64> {
         match self {
             Source::Absent => None,
@@ -340,7 +336,7 @@ impl Source {
 }
 
 impl Loader {
-    /// Puts the coefficients for parameter values in SI into `out`, in place of what it held.
+    /// Replaces the content of `out` by the coefficients for parameter values in SI.
     pub fn load(self, values: &[Option<f64>], tick_dt: f64, out: &mut Vec<f64>) {
         out.clear();
         match self {
@@ -359,15 +355,16 @@ impl Loader {
 }
 
 impl<R: Real> State<R> {
-    /// Starts moving the coefficients of `patch` to their new values, linearly over `ticks` (0 acts like 1), from the
-    /// next tick on. All of one patch arrive in the same tick. Does not allocate. Returns false, having changed
-    /// nothing, where the patch is of another scene or holds a value that is not finite.
+    /// Starts ramping the coefficients of `patch` to their new values, linearly over `ticks` (0 acts like 1), from the
+    /// next tick on. All coefficients of a patch arrive in the same tick. Does not allocate.
+    ///
+    /// Returns false, and changes nothing, if the patch belongs to another scene or holds a value that is not finite.
     pub fn apply(&mut self, patch: &Patch, ticks: u32) -> bool {
         let n = self.ramps.left.len();
         if patch.scene != self.scene || patch.set.iter().any(|(i, v)| *i as usize >= n || !R::of(*v).is_finite()) {
             return false;
         }
-        // half-way between two factors is the factor of neither scene: with them all of the patch comes in one tick
+        // halfway between two factors is not a factor of either matrix, so the whole patch then changes in one tick
         let whole = patch.set.iter().any(|(i, _)| *i >= self.ramps.whole);
         let ticks = if whole { 1 } else { ticks.max(1) };
         for (i, v) in &patch.set {
@@ -376,7 +373,7 @@ impl<R: Real> State<R> {
         true
     }
 
-    /// Live coefficient number `i` goes to `v` over so many ticks, unless it is there or on its way.
+    /// Ramps live coefficient number `i` to `v` over `ticks` ticks, unless it is there or on its way.
     pub(crate) fn turn(&mut self, i: usize, v: R, ticks: u32) {
         let r = &self.ramps;
         let goal = if r.left[i] == 0 { self.coef[r.index[i] as usize] } else { r.target[i] };

@@ -1,4 +1,4 @@
-//! The kernel of each pass that is not of links, over any number.
+//! The kernel of each pass other than links, over any number type.
 
 use crate::border::{self, group};
 use crate::method::{implicit, modes, pefrl, together};
@@ -6,7 +6,7 @@ use crate::numeric::Real;
 use crate::op::{Kernel, Op, Pass, blocker, driven, energy, heard, lowpass, pass, substep, wave};
 
 impl Pass {
-    /// Its kernel over `R`; of [`Pass::Links`] one that does nothing, since its law has that.
+    /// Returns the kernel over `R`. For [`Pass::Links`] it does nothing, since the law of the links has the kernel.
     pub fn kernel<R: Real>(self) -> Kernel<R> {
         match self {
             Pass::Links => |_, _, _| {},
@@ -65,7 +65,7 @@ impl Pass {
 }
 
 impl Op {
-    /// A pass without links. Not generic, so that the kernels over `f64` are made in this crate.
+    /// Makes a pass without links. It is not generic, so that this crate instantiates the kernels over `f64`.
     pub fn pass(pass: Pass, n: usize) -> Op {
         Op::new(pass, pass.kernel(), n)
     }

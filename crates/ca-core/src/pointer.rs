@@ -1,63 +1,60 @@
-//! Pointer: a hand without a device that pulls on one mass of a scene that plays.
+//! A pointer that pulls on one mass of a playing scene, without a device.
 //!
-//! Decides on a virtual coupling (Colgate et al. 1995) between the pointer and the mass, a spring κ and a damper ν, and
-//! that it is no pass of the scene: the update of a MAT is linear in its force, x_{n+1} = … + C·F, so that what the
-//! coupling adds, C·F to motion and place, can be added once the passes have run. A scene that nobody holds pays
-//! nothing for it and keeps its bits, and no kernel has to know.
+//! A virtual coupling (Colgate et al. 1995), a spring κ and a damper ν, joins the pointer and the mass. It is not a
+//! pass of the scene: the update of a MAT is linear in its force, x_{n+1} = … + C·F, so C·F is added after the passes
+//! have run. A scene without a pointer has no cost and the same bits.
 //!
-//! It leaves a linear scene stable. With κ = k·C and ν = z·C, both without unit, the coupling adds a matrix of rank one
-//! with the eigenvalue κ + 2ν to T²M⁻¹K + 2TM⁻¹Z, whose eigenvalues must lie below 4 (docs/numerics.md §8); by Weyl's
-//! inequality the largest of the sum is at most [`Certificate::bound`] + κ + 2ν; where a factorisation decided, it says what is
-//! left ([`Certificate::room`]). κ and ν take half of that at most. A coupling that takes the share q of what is left makes the
-//! ends of a contact or of a friction at most 1/(1 − q) times as easy to move, so q is no more than keeps them within
-//! the rules of the certificate. And never more than what is wanted: a mass that follows the pointer at a thousand
-//! hertz, critically damped. They are kept without unit, so that a live parameter that makes the mass lighter makes the coupling weaker too.
+//! A linear scene stays stable (docs/numerics.md §8). With the dimensionless κ = k·C and ν = z·C the largest
+//! eigenvalue, whose limit is 4, is at most [`Certificate::bound`] + κ + 2ν (Weyl's inequality); after a factorisation
+//! [`Certificate::room`] is the margin. The coupling takes at most half of the margin. With a share q of it the ends of
+//! a contact or friction are at most 1/(1 − q) times as mobile, so q also keeps them within the rules of the
+//! certificate. The mass follows the pointer at 1000 Hz at most, critically damped. κ and ν are stored without unit, so
+//! that the coupling weakens when a live parameter makes the mass lighter.
 //!
-//! The pointer moves in a straight line from where it was to where it was last seen, since a mouse is read 60 to 120 times
-//! a second. How far it may be from rest has a bound, its reach, and so has how hard it pulls: as the spring does at a
-//! hundredth of that. Laws that stiffen with the cube of their length, which no certificate covers far from rest, are not
-//! pressed to where they diverge.
+//! The pointer moves in a straight line to its last reported position, since a mouse reports 60 to 120 times a second.
+//! Its distance from rest is limited to its reach, and its force to the spring force at a hundredth of the reach. This
+//! keeps laws with a cubic stiffness, which the certificate does not cover far from rest, from diverging.
 
 use crate::scene::certificate::{Certificate, Level};
 use crate::scene::{InputRole, Location, Scene};
 use crate::state::State;
 use alloc::string::String;
 
-/// Frequency at which a mass alone would swing about the pointer, undamped \[Hz\].
+/// Frequency of a single mass on the undamped coupling \[Hz\].
 const FEEL: f64 = 1000.0;
-/// Time in which the pointer gets to where it was last seen \[s\].
+/// Time in which the pointer moves to its last reported position \[s\].
 const GLIDE: f64 = 1.0 / 60.0;
-/// Least reach of a pointer \[m\].
+/// Minimum reach of a pointer \[m\].
 const REACH: f64 = 0.01;
-/// The coupling pulls as hard as its spring does at this share of the reach.
+/// Largest elongation of the coupling's spring, relative to the reach.
 const STRETCH: f64 = 0.01;
-/// Share of what is left that the coupling takes at most.
+/// Largest share of the margin that the coupling takes.
 const SHARE: f64 = 0.5;
-/// The rules of the certificate: the largest ratio of a contact, and the steepest friction (docs/numerics.md §3.2, §3.5).
+/// Limits of the certificate's rules: contact ratio and friction slope (docs/numerics.md §3.2, §3.5).
 const CONTACT: f64 = 1.0;
 const FRICTION: f64 = 1.5;
-/// Speeds at load are as far as they would go in this time \[s\].
+/// Time by which speeds at load are converted to distances \[s\].
 const THROW: f64 = 1e-3;
 
 /// Why a mass cannot be held.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Refused {
-    /// there is no MAT of this number
+    /// the MAT does not exist
     Unknown,
-    /// no force moves it
+    /// forces do not move it
     Fixed(String),
     /// a port moves it
     Port(String),
-    /// it goes by its modes
+    /// it is a modal mass
     Modal(String),
-    /// what moves it is solved together with other masses
+    /// it is solved together with other masses
     Implicit(String),
-    /// it is computed once a gesture frame
+    /// it belongs to a group at the gesture rate
     Slow(String),
-    /// the scheme of the scene has several steps in a sample
+    /// the scheme of the scene has several steps per sample
     Scheme(&'static str),
-    /// the certificate leaves nothing for a coupling
+    /// the certificate leaves no margin for a coupling
     Margin(String),
 }
 
@@ -77,39 +74,38 @@ impl core::fmt::Display for Refused {
 }
 impl core::error::Error for Refused {}
 
-/// A pointer that holds a mass.
+/// A pointer that can hold one mass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pointer {
-    /// number of the MAT among those of the scene
+    /// index of the MAT in the scene
     mass: usize,
-    /// its first place in the state, and how many
+    /// first slot in the state, and number of axes
     place: usize,
     axes: usize,
-    /// first of the coefficients C of its places
+    /// first coefficient C of its slots
     inertia: usize,
-    /// stiffness k·C and damping z·C of the coupling, without unit
+    /// stiffness k·C and damping z·C of the coupling, dimensionless
     spring: f64,
     damper: f64,
     reach: f64,
-    /// where the pointer is, and is going \[m\], from rest
+    /// present and next position of the pointer \[m\], relative to rest
     at: [f64; 3],
     to: [f64; 3],
-    /// its motion a tick \[m\], and ticks left
+    /// motion per tick \[m\], and ticks left
     step: [f64; 3],
     left: u32,
-    /// ticks of a glide
+    /// ticks of a movement
     glide: u32,
-    /// what the coupling adds in this tick \[m\], and the motion before it
+    /// contribution of the coupling in this tick \[m\], and the motion before it
     add: [f64; 3],
     before: [f64; 3],
 }
 
 impl Pointer {
-    /// A pointer for MAT number `mass` of a scene, in the order of [`Scene::symbols`]; holds nothing until
-    /// [`Pointer::hold`].
+    /// Makes a pointer for MAT number `mass` of [`Scene::symbols`]. It has no effect until [`Pointer::hold`].
     ///
     /// # Errors
-    /// Where the mass cannot be held, with the reason.
+    /// If the mass cannot be held, with the reason.
     pub fn new(scene: &Scene, mass: usize) -> Result<Pointer, Refused> {
         let symbol = scene.symbols.get(mass).filter(|_| mass < scene.mats()).ok_or(Refused::Unknown)?;
         let Location::Mat(place) = symbol.location else { return Err(Refused::Unknown) };
@@ -135,7 +131,7 @@ impl Pointer {
         }
         let inertia = 2 * scene.layout.counts.n_mat + first;
         let masses = scene.initial.coef.get(inertia..inertia + axes).unwrap_or_default();
-        // a mass in a plane has no force across it
+        // a mass in a plane has C = 0 for the axis across it
         if masses.iter().all(|c| *c == 0.0) {
             return Err(Refused::Fixed(name()));
         }
@@ -167,18 +163,18 @@ impl Pointer {
         })
     }
 
-    /// Number of the MAT that it is for.
+    /// Returns the index of the MAT.
     pub fn mass(&self) -> usize {
         self.mass
     }
 
-    /// Stiffness \[N/m\] and damping \[N s/m\] of the coupling, in this state.
+    /// Returns stiffness \[N/m\] and damping \[N s/m\] of the coupling, in this state.
     pub fn coupling(&self, scene: &Scene, s: &State) -> [f64; 2] {
         let c = s.coef[self.inertia..][..self.axes].iter().copied().fold(0.0, f64::max);
         [self.spring / c, self.damper / c * scene.rates.sample_dt]
     }
 
-    /// Begins where the mass is: with no force, however it moves.
+    /// Starts at the position of the mass, without force, whatever its motion.
     pub fn hold(&mut self, s: &State) {
         for k in 0..self.axes {
             self.at[k] = s.x[self.place + k];
@@ -186,8 +182,8 @@ impl Pointer {
         (self.to, self.step, self.left) = (self.at, [0.0; 3], 0);
     }
 
-    /// The pointer was seen at `to`, a displacement from rest \[m\] (on a line the first number alone). What is not finite
-    /// counts for nothing, what is out of reach is as far as that.
+    /// Moves the pointer to `to`, a displacement from rest \[m\] (on a line only the first number counts). A number
+    /// that is not finite is ignored; one out of reach is limited to the reach.
     pub fn pull(&mut self, to: [f64; 3]) {
         for (k, to) in to.into_iter().enumerate().take(self.axes) {
             if to.is_finite() {
@@ -198,7 +194,7 @@ impl Pointer {
         self.left = self.glide;
     }
 
-    /// Before the masses move: what the coupling will add, from places and motions at x_n.
+    /// Computes, before the masses move, the contribution of the coupling from positions and motions at x_n.
     pub fn prepare(&mut self, s: &State) {
         let moves = self.left > 0;
         for k in 0..self.axes {
@@ -212,7 +208,7 @@ impl Pointer {
         self.left = self.left.saturating_sub(1);
     }
 
-    /// After the masses moved: adds it, and enters its work, F·(d_n + d_{n+1})/2, in the ledger.
+    /// Adds the contribution after the masses have moved, and enters its work F·(d_n + d_{n+1})/2 in the ledger.
     pub fn apply(&mut self, s: &mut State) {
         let mut work = 0.0;
         for k in 0..self.axes {
@@ -231,7 +227,7 @@ impl Pointer {
     }
 }
 
-/// What the certificate leaves for κ + 2ν.
+/// Returns the margin of the certificate that is available for κ + 2ν.
 fn room(c: &Certificate) -> f64 {
     let linear = match (c.level, c.room) {
         (Level::Unstable, _) => 0.0,
@@ -242,7 +238,7 @@ fn room(c: &Certificate) -> f64 {
     share * linear
 }
 
-/// Stiffness and damping without unit: critically damped, at [`FEEL`] or with κ + 2ν = κ + 4√κ no more than `most`.
+/// Returns dimensionless stiffness and damping: critically damped, at [`FEEL`] or with κ + 2ν = κ + 4√κ at most `most`.
 fn coupling(most: f64, sample_dt: f64) -> (f64, f64) {
     if most.is_nan() || most <= 0.0 {
         return (0.0, 0.0);
@@ -252,8 +248,7 @@ fn coupling(most: f64, sample_dt: f64) -> (f64, f64) {
     (root * root, 2.0 * root)
 }
 
-/// How far an instrument is pulled at most: as far as anything of it is from its rest, is thrown, or is moved by its own
-/// gesture.
+/// Returns the reach: the largest displacement, travel of a speed at load, built-in gesture, or length of a link.
 fn reach(scene: &Scene) -> f64 {
     let s = &scene.initial;
     let places = s.x.iter().map(|x| x.abs());

@@ -1,8 +1,7 @@
 //! The tick: inputs → changes → forces at x_n → outputs → integration, and its public halves.
 //!
-//! Decides that each call compares the identity of the state with that of the scene, once, before any pass: a state of
-//! another scene would play on in silence where the shapes agree, and read beyond an array where they do not. A type
-//! that binds one to the other would save this compare, and borrow the state from everybody who looks at it.
+//! Each call compares the identities of state and scene once, before any pass. A state of another scene would play
+//! wrong numbers, or read beyond an array. A type that binds both would avoid this, but keep the state borrowed.
 
 use crate::numeric::Real;
 use crate::op::Op;
@@ -12,7 +11,8 @@ use crate::state::State;
 /// Runs one tick: inputs → changes → forces at x_n → outputs → integration.
 ///
 /// # Panics
-/// Where the state is not of this scene (nothing has changed then), or the length of one of its arrays was changed.
+/// If the state does not belong to this scene (nothing has changed then), or if the length of one of its arrays was
+/// changed.
 #[inline]
 pub fn tick<R: Real>(scene: &Scene<R>, s: &mut State<R>) {
     own(scene, s);
@@ -20,8 +20,8 @@ pub fn tick<R: Real>(scene: &Scene<R>, s: &mut State<R>) {
     motion(scene, s);
 }
 
-/// The first half of a tick: reads inputs, sums the forces at x_n and writes the outputs. What a device must get of
-/// this tick is known here, before any mass moves.
+/// Runs the first half of a tick: reads inputs, sums the forces at x_n and writes the outputs. All that a device gets
+/// from this tick is known here, before any mass moves.
 ///
 /// # Panics
 /// As [`tick`].
@@ -31,7 +31,7 @@ pub fn compute_forces<R: Real>(scene: &Scene<R>, s: &mut State<R>) {
     forces(scene, s);
 }
 
-/// The second half of a tick: moves the masses from x_n to x_{n+1}.
+/// Runs the second half of a tick: moves the masses from x_n to x_{n+1}.
 ///
 /// # Panics
 /// As [`tick`].
@@ -41,12 +41,13 @@ pub fn integrate<R: Real>(scene: &Scene<R>, s: &mut State<R>) {
     motion(scene, s);
 }
 
-/// Runs `out.len() / n_out` ticks and writes their outputs, interleaved; of a scene without outputs, `out.len()` ticks.
-/// Inputs keep the values they have. Returns false, having played nothing, where the state is not of this scene or
-/// `out` does not hold whole rows of outputs.
+/// Runs `out.len() / n_out` ticks (`out.len()` without outputs) and writes their outputs, interleaved. Inputs stay as
+/// set.
+///
+/// Returns false, and plays nothing, for a state of another scene or if `out` does not hold whole rows of outputs.
 ///
 /// # Panics
-/// Where the length of an array of the state was changed.
+/// If the length of an array of the state was changed.
 #[must_use = "false means that nothing was played"]
 pub fn process<R: Real>(scene: &Scene<R>, s: &mut State<R>, out: &mut [R::Outer]) -> bool {
     let row = scene.counts.n_out.max(1);
@@ -80,7 +81,7 @@ fn foreign<R: Real>(scene: &Scene<R>) -> ! {
 
 #[inline]
 fn forces<R: Real>(scene: &Scene<R>, s: &mut State<R>) {
-    // list by list: one iterator over all asks at each pass which list it is in
+    // list by list: a single iterator over all lists tests at each pass which list it is in
     for list in [&scene.passes.reads[..], scene.passes.summed(), &scene.passes.writes] {
         run(list, scene, s);
     }

@@ -1,8 +1,9 @@
-//! Calibration: from the readings of a device to metres.
+//! Calibration: conversion from device readings to metres.
 //!
-//! Two readings a degree of freedom, at the stops, give scale, offset and direction, because the profile has the distance of the
-//! stops. A [`Reader`] takes the lines of the only server, so no engine gives forces meanwhile, and it sends none. A reading is
-//! the median of many frames while the hand holds the device still. An axis without readings keeps the calibration it had.
+//! Two readings per degree of freedom, at the stops, give scale, offset and direction, because the profile has the
+//! distance of the stops. A [`Reader`] acts as the only server and sends no forces, so no engine moves the device. A
+//! reading is the median of many frames while the hand holds the device still. An axis without readings keeps its
+//! calibration.
 
 use crate::ToolError;
 use ca_haptic::calibration::{Axis, Calibration};
@@ -13,22 +14,23 @@ use ca_haptic::profile::Profile;
 use std::fmt;
 use std::time::{Duration, Instant};
 
-/// Frames of a reading.
+/// Frames per reading.
 const READING: usize = 100;
-/// Longest wait for them.
+/// Longest wait for the frames of a reading.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Largest motion at a stop while it is read, as part of the way between the stops.
+/// Largest motion during a reading, as a share of the distance of the stops.
 const STILL: f64 = 0.02;
 
-/// The profile of a device whose profile says nothing: completed by the words of the device, if it speaks.
+/// Completes the profile `unknown` from the device's own description, if the device is running. Returns any other
+/// profile unchanged.
 ///
 /// # Errors
-/// If the words of the device make no profile.
+/// If the description does not give a profile.
 pub fn described(name: &str, profile: Profile) -> Result<Profile, ToolError> {
     if !profile.is_unknown() {
         return Ok(profile);
     }
-    // one that speaks says itself how many axes it has and how far its stops are apart
+    // a running device describes its axes and the distance of its stops
     let heard = Site::of_user().and_then(|site| list_devices(&site, PATIENCE)).unwrap_or_default();
     match heard.iter().find(|a| text(&a.device) == name) {
         Some(about) => profile.described(about).map_err(|e| ToolError::Failed(format!("`{name}`: {e}"))),
@@ -36,10 +38,11 @@ pub fn described(name: &str, profile: Profile) -> Result<Profile, ToolError> {
     }
 }
 
-/// The calibration of a device by the low and the high stop of each axis; an axis without stops keeps its `old` calibration.
+/// Computes the calibration of a device from the low and the high stop of each axis; an axis without stops keeps its
+/// `old` calibration.
 ///
 /// # Errors
-/// If two stops make no line, or an axis has neither stops nor a calibration.
+/// If the stops of an axis are not two different numbers, or an axis has neither stops nor a calibration.
 pub fn calibration(
     device: &str,
     by: String,
@@ -61,12 +64,12 @@ pub fn calibration(
     Ok(Calibration { device: device.into(), by, axis: axes })
 }
 
-/// Readings at two stops that give no line.
+/// Readings at two stops that do not define a line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NoLine {
-    /// reading at the low stop
+    /// Reading at the low stop.
     pub low: f64,
-    /// reading at the high stop
+    /// Reading at the high stop.
     pub high: f64,
 }
 
@@ -79,7 +82,7 @@ impl fmt::Display for NoLine {
 
 impl std::error::Error for NoLine {}
 
-/// The line through two stops; the factor of forces stays.
+/// Computes the line through two stops; the factor of forces is unchanged.
 ///
 /// # Errors
 /// If the stops are not two different numbers.
@@ -95,48 +98,48 @@ pub fn axis([low, high]: [f64; 2], profile: &Profile, old: Option<&Axis>) -> Res
 /// Reading of an axis at a stop.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StopReading {
-    /// median
+    /// Median.
     pub position: f64,
-    /// motion while it was read
+    /// Motion during the reading.
     pub moved: f64,
 }
 
-/// Both stops of an axis; `None` if one moved while it was read, or they are one place.
+/// Returns both stops of an axis; `None` if one moved during the reading, or both are in the same place.
 pub fn stops(low: StopReading, high: StopReading) -> Option<[f64; 2]> {
     let way = (low.position - high.position).abs();
     (way > 0.0 && low.moved.max(high.moved) <= STILL * way).then_some([low.position, high.position])
 }
 
-/// The lines of a device that is read.
+/// Receives the frames of a device.
 pub struct Reader {
     lines: Gateway,
     name: String,
 }
 
 impl Reader {
-    /// Takes the lines of a server, and waits until the device speaks.
+    /// Opens the services of the device as its server, and waits until the device sends frames.
     ///
     /// # Errors
-    /// If the lines are taken, or the device does not speak.
+    /// If another server has the device, or the device does not send.
     pub fn open(name: &str) -> Result<Reader, ToolError> {
         let mut reader = Reader { lines: Gateway::open(&Site::of_user()?, &[name])?, name: name.into() };
         reader.frames()?;
         Ok(reader)
     }
 
-    /// Reads axis `k` where the device is now.
+    /// Reads axis `k` at the present position of the device.
     ///
     /// # Errors
-    /// If the device does not speak any more.
+    /// If the device has stopped sending.
     pub fn stop(&mut self, k: usize) -> Result<StopReading, ToolError> {
-        // frames of before are in the queue
+        // discards earlier frames in the queue
         self.lines.poll(&mut |_, _| {});
         let mut x: Vec<f64> = self.frames()?.iter().map(|f| f.pos[k]).collect();
         x.sort_by(f64::total_cmp);
         Ok(StopReading { position: x[x.len() / 2], moved: x[x.len() - 1] - x[0] })
     }
 
-    /// Frames of the device from now on.
+    /// Collects frames of the device from now on.
     fn frames(&mut self) -> Result<Vec<DeviceFrame>, ToolError> {
         let (mut frames, end) = (Vec::new(), Instant::now() + PATIENCE);
         while frames.len() < READING {

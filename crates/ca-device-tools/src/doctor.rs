@@ -1,8 +1,8 @@
-//! Checks of this machine, with a remedy for each that fails.
+//! Checks of this machine, with a remedy for each one that fails.
 //!
-//! Each check is a trial: a device and a server exchange frames through shared memory, a thread asks for real time and reads back
-//! what was granted, and a timer waits for a second of gesture frames. A check that fails comes with one thing to do. Only shared
-//! memory that does not work is a failure: everything else costs punctuality.
+//! Each check is an experiment: a device and a server exchange frames through shared memory, a thread requests
+//! real-time priority and reads back what was granted, and a timer waits for a second of gesture frames. Only unusable
+//! shared memory is a failure; everything else costs punctuality.
 
 use crate::{ToolError, about};
 use ca_haptic::frame::{DeviceFrame, ForceFrame};
@@ -18,24 +18,24 @@ use std::time::Duration;
 
 /// Gesture frame of most models \[ns\].
 const PERIOD: u64 = 333_333;
-/// Frames of a second.
+/// Frames in a second.
 const FRAMES: u64 = 3000;
-/// Frames that go round through shared memory.
+/// Frames exchanged through shared memory.
 const ROUNDS: u64 = 200;
 
-/// State of one thing.
+/// Result of one check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
-    /// as it should be
+    /// As it should be.
     Good,
-    /// costs punctuality
+    /// Costs punctuality.
     Poor,
-    /// devices cannot be played
+    /// Devices cannot be played.
     Bad,
 }
 
 impl State {
-    /// In a word.
+    /// Returns the name of the state.
     pub fn name(self) -> &'static str {
         match self {
             State::Good => "good",
@@ -45,16 +45,16 @@ impl State {
     }
 }
 
-/// One thing that was looked at.
+/// One check with its result.
 #[derive(Clone, Debug)]
 pub struct DiagnosisRow {
-    /// its state
+    /// Result.
     pub state: State,
-    /// its name
+    /// Name of the check.
     pub what: &'static str,
-    /// a description of what was found
+    /// Description of the finding.
     pub found: String,
-    /// what to do about it; empty if nothing is to be done
+    /// Remedy; empty if none is needed.
     pub fix: String,
 }
 
@@ -70,25 +70,25 @@ impl DiagnosisRow {
     }
 }
 
-/// All that was found.
+/// Results of all checks.
 #[derive(Clone, Debug)]
 pub struct Diagnosis {
-    /// in the order in which they were looked at
+    /// Checks, in order.
     pub rows: Vec<DiagnosisRow>,
-    /// lateness of a second of gesture frames
+    /// Lateness of a second of gesture frames.
     pub late: Percentiles,
-    /// frames that were late by more than a frame
+    /// Number of frames that were late by more than a frame.
     pub late_by_a_frame: u64,
 }
 
 impl Diagnosis {
-    /// True if devices can be played on this machine.
+    /// Returns true if devices can be played on this machine.
     pub fn is_usable(&self) -> bool {
         self.rows.iter().all(|r| r.state != State::Bad)
     }
 }
 
-/// Looks at this machine. It takes a few seconds.
+/// Checks this machine. This takes a few seconds.
 ///
 /// # Errors
 /// If a thread for the timer cannot be started.
@@ -136,7 +136,7 @@ fn times(t: &Percentiles) -> String {
     format!("p50 {a}  p99 {b}  p99.9 {c}  max {d} us")
 }
 
-/// Shared memory of processes that ended.
+/// Looks for shared memory of processes that ended.
 fn left_over(site: &Site) -> DiagnosisRow {
     let groups = stale_shm::list(site);
     let dead: Vec<String> = groups
@@ -156,7 +156,7 @@ fn left_over(site: &Site) -> DiagnosisRow {
     }
 }
 
-/// Frames there and back between a device and a server, both here, through shared memory.
+/// Measures round trips of frames between a device and a server, both in this process, through shared memory.
 fn round(site: &Site) -> Result<Percentiles, HostError> {
     let name = format!("doctor-{}", std::process::id());
     let profile = Profile { dof: 1, axes: 1, ..Profile::shipped("unknown").unwrap_or_else(|| unreachable!()) };
@@ -189,7 +189,7 @@ fn round(site: &Site) -> Result<Percentiles, HostError> {
     Ok(times.percentiles())
 }
 
-/// The server and the devices of this machine.
+/// Looks for the server and the devices of this machine.
 fn others(site: &Site) -> Vec<DiagnosisRow> {
     let server = match ask(site, &Request::Status, Duration::from_millis(500)) {
         Ok(r) => DiagnosisRow::good("server", format!("runs: {}", r.text.lines().next().unwrap_or_default())),
@@ -207,7 +207,6 @@ fn others(site: &Site) -> Vec<DiagnosisRow> {
     vec![server, devices]
 }
 
-/// Limits and settings of the system.
 fn limits() -> Vec<DiagnosisRow> {
     let mut rows = Vec::new();
     let cores = std::thread::available_parallelism().map_or(0, std::num::NonZero::get);
@@ -228,7 +227,7 @@ fn limits() -> Vec<DiagnosisRow> {
         };
         let all = [of("Max locked memory"), of("Max realtime priority"), of("Max nice priority")];
         let [lock, priority, nice] = all.map(|v| v.unwrap_or_else(|| "?".into()));
-        // the system counts from the other end
+        // the system reports 20 minus the lowest value
         let nice = nice.parse::<i32>().map_or(nice, |n| (20 - n).to_string());
         let found = format!("memlock {lock} bytes, rtprio {priority}, nice {nice} (root needs none of them)");
         rows.push(DiagnosisRow::good("limits", found));
@@ -247,7 +246,8 @@ fn limits() -> Vec<DiagnosisRow> {
     rows
 }
 
-/// A second of gesture frames as the engine waits for them: what was granted, lateness, and how many were a frame late.
+/// Waits for a second of gesture frames like the engine. Returns the priority granted, the lateness, and the number of
+/// frames late by more than a frame.
 fn second() -> (rt::Granted, Percentiles, u64) {
     let granted = rt::ask(RtRequest { priority: Some(70), lock: true, ..RtRequest::default() });
     let (mut late, mut over, mut waits) = (Times::new(), 0, Waits::default());

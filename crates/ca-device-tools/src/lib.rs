@@ -1,11 +1,11 @@
-//! Tools around a device process, as `ca device` runs them: conformance of its process, calibration, a simulated device, and
-//! checks of this machine.
+//! Tools for device processes, used by `ca device`: conformance tests, calibration, a simulated device, and checks of
+//! this machine.
 //!
-//! Nothing here prints, asks a person or ends the process: a tool returns data, and gives its caller [`Message`]s about its
-//! work.
+//! Nothing here prints, asks a person or ends the process: a tool returns data, and passes [`Message`]s about its work
+//! to the caller.
 //!
-//! Begin with [`conformance::run`], [`doctor::examine`], [`calibrate::Reader`] or [`simulator::Simulator`]. [`store`] finds the
-//! profiles and calibrations of a user.
+//! The entry points are [`conformance::run`], [`doctor::examine`], [`calibrate::Reader`] and [`simulator::Simulator`].
+//! [`store`] finds the profiles and calibrations of a user.
 #![forbid(unsafe_code)]
 
 pub mod calibrate;
@@ -23,22 +23,22 @@ use std::fmt;
 /// A message about the work of a tool, for people.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Message {
-    /// something to know
+    /// Information.
     Note(String),
-    /// something is not as it should be
+    /// Something is not as it should be.
     Warning(String),
 }
 
-/// Why a tool could not do its work.
+/// Reason why a tool failed.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ToolError {
-    /// the request makes no sense
+    /// The request makes no sense.
     Usage(String),
-    /// the request could not be done
+    /// The request could not be carried out.
     Failed(String),
-    /// shared memory could not be used
+    /// Shared memory could not be used.
     Host(HostError),
-    /// a file could not be read or written
+    /// A file could not be read or written.
     File(FileError),
 }
 
@@ -66,7 +66,7 @@ impl fmt::Display for ToolError {
 
 impl std::error::Error for ToolError {}
 
-/// The record in which a device of this profile describes itself.
+/// Makes the record in which a device of this profile describes itself.
 pub fn about(name: &str, p: &Profile) -> About {
     let mut about = About { axes: p.axes as u16, ..About::new(name, p.rate.round() as u32, p.dof as usize) };
     for k in 0..(p.dof as usize).min(DOF) {
@@ -79,7 +79,7 @@ pub fn about(name: &str, p: &Profile) -> About {
     about
 }
 
-/// A text into a place of fixed length, zeros after it, cut between letters.
+/// Writes a text into a zeroed field of fixed length, cut between characters.
 fn write(to: &mut [u8], text: &str) {
     let end = text.char_indices().map(|(at, c)| at + c.len_utf8()).take_while(|e| *e <= to.len()).last();
     let end = end.unwrap_or(0);

@@ -1,7 +1,7 @@
-//! Where profiles and calibrations of a user lie: `$CA_CONFIG`, else `~/.config/ca`.
+//! Finds the profiles and calibrations of a user in `$CA_CONFIG`, else `~/.config/ca`.
 //!
-//! Decides that a word that names a file is that file; else a profile of the user's, else one that comes with us; and
-//! that a calibration is found by the name of its device, because it belongs to hardware and not to a model.
+//! A profile is first looked up as a file path, then among the user's profiles, then among the shipped ones. A
+//! calibration is found by the name of its device, because it belongs to the hardware and not to a model.
 
 use crate::{Message, ToolError};
 use ca_haptic::calibration::Calibration;
@@ -11,7 +11,7 @@ use ca_model::suggest::{listed, nearest};
 use cordis_anima::loaded::text;
 use std::path::{Path, PathBuf};
 
-/// The directory.
+/// Returns the configuration directory.
 pub fn dir() -> PathBuf {
     let set = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
     set("CA_CONFIG")
@@ -20,18 +20,18 @@ pub fn dir() -> PathBuf {
         .unwrap_or_else(|| PathBuf::from(".ca"))
 }
 
-/// Where the calibration of a device lies.
+/// Returns the path of the calibration of a device.
 pub fn calibration_file(device: &str) -> PathBuf {
     dir().join("calibration").join(format!("{device}.toml"))
 }
 
-/// The file of a profile that is not shipped.
+/// Returns the file of a profile that is not shipped.
 pub fn profile_file(word: &str) -> Option<PathBuf> {
     let own = dir().join("profiles").join(format!("{word}.toml"));
     [PathBuf::from(word), own].into_iter().find(|path| path.is_file())
 }
 
-/// A profile by file or name.
+/// Returns a profile by file or name.
 ///
 /// # Errors
 /// [`ToolError::Usage`] if there is none, [`ToolError::File`] if its file cannot be read.
@@ -48,18 +48,18 @@ pub fn profile(word: &str) -> Result<Profile, ToolError> {
     })
 }
 
-/// The profile of a device: the one given for it as `DEVICE=PROFILE` or for all, else one of the name of the device, else
-/// `unknown`, with a warning.
+/// Returns the profile of a device: the one given as `DEVICE=PROFILE` or for all, else one with the name of the device,
+/// else `unknown`, with a warning.
 ///
 /// # Errors
-/// As of [`profile`]; a device without a profile is not an error.
+/// As [`profile`]; a device without a profile is not an error.
 pub fn profile_of(device: &str, given: &[String], say: &mut dyn FnMut(Message)) -> Result<Profile, ToolError> {
     let named = given.iter().find_map(|g| g.split_once('=').filter(|(d, _)| *d == device).map(|(_, p)| p));
     let plain = given.iter().find(|g| !g.contains('=')).map(String::as_str);
     if let Some(word) = named.or(plain) {
         return profile(word);
     }
-    // one that is there and cannot be read is an error, not another device
+    // an existing profile that cannot be read is an error, not replaced by `unknown`
     match profile(device) {
         Err(ToolError::Usage(_)) => {}
         found => return found,
@@ -73,10 +73,10 @@ pub fn profile_of(device: &str, given: &[String], say: &mut dyn FnMut(Message)) 
     Ok(p)
 }
 
-/// The calibration of a device: the file given for it, else the user's, else none.
+/// Returns the calibration of a device: the file given as `DEVICE=FILE`, else the user's, else none.
 ///
 /// # Errors
-/// If its file cannot be read, or is the calibration of another device.
+/// If its file cannot be read, or belongs to another device.
 pub fn calibration_of(device: &str, given: &[String]) -> Result<Calibration, ToolError> {
     let named = given.iter().find_map(|g| g.split_once('=').filter(|(d, _)| *d == device).map(|(_, p)| p.into()));
     let path: PathBuf = match named {
@@ -85,7 +85,7 @@ pub fn calibration_of(device: &str, given: &[String]) -> Result<Calibration, Too
         None => return Ok(Calibration::default()),
     };
     let read = Calibration::read(&text(&path)?, &path.display().to_string())?;
-    // a file of no device is of any
+    // a file without a device fits any
     if !read.device.is_empty() && read.device != device {
         return Err(ToolError::Failed(format!(
             "{}: this is the calibration of `{}`, not of `{device}`: positions and forces would be wrong by its factors; \
@@ -97,8 +97,8 @@ pub fn calibration_of(device: &str, given: &[String]) -> Result<Calibration, Too
     Ok(read)
 }
 
-/// All profiles by name, and whether each belongs to the user: the profiles that come with us, and the user's, which take their
-/// place.
+/// Returns all profiles by name, with true for a user's own. A user's profile replaces a shipped one of the same
+/// name.
 ///
 /// # Errors
 /// If a file of the user cannot be read.
@@ -117,7 +117,7 @@ pub fn profiles() -> Result<Vec<(Profile, bool)>, ToolError> {
     Ok(list)
 }
 
-/// Writes a calibration, and makes its folder.
+/// Writes a calibration, and creates its folder.
 ///
 /// # Errors
 /// If the file cannot be written.
@@ -126,6 +126,6 @@ pub fn write(path: &Path, calibration: &Calibration) -> Result<(), ToolError> {
         std::fs::create_dir_all(folder)
             .map_err(|e| ToolError::Failed(format!("`{}` cannot be written: {}", path.display(), reason(&e))))?;
     }
-    // whole or not at all: half a calibration would be a force in the wrong place
+    // atomic, because half a calibration would give wrong forces
     Ok(ca_io::atomic_file::write(path, calibration.write().as_bytes())?)
 }

@@ -1,10 +1,10 @@
-//! The text of a model as a tree whose values can be changed.
+//! Model text as a tree whose values can be changed.
 
 use crate::Place;
 use core::fmt;
 use toml_edit::{Array, DocumentMut, Item, Table, TableLike};
 
-/// A text that cannot be edited, because it is not TOML; with the reason.
+/// Error for a text that is not TOML, with the reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unreadable(String);
 
@@ -16,14 +16,14 @@ impl fmt::Display for Unreadable {
 
 impl core::error::Error for Unreadable {}
 
-/// A value of the text.
+/// A TOML value of the text.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// a number without a unit
+    /// Number without a unit.
     Number(f64),
-    /// a word or a quantity
+    /// Word or quantity.
     Text(String),
-    /// several
+    /// List of values.
     List(Vec<Value>),
 }
 
@@ -40,7 +40,7 @@ impl Value {
 
     fn written(&self) -> toml_edit::Value {
         match self {
-            // the library writes 1e99 with all its zeros
+            // `toml_edit` writes 1e99 with all its zeros
             Value::Number(v) => format!("{v:?}").parse().unwrap_or_else(|_| (*v).into()),
             Value::Text(text) => text.as_str().into(),
             Value::List(all) => all.iter().map(Value::written).collect::<Array>().into(),
@@ -48,21 +48,21 @@ impl Value {
     }
 }
 
-/// The text of a model.
+/// Text of a model, which can be edited.
 #[derive(Clone, Debug)]
 pub struct Document(DocumentMut);
 
 impl Document {
-    /// Reads a text.
+    /// Parses a text.
     ///
     /// # Errors
-    /// The text is not TOML.
+    /// Fails if the text is not TOML.
     pub fn read(text: &str) -> Result<Document, Unreadable> {
         let read = text.parse().map_err(|e: toml_edit::TomlError| Unreadable(e.message().to_owned()))?;
         Ok(Document(read))
     }
 
-    /// The value at a place; `None` where there is none, or a table.
+    /// Returns the value at a place; `None` if the place is empty or a table.
     pub fn value(&self, place: &Place) -> Option<Value> {
         let item = place.keys.iter().try_fold(self.0.as_item(), |at, key| at.get(key.as_str()))?;
         Value::of(match place.index {
@@ -71,14 +71,14 @@ impl Document {
         })
     }
 
-    /// The keys of the table at a place, in the order of the text; empty without a table.
+    /// Returns the keys of the table at a place, in the order of the text. Without a table the list is empty.
     pub fn keys(&self, place: &Place) -> Vec<&str> {
         let item = place.keys.iter().try_fold(self.0.as_item(), |at, key| at.get(key.as_str()));
         let table = item.and_then(Item::as_table_like);
         table.map_or_else(Vec::new, |t| t.iter().map(|(key, _)| key).collect())
     }
 
-    /// Replaces the value at a place, with the blanks and comments around it as they are, or adds it to the table of the place.
+    /// Replaces the value at a place, or adds it to the table of the place; blanks and comments around it stay. Returns
     /// `None` without such a table or list.
     pub fn set(&mut self, place: &Place, value: &Value) -> Option<()> {
         let mut new = value.written();
@@ -95,14 +95,14 @@ impl Document {
         Some(())
     }
 
-    /// As [`Document::set`], and makes the tables that are not there. `None` where something else stands in place of one.
+    /// Acts as [`Document::set`], and creates missing tables. Returns `None` if one of them is not a table.
     pub fn insert(&mut self, place: &Place, value: &Value) -> Option<()> {
         let (_, owner) = place.keys.split_last()?;
         self.make(owner)?;
         self.set(place, value)
     }
 
-    /// Makes the tables of a path that are not there. `None` where something else stands in place of one.
+    /// Creates the missing tables of a path. Returns `None` if one of them is not a table.
     pub fn make(&mut self, keys: &[String]) -> Option<()> {
         let mut at: &mut dyn TableLike = self.0.as_table_mut();
         for key in keys {
@@ -111,7 +111,7 @@ impl Document {
         Some(())
     }
 
-    /// Removes the value or table at a place, or one value of a list. `None` where there was none.
+    /// Removes the value or table at a place, or one value of a list. Returns `None` if the place is empty.
     pub fn clear(&mut self, place: &Place) -> Option<()> {
         if let Some(k) = place.index {
             let list = self.item_mut(&place.keys)?.as_array_mut()?;
@@ -121,8 +121,8 @@ impl Document {
         self.table_mut(owner)?.remove(key).map(|_| ())
     }
 
-    /// Gives what stands at a place another name in the same table, at the end of it. `None` where there is nothing, or where
-    /// the name is taken.
+    /// Renames the entry at a place and moves it to the end of its table. Returns `None` if it is missing or `name` is
+    /// taken.
     pub fn rename(&mut self, place: &Place, name: &str) -> Option<()> {
         let (key, owner) = place.keys.split_last()?;
         let table = self.table_mut(owner)?;
@@ -135,7 +135,7 @@ impl Document {
     }
 
     fn item_mut(&mut self, keys: &[String]) -> Option<&mut Item> {
-        // `Item::get_mut` makes what is not there
+        // `Item::get_mut` would insert missing keys
         keys.iter().try_fold(self.0.as_item_mut(), |at, key| at.as_table_like_mut()?.get_mut(key))
     }
 

@@ -1,7 +1,7 @@
-//! The section `[equivalence]`: rows, anchor and the scale of a key.
+//! Edits the section `[equivalence]`: rows, anchor and the scale of a key.
 //!
-//! The written rows determine the table. If one row is set, the row that holds the anchor is written
-//! beside it, unless the anchor is what it would be without the section.
+//! The written rows determine the table. If one row is set, the row of the anchor is written beside it, unless the
+//! anchor has the value that it would have without the section.
 
 use crate::{Document, Place, Value};
 use ca_core::equivalence::{Class, Equivalence, Gains, Quantity, ROWS, anchor_for, row};
@@ -9,42 +9,42 @@ use ca_model::quantity::{self, show};
 use ca_model::suggest::{nearest, ticked};
 use core::fmt;
 
-/// A change of the section.
+/// Changes to make in the section.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Change<'a> {
-    /// names of rows, each with `real:simulated`, e.g. `("mass", "20 g:1.0")`; at most two
+    /// Names of rows, each with `real:simulated`, e.g. `("mass", "20 g:1.0")`; at most two.
     pub rows: &'a [(String, String)],
-    /// what stays while one row is set: the name of a row, or `impedance`
+    /// Quantity that is held while one row is set: the name of a row, or `impedance`.
     pub anchor: Option<&'a str>,
-    /// a key with another scale
+    /// New scale of one key.
     pub key: Option<KeyScale<'a>>,
 }
 
-/// The scale of one device key. A lever is both factors of one number.
+/// Scale of one device key. A lever scales positions and forces by the same factor.
 #[derive(Clone, Copy, Debug)]
 pub struct KeyScale<'a> {
-    /// name of the TGR
+    /// Name of the TGR.
     pub key: &'a str,
-    /// the arm of the lever
+    /// Factor of the lever.
     pub lever: Option<f64>,
-    /// factor of its positions
+    /// Factor of the positions.
     pub position: Option<f64>,
-    /// factor of its forces
+    /// Factor of the forces.
     pub force: Option<f64>,
 }
 
-/// Why a section is not changed; with a remedy.
+/// Reason why a section is not changed, with a remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Refused {
-    /// the row that is asked for, as `row=pair`, and what is wrong with it
+    /// Error in a requested row, as `row=pair: error`.
     Row(String),
-    /// what is wrong with the anchor
+    /// Error in the anchor.
     Anchor(String),
-    /// what is wrong with the key
+    /// Error in the key.
     Key(String),
-    /// what is asked for is too much, or is said twice
+    /// Request that sets too many rows, or one equivalence twice.
     Ask(String),
-    /// `equivalence` of the text is a value
+    /// `equivalence` is a value in the text, not a section.
     NotASection,
 }
 
@@ -62,10 +62,10 @@ impl fmt::Display for Refused {
 
 impl core::error::Error for Refused {}
 
-/// Changes the section of a text; `now` is the table of the model as it is.
+/// Changes the section of a text. `now` is the equivalence table of the unchanged model.
 ///
 /// # Errors
-/// [`Refused`]; the text is then of no use.
+/// Returns [`Refused`]; `text` may then be half changed and must be discarded.
 pub fn change(text: &mut Document, now: &Equivalence, change: &Change) -> Result<(), Refused> {
     let anchor = change.anchor.map(class).transpose()?;
     let mut section = Section(text);
@@ -76,7 +76,6 @@ pub fn change(text: &mut Document, now: &Equivalence, change: &Change) -> Result
     change.key.map_or(Ok(()), |key| scale(section.0, &key))
 }
 
-/// The section in its text.
 struct Section<'a>(&'a mut Document);
 
 impl Section<'_> {
@@ -97,7 +96,6 @@ impl Section<'_> {
     }
 }
 
-/// The class that a word names.
 fn class(word: &str) -> Result<Class, Refused> {
     let words = || ["impedance"].into_iter().chain(settable().map(|r| r.name));
     Class::of(word).filter(|c| *c != Class::Time).ok_or_else(|| {
@@ -112,7 +110,7 @@ fn settable() -> impl Iterator<Item = &'static Quantity> + Clone {
     ROWS.iter().filter(|r| r.class() != Class::Time)
 }
 
-/// A row to set, and its value as it will stand in the file.
+/// Parses a requested row and returns it with the value to write in the file.
 fn asked(text: &(String, String)) -> Result<(&'static Quantity, Value), Refused> {
     let (name, pair) = text;
     let bad = |what: String| Refused::Row(format!("{name}={pair}: {what}"));
@@ -142,7 +140,6 @@ fn asked(text: &(String, String)) -> Result<(&'static Quantity, Value), Refused>
     Ok((row, Value::List(list)))
 }
 
-/// The rows and the anchor of the whole.
 fn rows(
     section: &mut Section,
     now: &Equivalence,
@@ -150,7 +147,6 @@ fn rows(
     anchor: Option<Class>,
 ) -> Result<(), Refused> {
     let sets = rows.iter().map(asked).collect::<Result<Vec<_>, _>>()?;
-    // what stays
     let held = match sets.as_slice() {
         [] => written(section).map(Quantity::class).or(now.anchor),
         [(row, _)] => {
@@ -170,7 +166,7 @@ fn rows(
         _ => return Err(Refused::Ask("two equivalences settle the whole table: set one or two rows".into())),
     };
     if sets.is_empty() {
-        // only the padlock moves: the table stays, so what followed from the old anchor is written down
+        // only the anchor moves: the table must stay the same, so the row that the old anchor implied is written
         let others: Vec<Class> = settable().filter(|r| section.has(r.name)).map(Quantity::class).collect();
         if let [one] = others.as_slice() {
             pin(section, now.anchor.unwrap_or(anchor_for(*one)), now);
@@ -194,7 +190,7 @@ fn rows(
             }
         }
     }
-    // an anchor that holds what the only row sets would be refused
+    // the compiler refuses an anchor in the class of the only row
     let only = settable().filter(|r| section.has(r.name)).collect::<Vec<_>>();
     if let Some(a) = anchor {
         section.set("anchor", &Value::Text(a.name().into()));
@@ -206,24 +202,21 @@ fn rows(
     Ok(())
 }
 
-/// A row that is written.
 fn written(section: &Section) -> Option<&'static Quantity> {
     settable().find(|r| section.has(r.name))
 }
 
-/// Rows that may stand beside the rows of a class.
 fn beside(class: Class) -> String {
     ticked(settable().filter(|r| r.class() != class).map(|r| r.name))
 }
 
-/// Writes down what a class is now.
+/// Writes the present value of a class as a row.
 fn pin(section: &mut Section, class: Class, now: &Equivalence) {
     let row = class.row();
     let real = Value::Text(show(row.factor(now.gains, now.time_unit), row.unit));
     section.set(row.name, &Value::List(vec![real, Value::Number(1.0)]));
 }
 
-/// The table of one key.
 fn scale(text: &mut Document, key: &KeyScale) -> Result<(), Refused> {
     let owner = Place::keys(["equivalence"].into_iter().chain(key.key.split('.')));
     let name = key.key;

@@ -1,7 +1,7 @@
-//! Changes the text of a model: sets, clears, inserts and renames values, and keeps comments, blanks and the order of everything.
+//! Edits the text of a model: sets, clears, inserts and renames values. Comments, blanks and order stay as they are.
 //!
-//! [`Document`] is the text, [`Place`] says where in it, [`number`] reads and writes quantities in the unit of their author, and
-//! [`equivalence`] changes the section of that name. [`Place::of`] finds a number of a model in its text.
+//! [`Document`] is the text and [`Place`] a position in it. [`number`] reads and writes quantities in the unit of their
+//! author, and [`equivalence`] changes the section of that name. [`Place::of`] finds a number of a model in its text.
 //!
 //! ```
 //! use ca_edit::{Document, Place, number};

@@ -1,4 +1,4 @@
-//! Quantities in the text: a number keeps the unit its author gave it, and a note stays a note where it can.
+//! Quantities in the text. A number keeps the unit of its author, and a note stays a note where possible.
 
 use crate::{Document, Place, Value};
 use ca_model::quantity;
@@ -6,13 +6,13 @@ use ca_model::quantity;
 /// A number of the text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Number {
-    /// in SI, or as written where no unit is said
+    /// Value in SI units, or as written if no unit is given.
     pub value: f64,
-    /// whether the text says a unit, or a note
+    /// True if the text gives a unit, or a note.
     pub has_unit: bool,
 }
 
-/// The number at a place; `None` where there is something else.
+/// Returns the number at a place, or `None` if there is not one.
 pub fn read(text: &Document, place: &Place) -> Option<Number> {
     match text.value(place)? {
         Value::Text(t) => {
@@ -30,16 +30,16 @@ pub fn read(text: &Document, place: &Place) -> Option<Number> {
     }
 }
 
-/// Writes a number at a place, or beside its fellows where it was not written: `value` in SI, with `digits` digits, in the unit
-/// that stands there, else in `unit` (symbol in SI; empty for a number without). The result is what was written, without quotes;
-/// `None` if the text lacks this place.
+/// Writes `value` (SI units) at a place with `digits` digits, or adds it to the table of the place. The number keeps
+/// the unit that is already there; otherwise it gets `unit`, an SI symbol, or none if `unit` is empty. Returns the
+/// written text without quotes, or `None` if the text lacks this place.
 pub fn write(text: &mut Document, place: &Place, value: f64, unit: &str, digits: usize) -> Option<String> {
     let old = text.value(place);
     let rounded = quantity::rounded(value, digits);
     let bare = matches!(old, Some(Value::Number(_)));
     let theirs = match &old {
         Some(Value::Text(t)) if quantity::note(t).is_some() => {
-            // a note may also name a MIDI key
+            // `note_of` returns `None` below C-1 and above B12; the value then gets a unit
             if let Some(note) = quantity::note_of(rounded) {
                 text.set(place, &Value::Text(note.clone()))?;
                 return Some(note);
@@ -61,7 +61,7 @@ pub fn write(text: &mut Document, place: &Place, value: f64, unit: &str, digits:
     })
 }
 
-/// The unit of a parameter, which stands beside its value.
+/// Returns the `unit` beside the value of a parameter.
 fn beside(text: &Document, place: &Place) -> Option<String> {
     let mut keys = place.keys.clone();
     *keys.last_mut()? = "unit".into();
@@ -71,7 +71,6 @@ fn beside(text: &Document, place: &Place) -> Option<String> {
     }
 }
 
-/// The size of a unit in SI.
 fn size(unit: &str) -> Option<f64> {
     quantity::parse(&format!("1 {unit}")).ok().map(|q| q.value)
 }

@@ -3,35 +3,35 @@
 use ca_model::{Model, Value};
 use core::fmt;
 
-/// A place of a value in the text of a model.
+/// Place of a value in the text of a model.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Place {
-    /// keys from the root of the file to the value
+    /// Keys from the root of the file to the value.
     pub keys: Vec<String>,
-    /// where it stands in a list, if in one
+    /// Index in a list, if the value is in one.
     pub index: Option<usize>,
 }
 
 impl Place {
-    /// The place of these keys.
+    /// Builds a place from its keys.
     pub fn keys<S: Into<String>>(keys: impl IntoIterator<Item = S>) -> Place {
         Place { keys: keys.into_iter().map(Into::into).collect(), index: None }
     }
 
-    /// A key of what stands here.
+    /// Appends a key.
     #[must_use]
     pub fn then(mut self, key: &str) -> Place {
         self.keys.push(key.into());
         self
     }
 
-    /// The value of the parameter `name` of the whole model or of a part, whose parameters these are: at `owner`.
+    /// Returns the place of the parameter `name` of the model or the part at `owner`; `value` is its present value.
     pub fn param(owner: Place, name: &str, value: &Value) -> Place {
         let place = owner.then("param").then(name);
         if matches!(value, Value::Table(_)) { place.then("value") } else { place }
     }
 
-    /// The number `key` of a module that is not of an instance.
+    /// Returns the place of the number `key` of a module that does not belong to an instance.
     pub fn module(module: &str, kind: &str, key: &str) -> Place {
         let mut keys: Vec<String> = module.split('.').map(str::to_owned).collect();
         let leaf = keys.pop().unwrap_or_default();
@@ -39,10 +39,10 @@ impl Place {
         Place { keys, index: None }
     }
 
-    /// The place of the number `name` of a model: a parameter, of the model or `instance.parameter`, or `module.key`.
+    /// Finds the place of the number `name`: a parameter, `instance.parameter` or `module.key`.
     ///
     /// # Errors
-    /// The number is not one number of the text: several instances share it.
+    /// Fails if several instances share the number, or if it is a number of a part.
     pub fn of(model: &Model, name: &str) -> Result<Place, NotOne> {
         if name.contains('[') {
             let why = format!("`{name}` is of several instances, whose numbers stand in lists; write it by hand");
@@ -72,7 +72,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// A number that the text does not have as one number; with the reason and a remedy.
+/// Error for a number that is not one number of the text, with the reason and a remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NotOne(String);
 

@@ -1,6 +1,7 @@
-//! The moving instrument on a page by itself, without a server: of a scene that is played, or of a take that is played again.
+//! Builds a self-contained page with the moving picture of a played scene or a replayed take.
 //!
-//! Decides that a page has the picture and the sound it is in step with, no more: `ca report` has the rest around the same picture.
+//! The page needs no server. It holds only the picture and its synchronised sound; `ca report` shows the same picture
+//! together with plots and tables.
 #![forbid(unsafe_code)]
 
 use ca_core::{Catalog, Scene};
@@ -16,15 +17,15 @@ use ca_report::{Block, Picture, Report, Section, Sound};
 use ca_view::Film;
 use std::sync::Arc;
 
-/// Looks a second, at least.
+/// Lower limit of the rate at which positions are sampled for the picture \[Hz\].
 const PICTURES: f64 = 60.0;
-/// Samples between two looks, at most.
+/// Upper limit of sound samples between two such positions.
 const BLOCK: u64 = 1024;
 
-/// What a page is told of a film; none where nothing is drawn.
+/// Converts a film to the picture of a page. Returns `None` for an empty film.
 ///
 /// # Errors
-/// Where there is no memory to make it small.
+/// Returns [`Failure::Failed`] if there is not enough memory to compress the film.
 pub fn picture(film: &Film) -> Result<Option<Picture>, Failure> {
     if film.frames() == 0 {
         return Ok(None);
@@ -39,26 +40,28 @@ pub fn picture(film: &Film) -> Result<Option<Picture>, Failure> {
     Ok(Some(Picture { about, bytes, script: film_script(), told }))
 }
 
-/// The film of a take. Where its model changed in the middle, of the masses that were there from the start.
+/// Film of a take. If the model changes during the take, the film shows only the masses of the first version.
 pub struct TakeFilm {
-    /// the film
+    /// The film.
     pub film: Film,
     first: Arc<Scene>,
-    /// the version that plays, and where the masses of the first are in it: places there, and here
+    /// Version of the model that plays now, and its masses that also exist in the first version: index there, index
+    /// now.
     now: Arc<Scene>,
     places: Vec<[u32; 2]>,
-    /// displacements of the first version \[m\]
+    /// Displacements of the masses of the first version \[m\].
     x: Vec<f64>,
 }
 
 impl TakeFilm {
-    /// For so many seconds of a take that begins with `scene`.
+    /// Creates a film of `seconds` for a take that starts with `scene`.
     pub fn new(scene: &Arc<Scene>, seconds: f64) -> TakeFilm {
         let film = Film::new(scene, seconds);
         TakeFilm { film, first: scene.clone(), now: scene.clone(), places: Vec::new(), x: Vec::new() }
     }
 
-    /// The engine at the end of a gesture frame. Whether the first version plays.
+    /// Records the state of the engine at the end of a gesture frame. Returns true while the first version of the model
+    /// plays.
     pub fn look(&mut self, engine: &Engine) -> bool {
         let first = Arc::ptr_eq(&engine.scene, &self.first);
         if first {
@@ -78,10 +81,11 @@ impl TakeFilm {
     }
 }
 
-/// The page of a scene that is played for so many seconds, or as long as it lasts.
+/// Plays a scene and returns its page. `None` for `seconds` plays until the scene and its gesture end.
 ///
 /// # Errors
-/// Where a gesture drives nothing; and what `goes_on` (ticks done, and all) says by [`Failure::Stopped`], where it is false.
+/// Fails if the gesture drives nothing. Returns [`Failure::Stopped`] if `goes_on` (samples done, total samples) returns
+/// false.
 pub fn scene(
     scene: &Scene,
     gesture: Option<&Gesture>,
@@ -104,10 +108,10 @@ pub fn scene(
     page(&scene.about.title, &format!("{seconds} s, played by ca {}", env!("CARGO_PKG_VERSION")), &film, sound)
 }
 
-/// The page of a take, played again.
+/// Replays a take and returns its page.
 ///
 /// # Errors
-/// Where it cannot be played again, or is not as it was.
+/// Fails if the take cannot be replayed or the replay differs from the record.
 pub fn take(take: &Take, catalog: &Catalog) -> Result<String, Failure> {
     let mut replay = Replay::new(take, catalog)?;
     let seconds = take.summary()?.seconds;
@@ -127,10 +131,10 @@ pub fn take(take: &Take, catalog: &Catalog) -> Result<String, Failure> {
     page(&take.header.title, &format!("a take, {seconds:.3} s"), &film.film, sound)
 }
 
-/// Why a replay is none.
+/// Turns a failed replay into an error.
 ///
 /// # Errors
-/// Where it is not as it was, or ends early for want of records.
+/// Fails if the replay differs from the record, or if it stops early because records are missing.
 pub fn judged(verdict: &ReplayVerdict) -> Result<(), FileError> {
     match (&verdict.difference, verdict.hole) {
         (Some(d), _) => Err(FileError::content(format!("played again, it is not as it was: {d}"))),

@@ -1,14 +1,14 @@
-//! `ca fit`: numbers of a model found by a recorded sound.
+//! `ca fit`: finds numbers of a model from a recorded sound.
 //!
-//! Decides for three distances, one after the other, since each is only good near its end. The modes of the linear part are
-//! brought to the partials of the recording, without a render; then levels in windows of several lengths, which do not mind
-//! phases; then the samples themselves, in windows that grow as far as phases agree. What samples cannot follow (a recording that
-//! is none of ours) keeps the values of the levels. Gain and delay are unknowns of each comparison.
+//! Three distances are minimised in turn, since each works only near its minimum. First, the modes of the linear part
+//! are matched to the partials of the recording, without a render. Then levels are compared in windows of several
+//! lengths, which ignore phase; then samples, in windows that grow as far as phases agree. If samples cannot be
+//! followed (a recording that no model made), the values from levels remain. Gain and delay are unknowns of each
+//! comparison.
 //!
-//! The uncertainty is that of the distance that decided, from the derivatives at the end and what is left, stretch of
-//! time by stretch of time: a recording differs from a model by what hangs together over milliseconds, and a count of samples
-//! would promise digits that nobody can have.
-//! The fit to shorter windows of time checks it.
+//! The uncertainty follows from the last distance used: its derivatives at the end, and the residuals by stretches of
+//! time. Residuals of a recording are correlated over milliseconds, and treating them as independent would give too
+//! small a value. Fits to shorter windows of time check it.
 
 #![forbid(unsafe_code)]
 
@@ -44,120 +44,119 @@ use player::Player;
 use target::{Samples, Target};
 use work::Work;
 
-/// Fewest renders with which something can be found, beside two for each number.
+/// Least number of renders for a search, besides two for each number.
 const FEW: u32 = 4;
-/// Least time beyond what is fitted that says something \[s\].
+/// Least time after the fitted part for which predictions are reported \[s\].
 const BEYOND: f64 = 0.1;
 
-/// What is asked.
+/// Options of a fit.
 pub struct FitOptions<'a> {
-    /// names of numbers, as `--set` knows them
+    /// Names of the numbers to vary, in the syntax of `--set`.
     pub vary: &'a [String],
-    /// ranges of some of them
+    /// Ranges for some of them.
     pub ranges: &'a [Range],
-    /// how much of the recording is fitted, from its onset on \[s\]; up to four seconds if none
+    /// Time to fit, from the onset of the recording \[s\]; up to four seconds if `None`.
     pub seconds: Option<f64>,
-    /// gain of the model in the recording; free if none
+    /// Gain of the model in the recording; free if `None`.
     pub gain: Option<f64>,
-    /// most renders
+    /// Maximum number of renders.
     pub renders: u32,
-    /// what plays the model, beside its own gesture
+    /// Gesture that plays the model, besides its own.
     pub gesture: Option<&'a Gesture>,
-    /// what options are called where they are named
+    /// Names of the options in messages.
     pub words: &'static Words,
-    /// called before each render with how many there have been and may be; `false` ends it
+    /// Called before each render with its number and the maximum; `false` stops the fit.
     pub progress: &'a mut dyn FnMut(u32, u32) -> bool,
 }
 
-/// A number that was fitted.
+/// Fitted number.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fitted {
-    /// what
+    /// The number that was varied.
     pub varied: Varied,
-    /// its value
+    /// Its fitted value.
     pub value: f64,
-    /// one standard deviation, in its unit; `None` where there is a doubt
+    /// Standard deviation, in its unit; `None` where there is a doubt.
     pub deviation: Option<f64>,
-    /// why there is no deviation
+    /// Reason for a missing deviation.
     pub doubt: Option<Doubt>,
-    /// whether it is at an end of its range
+    /// True at an end of its range.
     pub at_end: bool,
 }
 
-/// How far the model is from the recording.
+/// Distance of the model from the recording.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Distance {
-    /// root mean square of the differences of levels \[dB\]
+    /// Root mean square of the level differences \[dB\].
     pub levels: f64,
-    /// what is left of the samples, beside the recording \[dB\]
+    /// Power of the sample residuals relative to the recording \[dB\].
     pub samples: f64,
 }
 
-/// Distances of a time that was not fitted.
+/// Distances over the time after the fitted part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beyond {
-    /// how long \[s\]
+    /// Its length \[s\].
     pub seconds: f64,
-    /// of the model
+    /// Distance of the model.
     pub model: Distance,
-    /// of damped sinusoids with as many free numbers or more, which were fitted to the same time as the model
+    /// Distance of damped sinusoids that were fitted to the same time, with at least as many free numbers.
     pub sinusoids: Distance,
-    /// how many sinusoids
+    /// Number of sinusoids.
     pub count: usize,
 }
 
 impl Beyond {
-    /// The sinusoids in words.
+    /// Describes the sinusoids in words.
     pub fn named(&self) -> String {
         format!("{} damped sinusoid{}", self.count, if self.count == 1 { "" } else { "s" })
     }
 }
 
-/// Which distance decided.
+/// Distance that determined the result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// levels
+    /// Levels.
     Levels,
-    /// samples
+    /// Samples.
     Samples,
 }
 
-/// What was found.
+/// Result of a fit.
 pub struct Fit {
-    /// the model with the values found
+    /// The model with the values found.
     pub loaded: Loaded,
-    /// the numbers
+    /// The fitted numbers.
     pub fitted: Vec<Fitted>,
-    /// gain of the model in the recording
+    /// Gain of the model in the recording.
     pub gain: f64,
-    /// its delay there \[s\]
+    /// Delay of the model in the recording \[s\].
     pub delay: f64,
-    /// renders
+    /// Number of renders.
     pub renders: u32,
-    /// which distance decided
+    /// Distance that determined the result.
     pub stage: Stage,
-    /// seconds of the recording in which samples were compared
+    /// Time of the recording in which samples were compared \[s\].
     pub phase: f64,
-    /// seconds that were fitted
+    /// Time fitted \[s\].
     pub seconds: f64,
-    /// why the search ended
+    /// Reason for the end of the search.
     pub halt: StopReason,
-    /// whether so little is left that the sound may be one of this model
+    /// True if the residuals are so small that this model may have made the sound.
     pub explained: bool,
-    /// pitches of the recording and of the model
+    /// Pitches of the recording and of the model.
     pub pitch: Pitch,
-    /// distance before
+    /// Distance at the start.
     pub before: Distance,
-    /// and after
+    /// Distance at the end.
     pub after: Distance,
-    /// that of what was not fitted, where there is enough of it
+    /// Distances over the time after the fitted part, if there is enough of it.
     pub beyond: Option<Beyond>,
-    /// what is heard, to be shown
     shown: Shown,
     words: &'static Words,
 }
 
-/// The three sounds of a fit, as they are compared.
+/// Recording and model before and after, as they are compared.
 struct Shown {
     rate: f64,
     fitted: usize,
@@ -169,8 +168,8 @@ struct Shown {
 /// Fits numbers of a model to a recording.
 ///
 /// # Errors
-/// [`Failure::Usage`] where a number cannot be varied, [`Failure::Found`] where the model has errors at this rate,
-/// [`Failure::Failed`] where the recording or the model is silent, [`Failure::Stopped`] where `progress` says so.
+/// [`Failure::Usage`] where a number cannot be varied; [`Failure::Found`] where the model has errors at this rate;
+/// [`Failure::Failed`] where the recording or the model is silent; [`Failure::Stopped`] where `progress` returns false.
 pub fn fit(loaded: &Loaded, recording: &Recording, ask: &mut FitOptions) -> Result<Fit, Failure> {
     if ask.vary.is_empty() {
         return Err(Failure::Usage("nothing is varied; name a number, such as `low.f`".into()));

@@ -1,20 +1,18 @@
-//! Normal equations of a few unknowns, solved by their eigenvectors.
+//! Normal equations of a few unknowns, solved by eigenvectors.
 //!
-//! Decides for eigenvectors of the scaled matrix rather than a factor: there are a dozen unknowns at most, every damping of a
-//! step is then a division, and a direction in which nothing changes is seen instead of failing.
+//! Eigenvectors of the scaled matrix serve better than a factorisation here: there are at most a dozen unknowns, each
+//! damping is one division per eigenvalue, and flat directions are found instead of failing.
 
 use faer::{Mat, Side};
 
-/// Below this part of the largest a curvature is the rounding of differences.
+/// Curvature, relative to the largest, below which only rounding of differences is left.
 const FLAT: f64 = 1e-10;
-/// A direction is one of an unknown where it has so much of it.
+/// Least component of a flat direction along an unknown that makes the unknown undetermined.
 const SHARE: f64 = 0.1;
 
-/// Columns of derivatives, as normal equations.
 pub(super) struct Normal {
-    /// the roots of the diagonal
+    /// Roots of the diagonal.
     scale: Vec<f64>,
-    /// eigenvectors, one after the other
     vectors: Vec<Vec<f64>>,
     values: Vec<f64>,
 }
@@ -24,7 +22,7 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 impl Normal {
-    /// Of columns; `None` where a number is none.
+    /// Makes them from columns; `None` where a value is not finite.
     pub fn of(columns: &[Vec<f64>]) -> Option<Normal> {
         let n = columns.len();
         let scale: Vec<f64> = columns.iter().map(|c| libm::sqrt(dot(c, c))).collect();
@@ -46,7 +44,7 @@ impl Normal {
         self.values[j] <= FLAT * self.values.iter().copied().fold(0.0, f64::max)
     }
 
-    /// The step against a gradient, damped by `damping` of each unknown's own curvature.
+    /// Returns the step against a gradient; `damping` is relative to the curvature of each unknown.
     pub fn step(&self, gradient: &[f64], damping: f64) -> Vec<f64> {
         let n = self.scale.len();
         let mut x = vec![0.0; n];
@@ -61,9 +59,9 @@ impl Normal {
         x
     }
 
-    /// The covariance of the unknowns for residuals of which `sums` are the products with the columns, one for each stretch of
-    /// time: those of a recording hang together, and a count of samples would make them look better known than they are. At
-    /// least that of independent residuals of this variance. The diagonal; `None` of what is not determined.
+    /// Returns the variances of the unknowns; `None` where one is not determined. `sums` holds, for each stretch of
+    /// time, the products of residuals and columns: residuals of a recording are correlated, and treating them as
+    /// independent would give too small a variance. At least the variance for independent residuals is returned.
     pub fn variances(&self, sums: &[Vec<f64>], variance: f64) -> Vec<Option<f64>> {
         let n = self.scale.len();
         let inverse = |b: &[f64]| self.step(b, 0.0);
@@ -98,7 +96,7 @@ mod tests {
         let x = normal.step(&gradient, 0.0);
         let left: Vec<f64> = (0..3).map(|i| r[i] + columns[0][i] * x[0] + columns[1][i] * x[1]).collect();
         assert!(columns.iter().all(|c| dot(c, &left).abs() < 1e-12));
-        // two columns alike, and one of nothing: known together at best
+        // two equal columns and a zero column: none is determined
         let columns = vec![vec![1.0, 2.0], vec![2.0, 4.0], vec![0.0, 0.0]];
         let normal = Normal::of(&columns).unwrap();
         assert!(normal.step(&[1.0, 2.0, 0.0], 0.0).iter().all(|x| x.is_finite()));

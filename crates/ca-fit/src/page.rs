@@ -1,14 +1,14 @@
-//! A page about a fit: the recording, the model before and after, and what is left.
+//! Report on a fit: the recording, the model before and after, and the residual.
 
 use super::{Distance, Doubt, Fit, Fitted, Stage, target};
 use ca_model::quantity::{Plain, six};
 use ca_report::{Axis, Block, Curve, Grid, Plot, Report, Section, Sound, Spectrum, Table, Weight, spectrogram};
 
-/// One point of a level over time \[s\].
+/// Time between two points of a level curve \[s\].
 const BLOCK: f64 = 0.01;
 
 impl Fitted {
-    /// Its uncertainty, two standard deviations, in words; or why there is none.
+    /// Uncertainty in words, as two standard deviations, or the reason why there is none.
     pub fn uncertainty(&self) -> String {
         match (self.deviation, self.doubt) {
             (Some(d), _) => {
@@ -26,7 +26,6 @@ impl Fitted {
     }
 }
 
-/// Two digits.
 pub(super) fn two(v: f64) -> f64 {
     ca_model::quantity::rounded(v, 2)
 }
@@ -39,7 +38,7 @@ fn row(name: &str, d: &Distance) -> Vec<String> {
     std::iter::once(name.to_owned()).chain(distance(d)).collect()
 }
 
-/// The page of a fit of a model to a recording of this name.
+/// Makes the report on a fit of the model `name` to the recording `target`.
 pub fn report(fit: &Fit, name: &str, target: &str) -> Report {
     let mut report = Report::new(&format!("{name}, fitted"), &format!("to `{target}`, by {} renders", fit.renders));
     report.notes.extend(fit.warnings().into_iter().map(|what| (Weight::Note, what)));
@@ -68,7 +67,7 @@ pub fn report(fit: &Fit, name: &str, target: &str) -> Report {
     let [recording, before, after] = [&shown.target, &shown.before, &shown.after].map(one);
     let names = ["recording", "before", "after"].map(String::from);
     let mut sound = Sound::new(shown.rate, &names);
-    // loud enough to be heard, and all alike
+    // audible, and equally loud
     let loudest = recording.iter().fold(0.0_f64, |m, x| m.max(x.abs())).max(f64::MIN_POSITIVE);
     let by = 0.5 / loudest;
     for ((r, b), a) in recording.iter().zip(&before).zip(&after) {

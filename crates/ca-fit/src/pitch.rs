@@ -1,35 +1,34 @@
 //! Pitches of the recording and of the model, at the start and at the end of a fit.
 //!
-//! The pitch is one over the period after which a sound repeats best, by its autocorrelation. So the lowest partial may be faint or
-//! missing. A sound that repeats badly, as a bell or noise, gives `None`.
+//! A pitch is the inverse of the period after which a sound repeats best, by its autocorrelation; the lowest partial
+//! may be faint or missing. A sound that hardly repeats, such as a bell or noise, gives `None`.
 
 use super::target::{Samples, mixed, onset};
 use ca_report::Hann;
 use realfft::RealFftPlanner;
 
-/// Length of the sound that is compared, and where it begins after the onset \[s\].
+/// Length of the analysed sound, and its start after the onset \[s\].
 const WINDOW: f64 = 0.25;
 const AFTER: f64 = 0.02;
-/// Shortest sound that is compared \[s\].
+/// Shortest sound that is analysed \[s\].
 const LEAST: f64 = 0.05;
 /// Lowest pitch \[Hz\].
 const LOWEST: f64 = 25.0;
-/// Least autocorrelation of a sound that repeats, over its power …
+/// Least autocorrelation of a periodic sound, relative to its power.
 const CLEAR: f64 = 0.5;
-/// … and how far below the best one another period counts as equal.
+/// A period counts as equal if its autocorrelation is at most this much less than the best.
 const AS_WELL: f64 = 0.1;
-/// A semitone, and what a pitch of a short sound may be off \[cents\].
+/// A semitone, plus the error of a pitch from a short sound \[cents\].
 const SEMITONE: f64 = 105.0;
-/// A model that ends farther from the recording has stopped in another minimum \[cents\].
+/// A model that ends farther from the recording is in another minimum \[cents\].
 const SAME: f64 = 50.0;
 
-/// After what time a sound repeats.
 struct Period {
     correlation: Vec<f64>,
     rate: f64,
     /// \[Hz\]
     f: f64,
-    /// autocorrelation there
+    /// Autocorrelation at the period.
     clear: f64,
 }
 
@@ -45,14 +44,14 @@ impl Period {
         let mean = sound[..length].iter().sum::<f64>() / length as f64;
         let still: Vec<f64> = sound[..length].iter().map(|x| x - mean).collect();
         let mut windows = Hann::new(length, (2 * length).next_power_of_two());
-        // what the window does to it is divided out (Boersma 1993)
+        // the autocorrelation of the window is divided out (Boersma 1993)
         let (own, of_window) = (products(&mut windows, &still)?, products(&mut windows, &vec![1.0; length])?);
         if own[0] <= 0.0 {
             return None;
         }
         let longest = (length / 2).min((rate / LOWEST) as usize);
         let correlation: Vec<f64> = (0..longest).map(|k| own[k] / own[0] * of_window[0] / of_window[k]).collect();
-        // behind the slope down from no delay at all
+        // after the descent from delay 0
         let first = (1..longest.checked_sub(2)?).find(|k| correlation[k + 1] > correlation[*k])?;
         let peak = |k: &usize| correlation[*k] >= correlation[k - 1] && correlation[*k] >= correlation[k + 1];
         let peaks: Vec<usize> = (first..longest - 1).filter(peak).collect();
@@ -64,7 +63,7 @@ impl Period {
         Some(Period { rate, f: rate / lag, clear: m, correlation })
     }
 
-    /// True if it repeats about as well within a semitone of `f`.
+    /// Returns whether the sound repeats about as well within a semitone of `f`.
     fn repeats(&self, f: f64) -> bool {
         let semitone = libm::exp2(SEMITONE / 1200.0);
         let from = (self.rate / (f * semitone)) as usize;
@@ -73,18 +72,18 @@ impl Period {
         near.iter().copied().fold(0.0, f64::max) >= self.clear - 1.5 * AS_WELL
     }
 
-    /// The interval up to another one \[cents\].
+    /// Interval up to another period \[cents\].
     fn up_to(&self, other: &Period) -> f64 {
         let cents = 1200.0 * libm::log2(other.f / self.f);
         let ratio = libm::exp2(cents.abs() / 1200.0);
         let multiple = libm::round(ratio);
-        // a sound whose odd partials are faint repeats as well after half of its period: which of both is found is chance
+        // with faint odd partials a sound repeats as well after half of its period, and either octave may be found
         let octave = multiple >= 2.0 && 1200.0 * libm::log2(ratio / multiple).abs() < SEMITONE;
         if octave && self.repeats(other.f) && other.repeats(self.f) { 0.0 } else { cents }
     }
 }
 
-/// Products of what is in the window with itself, delay by delay.
+/// Autocorrelation of a windowed sound, by delay.
 fn products(windows: &mut Hann, sound: &[f64]) -> Option<Vec<f64>> {
     let mut powers = Vec::new();
     windows.powers(sound, 0, &mut powers);
@@ -96,23 +95,23 @@ fn products(windows: &mut Hann, sound: &[f64]) -> Option<Vec<f64>> {
     Some(found)
 }
 
-/// Pitches \[Hz\]; `None` if a sound repeats badly.
+/// Pitches \[Hz\]; `None` for a sound that hardly repeats.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pitch {
-    /// of the recording
+    /// Of the recording.
     pub recording: Option<f64>,
-    /// of the model with the values it started with
+    /// Of the model with its initial values.
     pub start: Option<f64>,
-    /// of the model with the values found
+    /// Of the model with the values found.
     pub found: Option<f64>,
-    /// from the start up to the recording \[cents\]
+    /// From the initial model up to the recording \[cents\].
     pub from_start: f64,
-    /// from what was found up to the recording \[cents\]
+    /// From the fitted model up to the recording \[cents\].
     pub left: f64,
 }
 
 impl Pitch {
-    /// By what was recorded, and what is heard of the model at both ends.
+    /// Measures the recording and the model at both ends of the fit.
     pub(super) fn of(recording: &Samples, start: &Samples, found: &Samples, rate: f64) -> Pitch {
         let [recording, start, found] = [recording, start, found].map(|s| Period::of(s, rate));
         let up = |p: &Option<Period>| p.as_ref().zip(recording.as_ref()).map_or(0.0, |(p, r)| p.up_to(r));
@@ -126,12 +125,12 @@ impl Pitch {
         }
     }
 
-    /// True if the start is more than a semitone from the recording.
+    /// Returns whether the start is more than a semitone from the recording.
     pub fn starts_far(&self) -> bool {
         self.from_start.abs() > SEMITONE
     }
 
-    /// True if the model ends at another pitch than the recording.
+    /// Returns whether the model ends at another pitch than the recording.
     pub fn ends_elsewhere(&self) -> bool {
         self.left.abs() > SAME
     }
@@ -143,7 +142,7 @@ mod tests {
 
     const RATE: f64 = 48_000.0;
 
-    /// A plucked string: partials `n` with an amplitude each.
+    /// Plucked string; `amplitude` gives each partial `n`.
     fn plucked(f: f64, amplitude: impl Fn(f64) -> f64) -> Samples {
         let at = |i: usize| {
             let t = i as f64 / RATE;
@@ -169,12 +168,12 @@ mod tests {
                 assert!(found.up_to(&of(f, &bright)).abs() < 10.0);
             }
         }
-        // a fifth and an octave are far, also where the long period is whole times the short one; a semitone is not
+        // a twelfth and an octave are far, although the long period is a multiple of the short one; a semitone is not
         let (low, high) = (of(110.0, &bright), of(330.0, &bright));
         assert!((low.up_to(&high) - 1901.96).abs() < 20.0 && (high.up_to(&low) + 1901.96).abs() < 20.0);
         assert!((of(110.0, &bright).up_to(&of(220.0, &bright)) - 1200.0).abs() < 20.0);
         assert!(low.up_to(&of(116.5, &bright)) < SEMITONE && low.up_to(&of(118.0, &bright)) > SEMITONE);
-        // with hardly an odd partial it is a chance which octave is found
+        // with faint odd partials, either octave may be found
         let odd = |n: f64| if n % 2.0 == 0.0 { 1.0 / n } else { 0.01 / n };
         assert!(of(110.0, &odd).up_to(&of(220.0, &bright)).abs() < 1.0);
     }

@@ -1,7 +1,7 @@
-//! Renders of the model with other values, and how many there were.
+//! Renders the model with other values, and counts the renders.
 //!
-//! Decides that every render is counted, whatever it is for: a step that is tried, a difference for a derivative, the last one
-//! that is shown. Values with which the model cannot be compiled or diverges are no failure of the fit but a step too far.
+//! Every render counts: trial steps, differences for derivatives, and the last one for the page. Values with which the
+//! model does not compile or diverges are not an error of the fit but a step too far.
 
 use super::target::{Samples, mixed};
 use super::vary::Varied;
@@ -13,33 +13,29 @@ use ca_lab::load::{self, Loaded};
 use ca_lab::play::{self, BLOCK};
 use ca_lab::{Failure, catalog};
 
-/// The modes of a model that are computed: more places than this take longer than renders.
+/// Modes are not computed for models with more moving places, since that takes longer than renders.
 const PLACES: usize = 300;
 
-/// A mode as it is heard.
+/// Mode as it is heard.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Heard {
-    /// \[Hz\]
+    /// Frequency \[Hz\].
     pub f: f64,
-    /// \[s\]
+    /// Decay time \[s\].
     pub t60: f64,
-    /// how strongly the outputs hear it, beside the strongest
+    /// Level at the outputs, relative to the strongest mode.
     pub level: f64,
 }
 
-/// The model that is fitted.
 pub(super) struct Player<'a> {
     loaded: &'a Loaded,
     varied: &'a [Varied],
     gesture: Option<&'a Gesture>,
     rate: f64,
-    /// channels that are compared
     channels: usize,
-    /// samples of a render
+    /// Samples per render.
     pub frames: u64,
-    /// renders so far
     pub renders: u32,
-    /// most renders
     pub budget: u32,
     goes_on: &'a mut dyn FnMut(u32, u32) -> bool,
 }
@@ -55,12 +51,11 @@ impl<'a> Player<'a> {
         Player { loaded, varied, gesture, rate, channels, frames: 0, renders: 0, budget, goes_on }
     }
 
-    /// How many renders are left.
     pub fn left(&self) -> u32 {
         self.budget.saturating_sub(self.renders)
     }
 
-    /// The model with values at these places.
+    /// Returns the model at these search coordinates.
     pub fn model(&self, places: &[f64]) -> Result<Loaded, Failure> {
         let mut loaded = self.loaded.clone();
         for (v, place) in self.varied.iter().zip(places) {
@@ -73,10 +68,10 @@ impl<'a> Player<'a> {
         Options { rate: Some(self.rate), clouds: loaded.clouds.clone(), ..Options::default() }
     }
 
-    /// What is heard with values at these places; `None` where the model cannot be so.
+    /// Renders the model at these search coordinates; `None` where it does not compile or diverges.
     ///
     /// # Errors
-    /// Where somebody wants no more, or its gesture does not fit it.
+    /// If the progress callback stops the fit, or the gesture does not fit the model.
     pub fn render(&mut self, places: &[f64]) -> Result<Option<Samples>, Failure> {
         self.renders += 1;
         if !(self.goes_on)(self.renders, self.budget) {
@@ -97,7 +92,8 @@ impl<'a> Player<'a> {
         Ok(whole.then(|| if channels == self.channels { heard } else { mixed(&heard) }))
     }
 
-    /// The modes that are heard, lowest first, with values at these places; no render. `None` where there are too many, or none.
+    /// Returns the audible modes, lowest first, at these search coordinates, without a render. Returns `None` where
+    /// there are none or too many to compute.
     pub fn modes(&self, places: &[f64]) -> Result<Option<Vec<Heard>>, Failure> {
         let loaded = self.model(places)?;
         let Ok(network) = ca_compile::linear(&loaded.model, &catalog(), &self.options(&loaded)) else {
@@ -115,11 +111,11 @@ impl<'a> Player<'a> {
     }
 }
 
-/// How strongly the outputs hear a mode, by its displacement where they listen; where that is a speed or an acceleration too. Outputs
-/// that hear forces do not count.
+/// Returns the level of a mode at the outputs: its displacement at their places, also for outputs of speed or
+/// acceleration. Outputs of forces do not count.
 ///
-/// Decides for one weight of frequency, whatever is heard: this only tells modes with a node at every output from the others. Times
-/// (2πf)² the fundamental of a string of 40 masses would count as a node beside its highest mode.
+/// The weight does not depend on frequency because it only has to exclude modes with a node at every output. With a
+/// factor (2πf)², the fundamental of a string of 40 masses would count as a node beside its highest mode.
 fn level(network: &Network, m: &modes::Mode) -> f64 {
     let places = network.ports.iter().filter(|p| p.role == "hears").chain(&network.derivatives);
     places.map(|p| m.at(&p.at).abs()).sum()

@@ -1,9 +1,8 @@
-//! Levenberg and Marquardt's steps for a distance of sounds, by as few renders as there can be.
+//! Levenberg–Marquardt descent for a distance of sounds, with as few renders as possible.
 //!
-//! Decides that derivatives are those of the sound: one render for each number that is varied gives them for every distance, gain
-//! and delay, and for windows of any length, until the search moves on. Between two such rounds the derivatives of the residuals
-//! are corrected by what a step showed of them (Broyden), which costs nothing; they are made anew where a step that relies on
-//! them fails.
+//! The sound itself is differentiated, with one render for each varied number. This serves every distance, gain, delay
+//! and window length until the search moves on. Between two such rounds, steps correct the derivatives of the residuals
+//! (Broyden) without renders; they are computed again when a step that relies on them fails.
 
 use super::loss::{Free, Loss};
 use super::normal::{Normal, dot};
@@ -11,19 +10,19 @@ use super::player::Player;
 use super::target::Samples;
 use ca_lab::Failure;
 
-/// A difference of a place, for derivatives: small beside what turns the phase of a high partial.
+/// Step of a search coordinate for derivatives, so small that the phase of a high partial hardly changes.
 const STEP: f64 = 1e-6;
-/// Differences of gain, as a part of it, and of delay \[samples\].
+/// Relative step of gain, and step of delay \[samples\], for derivatives.
 const GAIN: f64 = 1e-6;
 const DELAY: f64 = 1e-3;
-/// Farthest step of a place.
+/// Longest step of a search coordinate.
 const FAR: f64 = 0.7;
-/// Farthest step of the delay \[samples\].
+/// Longest step of the delay \[samples\].
 const LATE: f64 = 8.0;
-/// Steps that are tried in one direction.
+/// Step lengths that are tried with the same derivatives.
 const TRIES: usize = 4;
 
-/// A place of the search, with what is heard there.
+/// Point of the search, with the sound rendered there.
 #[derive(Clone)]
 pub(super) struct Point {
     pub places: Vec<f64>,
@@ -31,21 +30,20 @@ pub(super) struct Point {
     pub heard: Samples,
 }
 
-/// The derivatives of what is heard, at some places.
+/// Derivatives of the sound by the search coordinates, and the point they belong to.
 pub(super) struct Slopes {
     at: Vec<f64>,
     of: Vec<Samples>,
 }
 
 impl Slopes {
-    /// By a render for each place.
     pub fn at(player: &mut Player, point: &Point, ends: &[[f64; 2]]) -> Result<Slopes, Failure> {
         let mut of = Vec::new();
         for (k, end) in ends.iter().enumerate() {
             let mut places = point.places.clone();
             let step = if places[k] + STEP > end[1] { -STEP } else { STEP };
             places[k] += step;
-            // a place beside one where the model sounds where it does not: nothing is known of this direction
+            // if the model fails there, the derivative is unknown and taken as 0
             let heard = player.render(&places)?.unwrap_or_else(|| point.heard.clone());
             let slope = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| (b - a) / step).collect();
             of.push(point.heard.iter().zip(&heard).map(slope).collect());
@@ -57,7 +55,6 @@ impl Slopes {
         self.at == point.places
     }
 
-    /// Derivatives of residuals.
     pub fn columns(&self, loss: &dyn Loss, point: &Point, residual: &[f64]) -> Vec<Vec<f64>> {
         let one = |slope: &Samples| {
             let near = |(h, s): (&Vec<f64>, &Vec<f64>)| h.iter().zip(s).map(|(h, s)| h + STEP * s).collect();
@@ -72,7 +69,7 @@ fn difference(there: &[f64], here: &[f64], step: f64) -> Vec<f64> {
     there.iter().zip(here).map(|(a, b)| (a - b) / step).collect()
 }
 
-/// Derivatives of residuals after gain and delay, where these are unknowns.
+/// Returns the derivatives of the residuals by gain and delay, where these are unknowns.
 pub(super) fn free_columns(loss: &dyn Loss, point: &Point, residual: &[f64]) -> Vec<Vec<f64>> {
     let [gain, delay] = loss.free();
     let mut all = Vec::new();
@@ -88,41 +85,39 @@ pub(super) fn free_columns(loss: &dyn Loss, point: &Point, residual: &[f64]) -> 
     all
 }
 
-/// How a search is done and when it ends.
 pub(super) struct Rules<'a> {
     pub ends: &'a [[f64; 2]],
-    /// places that stay where they are; all that are not in it may move
+    /// Coordinates that stay fixed; any beyond the end of the slice may move.
     pub still: &'a [bool],
-    /// most steps
     pub steps: usize,
-    /// what a step has to gain, as a part of the sum of squares
+    /// Least improvement of a step, as a fraction of the sum of squares.
     pub gains: f64,
-    /// renders that are left for what comes after
+    /// Renders reserved for later.
     pub spare: u32,
 }
 
-/// Why a search ended.
+/// Reason for the end of a descent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stop {
-    /// the last step gained little, or next to nothing is left
+    /// The last step improved little, or almost no residual is left.
     Small,
-    /// as many steps as there may be were made, and each gained
+    /// The maximum number of steps was reached, and each improved.
     Steps,
-    /// no step of any length gained, by derivatives that were made anew
+    /// With new derivatives, steps of all lengths failed to improve.
     Stuck,
-    /// no renders were left for another step
+    /// Too few renders were left for another step.
     Renders,
 }
 
-/// A sum of squares with less than this is that of rounding.
+/// A smaller sum of squares is only rounding.
 pub(super) const EXACT: f64 = 1e-18;
 
 fn sum(r: &[f64]) -> f64 {
     dot(r, r)
 }
 
-/// Goes down from a point, and says why it went no further. The slopes are those of the point, if they are known; those of where
-/// it ends, if they are, are left there.
+/// Descends from a point and returns the end with the reason. `slopes` holds derivatives, used if they belong to the
+/// start; at the end it holds the last ones computed.
 pub(super) fn descend(
     player: &mut Player,
     loss: &dyn Loss,
@@ -156,7 +151,7 @@ pub(super) fn descend(
         };
         let beside = free_columns(loss, &point, &residual);
         let cost = sum(&residual);
-        // what is at an end and would go beyond stays there
+        // a coordinate at a bound stays there if the step would cross it
         let held: Vec<bool> = (0..n)
             .map(|k| {
                 let slope = dot(&columns[k], &residual);
@@ -205,7 +200,7 @@ pub(super) fn descend(
                 break;
             }
             damping = (damping * 10.0).max(1e-4);
-            // derivatives that were corrected rather than made may be why
+            // the corrected derivatives may be the reason
             if !fresh {
                 break;
             }
@@ -224,7 +219,7 @@ pub(super) fn descend(
         let gained = 1.0 - sum(&r) / cost;
         let long: f64 = dot(&by, &by);
         if long > 0.0 {
-            // what the step showed beyond what was expected of it, without what gain and delay did to it
+            // Broyden: the unexpected part of the change, without the effect of gain and delay
             let [gain, delay] = loss.free();
             let mut expected: Vec<f64> = r.iter().zip(&residual).map(|(a, b)| a - b).collect();
             let mut off: Vec<f64> = Vec::new();
@@ -249,7 +244,7 @@ pub(super) fn descend(
             stop = Stop::Small;
             break;
         }
-        // a step that gained little by corrected derivatives says that they are worn
+        // little improvement with corrected derivatives: they are outdated
         if gained < 0.5 {
             own = None;
         }

@@ -1,12 +1,13 @@
-//! Where a search ends: how well each number is known there, and whether it is an end at all.
+//! End of a search: whether it has settled, and the uncertainty of each number.
 //!
-//! Decides that a search has settled where the step that derivatives there promise changes each number by less than its deviation.
-//! A small gain of the last step is no sign of that: a step may be short since it was damped, or since derivatives were worn. As long as
-//! it has not settled and renders are left it goes on.
+//! A search has settled where the next step, by the derivatives there, changes each number by less than its deviation.
+//! A small improvement in the last step does not show this: the step may be short because of damping or outdated
+//! derivatives. The search goes on until it has settled or renders run out.
 //!
-//! Deviations are checked on nested windows of time. The same derivatives give the numbers that fit a shorter window, by one step. They
-//! may differ from the numbers found by √(d² − D²), with the deviations d of the short and D of the whole window (Hausman 1978). A larger
-//! difference shows that the model lacks something, and D grows by the same factor.
+//! Deviations are checked on nested windows of time. The same derivatives give, by one step, the numbers that fit a
+//! shorter window. These may differ from the numbers found by √(d² − D²), and by D in any case, with the deviations d
+//! of the short and D of the whole window (Hausman 1978). A greater difference shows that the model lacks something,
+//! and D grows by the same factor.
 
 use super::loss::{Loss, STRETCHES};
 use super::normal::{Normal, dot};
@@ -16,35 +17,33 @@ use super::verdict::{Known, StopReason};
 use super::work::Work;
 use ca_lab::Failure;
 
-/// What is known worse than this, as a logarithm or a part of its scale, is not determined.
+/// Deviation, as a logarithm or in units of the scale, above which a number is not determined.
 const UNKNOWN: f64 = 0.7;
-/// Steps between two looks at whether it has settled, and the least that one gains.
+/// Steps between two checks, and the least improvement of a step.
 const STEPS: usize = 8;
 const GAINS: f64 = 1e-3;
-/// Nested windows, as parts of the whole one.
+/// Nested windows, as fractions of the whole one.
 const NESTED: [f64; 3] = [0.5, 0.65, 0.8];
 
-/// A loss of the sound up to one of its samples.
+/// Makes the loss of the sound up to a sample.
 pub(super) type Within<'a> = &'a dyn Fn(usize) -> Box<dyn Loss>;
 
-/// Deviations at a point, and whether a step from there would change a number by more.
+/// Deviations at a point, and whether the search has settled there.
 struct Look {
     deviations: Vec<Option<f64>>,
     settled: bool,
 }
 
-/// The numbers that fit one window of time, estimated from a point.
+/// Numbers that fit one window of time, estimated from a point.
 struct Estimate {
     deviations: Vec<Option<f64>>,
-    /// distance from the point along each place
+    /// Step from the point along each search coordinate.
     step: Vec<f64>,
-    /// sum of the squares of what is left
     left: f64,
 }
 
 impl Work<'_> {
-    /// Goes on from a point by the distance that decided, up to sample `until`, until it has settled there, nothing is gained or renders
-    /// are spent.
+    /// Searches on with the loss up to sample `until`, until it settles, a descent is stuck or renders run out.
     pub fn settled(
         &self,
         player: &mut Player,
@@ -64,7 +63,7 @@ impl Work<'_> {
             if player.left() <= spare {
                 return Ok((point, ended(StopReason::Renders)));
             }
-            // what is not determined would go on for ever, and its steps are so long that those of the others are cut
+            // numbers that are not determined would move without end, and their long steps would shorten all others
             let still: Vec<bool> = look.deviations.iter().map(Option::is_none).collect();
             let rules = Rules { ends: &self.ends, still: &still, steps: STEPS, gains: GAINS, spare };
             let (next, stop) = descend(player, loss, point.clone(), slopes, &rules)?;
@@ -76,7 +75,7 @@ impl Work<'_> {
         }
     }
 
-    /// The standard deviations of places, and whether these are an end of the search.
+    /// Returns the deviations of the search coordinates and whether the search has settled.
     fn look(
         &self,
         player: &mut Player,
@@ -98,7 +97,7 @@ impl Work<'_> {
         Ok(Look { settled: left < EXACT || (0..n).all(within), deviations })
     }
 
-    /// The numbers that fit one window; `None` if a derivative is not finite.
+    /// Estimates the numbers that fit one window; `None` if a derivative is not finite.
     fn estimate(&self, loss: &dyn Loss, point: &Point, slopes: &Slopes) -> Option<Estimate> {
         let n = self.varied.len();
         let point = &Point { free: loss.settle(&point.heard, point.free), ..point.clone() };
@@ -120,7 +119,7 @@ impl Work<'_> {
         Some(Estimate { deviations, step, left })
     }
 
-    /// Deviations of the whole window, widened if nested windows differ by more than expected.
+    /// Returns the deviations of the whole window, widened if nested windows differ by more than expected.
     fn checked(
         &self,
         within: Within,
@@ -148,11 +147,11 @@ impl Work<'_> {
         deviations.into_iter().zip(wider).map(widened).collect()
     }
 
-    /// How far a step without damping goes along each place that is not still, within the ends.
+    /// Returns the undamped step along each coordinate that is not `still`, within the bounds.
     fn step(&self, point: &Point, columns: &[Vec<f64>], residual: &[f64], still: &[bool]) -> Vec<f64> {
         let n = self.varied.len();
         let gradient: Vec<f64> = columns.iter().map(|c| dot(c, residual)).collect();
-        // what is at an end and would go beyond stays there
+        // a coordinate at a bound stays there if the step would cross it
         let held = |k: usize| {
             let [from, to] = self.ends[k];
             still[k] || (point.places[k] <= from && gradient[k] > 0.0) || (point.places[k] >= to && gradient[k] < 0.0)

@@ -1,18 +1,17 @@
-//! What a model is measured against: damped sinusoids with as many free numbers, fitted to the same time.
+//! Reference for a model: damped sinusoids with as many free numbers, fitted to the same time.
 //!
-//! Decides for the strongest of them, one after the other and then all together by least squares over the samples: four numbers
-//! each, frequency, decay, amplitude and phase. Where there are several channels each has amplitudes and phases of its own, which
-//! favours the sinusoids.
+//! The strongest are found one after the other and refined together by least squares over the samples. Each has a
+//! frequency, a decay, and an amplitude and phase for each channel; several channels thus favour the sinusoids.
 
 use super::normal::{Normal, dot};
 use super::target::Samples;
 use ca_report::Hann;
 
-/// Starts of a decay: times to fall by 60 dB \[s\].
+/// Initial decays: times to fall by 60 dB \[s\].
 const STARTS: [f64; 4] = [0.1, 0.4, 1.5, 6.0];
-/// Longest part in which the next one is looked for \[s\].
+/// Longest window in which the next sinusoid is searched \[s\].
 const WINDOW: f64 = 0.4;
-/// Steps of least squares.
+/// Maximum number of least-squares steps.
 const STEPS: usize = 25;
 
 /// Frequency and decay, per sample.
@@ -23,7 +22,7 @@ struct Shape {
 }
 
 impl Shape {
-    /// Its cosine and sine from `n` samples on.
+    /// Returns `n` samples of its cosine and sine.
     fn parts(self, n: usize) -> [Vec<f64>; 2] {
         let (mut cos, mut sin) = (Vec::with_capacity(n), Vec::with_capacity(n));
         for i in 0..n {
@@ -36,7 +35,7 @@ impl Shape {
     }
 }
 
-/// Amplitudes of cosines and sines by least squares, and what is left.
+/// Returns the amplitudes of cosines and sines by least squares, and the residual.
 fn amplitudes(parts: &[[Vec<f64>; 2]], sound: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let columns: Vec<Vec<f64>> = parts.iter().flatten().map(|c| c[..sound.len()].to_vec()).collect();
     let gradient: Vec<f64> = columns.iter().map(|c| -dot(c, sound)).collect();
@@ -58,7 +57,7 @@ fn lefts(shapes: &[Shape], sound: &Samples) -> Samples {
     sound.iter().map(|c| amplitudes(&parts, c).1).collect()
 }
 
-/// Where the strongest of what is left turns, per sample.
+/// Angular frequency of the strongest part of the residual, per sample.
 fn strongest(left: &Samples, rate: f64) -> f64 {
     let n = left.first().map_or(0, Vec::len).min((WINDOW * rate) as usize).max(64);
     let mut windows = Hann::new(n, 4 * n.next_power_of_two());
@@ -71,7 +70,7 @@ fn strongest(left: &Samples, rate: f64) -> f64 {
     std::f64::consts::TAU * at as f64 / windows.size() as f64
 }
 
-/// All shapes together, by steps of least squares.
+/// Refines all shapes together by least-squares steps.
 fn refined(mut shapes: Vec<Shape>, sound: &Samples) -> Vec<Shape> {
     let n = sound.first().map_or(0, Vec::len);
     let mut best = energy(&lefts(&shapes, sound));
@@ -90,7 +89,7 @@ fn refined(mut shapes: Vec<Shape>, sound: &Samples) -> Vec<Shape> {
                 columns[2 * k + 1].extend((0..n).map(|i| at(i) * (a * cos[i] + b * sin[i])));
             }
         }
-        // amplitudes follow: of each derivative only what they cannot make counts
+        // amplitudes are free, so only the part of each derivative that they cannot produce counts
         let width = r.len() / sound.len().max(1);
         for c in &mut columns {
             let whole: Vec<f64> = c.chunks(width.max(1)).flat_map(|x| amplitudes(&parts, x).1).collect();
@@ -125,7 +124,7 @@ fn refined(mut shapes: Vec<Shape>, sound: &Samples) -> Vec<Shape> {
     shapes
 }
 
-/// Damped sinusoids that were fitted from the onset on, until the end of the sound: `(onset, fitted, there)`.
+/// Fits damped sinusoids from `onset` to `fitted` and continues them to `there`, the end of the sound.
 pub(super) fn continued(
     samples: &Samples,
     (onset, fitted, there): (usize, usize, usize),

@@ -1,4 +1,4 @@
-//! What is said of a fit at its end: the numbers, the distances, and what the model predicts.
+//! Summary of a fit: the numbers, the distances, and the predictions of the model.
 
 use super::loss::spectral::Spectral;
 use super::loss::wave::{self, Wave};
@@ -24,7 +24,7 @@ impl Work<'_> {
         let levels = Spectral::of(&self.target, 0, fitted, self.gain);
         let wave = self.wave(fitted);
         let distance = |p: &Point| {
-            // each at its best gain: what is compared is the model, not its loudness
+            // each at its best gain, since loudness is not part of the comparison
             let (l, w) = (levels.settle(&p.heard, p.free), wave.settle(&p.heard, p.free));
             Distance { levels: levels.decibel(&p.heard, l), samples: wave.decibel(&p.heard, w) }
         };
@@ -39,7 +39,7 @@ impl Work<'_> {
             point.heard = player.render(&point.places)?.unwrap_or(point.heard);
         }
         let point = point;
-        // the gain by which levels agree, with the sign that samples give it
+        // the gain at which levels agree, with its sign from the samples
         let level = levels.settle(&point.heard, free);
         let beyond = self.beyond(&point, level);
         let loaded = player.model(&point.places)?;
@@ -104,14 +104,14 @@ impl Work<'_> {
         })
     }
 
-    /// How well what was not fitted is predicted, by the model and by damped sinusoids.
+    /// Returns how well the model, and damped sinusoids, predict the time after the fitted part.
     fn beyond(&self, point: &Point, level: Free) -> Option<Beyond> {
         let Target { rate, onset, fitted, ref samples, .. } = self.target;
         let there = samples.first().map_or(0, Vec::len);
         if !self.is_beyond() {
             return None;
         }
-        // gain and delay are numbers too; a sinusoid has four
+        // gain and delay count too; a sinusoid has four numbers
         let numbers = self.varied.len() + 1 + usize::from(self.gain.is_none());
         let count = numbers.div_ceil(4);
         let other = sinusoids::continued(samples, (onset, fitted, there), count, rate);

@@ -1,50 +1,48 @@
-//! The recording that a model is fitted to: where its sound begins, and what of it is compared.
+//! Recording that a model is fitted to: its onset, and the part that is compared.
 //!
-//! Decides that a recording keeps its rate, and the model is compiled at it. As many channels as the model has are compared one
-//! by one; of any other number both sides are mixed into one. What is compared begins shortly before the onset: of silence
-//! nothing is learned. What is beyond the part that is fitted is kept, since it tells whether the fit predicts.
+//! The model is compiled at the rate of the recording. If both have the same number of channels, these are compared one
+//! by one; otherwise both are mixed to one channel. The compared part begins shortly before the onset, since silence
+//! determines nothing. Sound after the fitted part is stored to check predictions.
 
 use ca_io::recording::Recording;
 use ca_lab::Failure;
 
-/// The onset is the first sample louder than this part of the loudest, above what is heard of a hand before it plucks …
+/// The onset is the first sample louder than this fraction of the peak, which excludes handling noise before a pluck …
 const LOUD: f64 = 0.1;
-/// … from which on there is this part of the power of the loudest time: a knock before a note dies at once.
+/// … that is followed by this fraction of the greatest power, which excludes a knock before a note: it decays at once.
 const POWER: f64 = 0.04;
-/// How long that is looked at \[s\].
+/// Time over which that power is measured \[s\].
 const HELD: f64 = 0.06;
-/// So much before the onset is compared too \[s\].
+/// Time before the onset that is compared too \[s\].
 const BEFORE: f64 = 0.01;
-/// Least sound from the onset on \[s\].
+/// Least duration of sound from the onset \[s\].
 pub(super) const LEAST: f64 = 0.05;
-/// Most that is fitted where nobody says how much \[s\].
+/// Longest part that is fitted by default \[s\].
 const MOST: f64 = 4.0;
-/// What comes after that is kept for as long again, or for so long \[s\].
+/// Time stored after the fitted part, unless that part is longer \[s\].
 const AFTER: f64 = 2.0;
-/// What is heard so long before the onset is the noise of the room \[s\].
+/// Sound more than this time before the onset counts as background noise \[s\].
 const QUIET: f64 = 0.03;
 
-/// Samples of each channel.
 pub(super) type Samples = Vec<Vec<f64>>;
 
-/// A recording, as far as it is compared.
+/// Part of a recording that is compared.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Target {
-    /// \[Hz\]
     pub rate: f64,
-    /// from a little before the onset on
+    /// Samples from shortly before the onset.
     pub samples: Samples,
-    /// what was recorded before there was anything to hear
+    /// Background noise before the onset.
     pub quiet: Samples,
-    /// where that begins in the recording
+    /// Index of the first of `samples` in the recording.
     pub begin: usize,
-    /// the onset, from there on
+    /// Index of the onset in `samples`.
     pub onset: usize,
-    /// how many samples are fitted
+    /// Number of samples that are fitted.
     pub fitted: usize,
 }
 
-/// Where a sound begins; `None` of silence.
+/// Returns the index of the onset; `None` for silence.
 pub(super) fn onset(samples: &Samples, rate: f64) -> Option<usize> {
     let loudest = samples.iter().flatten().fold(0.0_f64, |m, v| m.max(v.abs()));
     let n = samples.first().map_or(0, Vec::len);
@@ -61,7 +59,6 @@ pub(super) fn onset(samples: &Samples, rate: f64) -> Option<usize> {
     (0..n).filter(loud).find(|i| power(*i) >= POWER * most).filter(|_| loudest > 0.0)
 }
 
-/// One channel of all.
 pub(super) fn mixed(samples: &Samples) -> Samples {
     let n = samples.iter().map(Vec::len).min().unwrap_or(0);
     let part = 1.0 / samples.len().max(1) as f64;
@@ -69,7 +66,7 @@ pub(super) fn mixed(samples: &Samples) -> Samples {
 }
 
 impl Target {
-    /// Of a recording, for a model with so many channels; `seconds` from the onset on are fitted.
+    /// Prepares a recording for a model with `channels` channels; `seconds` from the onset are fitted.
     ///
     /// # Errors
     /// [`Failure::Failed`] where it is silent or too short.

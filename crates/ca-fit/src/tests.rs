@@ -1,4 +1,4 @@
-//! Numbers hidden in a sound are found again, and what cannot be found is said.
+//! Numbers hidden in a sound are found again, and numbers that cannot be found are reported.
 
 use super::{Doubt, FitOptions, Range, Stage, StopReason, Words, fit};
 use ca_compile::Options;
@@ -44,13 +44,13 @@ fn recorded(loaded: &Loaded, seconds: f64) -> Recording {
     let mut channels = vec![Vec::new(); scene.counts.channels];
     for _ in 0..(seconds * RATE) as usize {
         p.tick();
-        // as a file keeps it
+        // with the rounding of a file
         channels.iter_mut().zip(&p.state.output).for_each(|(c, x)| c.push(f64::from(*x as f32)));
     }
     Recording { rate: RATE, channels }
 }
 
-/// Numbers from 0 up to 1, the same everywhere.
+/// Numbers from 0 up to 1, the same on every machine.
 struct Random(u64);
 
 impl Random {
@@ -88,7 +88,7 @@ fn failure(loaded: &Loaded, recording: &Recording, vary: &[&str]) -> String {
     }
 }
 
-/// A second of sound, from a start a semitone off and a factor of two elsewhere: 0.1 cent, 1 %, 2 %, in fewer than 60 renders.
+/// One second, from a start a semitone and factors of two off, to 0.1 cent, 1 % and 2 % in fewer than 60 renders.
 #[test]
 fn a_hidden_string_is_found() {
     let vary = names(&HIDDEN);
@@ -100,7 +100,7 @@ fn a_hidden_string_is_found() {
         let truth = [drawn.between(80.0, 220.0), drawn.between(1.0, 7.0), drawn.between(0.004, 0.04)];
         let mut recording = recorded(&model(MINE, &[0, 1, 2].map(|k| (HIDDEN[k], truth[k]))), 1.0);
         if seed == 5 {
-            // noise of -60 dB beside the sound
+            // noise at -60 dB relative to the sound
             let power: f64 = recording.channels.iter().flatten().map(|x| x * x).sum();
             let size = (power / (2.0 * RATE)).sqrt() * 1e-3 * 12_f64.sqrt();
             recording.channels.iter_mut().flatten().for_each(|x| *x += size * (drawn.next() - 0.5));
@@ -130,7 +130,7 @@ fn a_hidden_string_is_found() {
         assert_eq!(found.stage, Stage::Samples);
         assert!(found.after.levels < 0.1 * found.before.levels);
         for (f, truth) in found.fitted.iter().zip(truth) {
-            // what is said of the error holds of it, or it is the rounding of the file
+            // the error is within the stated uncertainty, or is the rounding of the file
             let d = f.deviation.unwrap();
             assert!((f.value - truth).abs() < (4.0 * d).max(1e-6 * truth), "{}: {} ± {d}", f.varied.name, f.value);
         }
@@ -163,7 +163,7 @@ fn ranges_hold() {
     assert!(matches!(&e, Some(Failure::Usage(w)) if w.contains("starts at 110 Hz")), "{e:?}");
 }
 
-/// With a free gain all masses and stiffnesses together are not heard, and a hammer that never arrives is not at all.
+/// With a free gain, a common factor of masses and stiffnesses is inaudible, and so is a hammer that never arrives.
 #[test]
 fn what_the_sound_does_not_determine_is_said() {
     let late = MINE.replace("x = \"-5 mm\", v = \"1 m/s\"", "x = \"-9 m\", v = \"0 m/s\"");
@@ -178,7 +178,7 @@ fn what_the_sound_does_not_determine_is_said() {
     assert!(found.fitted[1].uncertainty().contains("not determined"));
 }
 
-/// A speed is no displacement, and tells of the same modes: its partials are found as well.
+/// An output of speed shows the same modes as one of displacement, so its partials are found too.
 #[test]
 fn a_string_whose_speed_is_heard_is_found() {
     let text = r#"
@@ -205,7 +205,7 @@ hit = { between = ["hammer", "low[8]"], k = "20 kN/m" }
     }
 }
 
-/// A search that is cut short has no deviations, and says what to do.
+/// A search that runs out of renders gives no deviations, and says what to do.
 #[test]
 fn a_search_that_has_not_settled_says_so() {
     let vary = names(&HIDDEN);
@@ -244,7 +244,7 @@ fn one_is_not_several() {
     assert_eq!([1, 2].map(named), ["1 damped sinusoid", "2 damped sinusoids"]);
 }
 
-/// Sounds that no string makes: none of their numbers gets a deviation.
+/// For sounds that a string cannot make, no number gets a deviation.
 #[test]
 fn what_the_model_does_not_explain_gets_no_deviations() {
     let vary = names(&["low.f", "hammer.m"]);
@@ -267,7 +267,7 @@ fn what_the_model_does_not_explain_gets_no_deviations() {
     }
 }
 
-/// An end of a range is measured as what is set, and a bare one as the value of its `[param]`.
+/// An end of a range has a unit like a set value; a bare end has the unit of the value of its `[param]`.
 #[test]
 fn ends_of_ranges_have_units() {
     let mine = MINE.replace("\"20 g\"", "\"weight\"");
@@ -290,7 +290,7 @@ fn ends_of_ranges_have_units() {
     assert!((bounds[0] - 0.01).abs() < 1e-12 && (bounds[1] - 0.04).abs() < 1e-12, "{bounds:?}");
 }
 
-/// What was not fitted is predicted: by the model that made it to the bit of the file, by sinusoids not.
+/// The model that made a sound predicts the time after the fitted part to the rounding of the file; sinusoids do not.
 #[test]
 fn what_is_not_fitted_is_predicted() {
     let vary = names(&["low.f"]);
@@ -307,7 +307,7 @@ fn what_is_not_fitted_is_predicted() {
     assert!(page.contains("1 damped sinusoid") && !page.contains("1 damped sinusoids"), "{page}");
 }
 
-/// How hard and from where a blow came: numbers that may be negative, of a mass on a line.
+/// Speed and position of a blow: numbers that may be negative, of a mass on a line.
 #[test]
 fn a_speed_and_a_place_are_found() {
     let hit = model(&MINE.replace("v = \"1 m/s\"", "v = \"1.3 m/s\""), &[]);

@@ -1,9 +1,9 @@
-//! What is varied: numbers of a model, where they start, and how far they may go.
+//! Numbers of a model that are varied: their start and their range.
 //!
-//! Decides that a number which cannot be negative is varied by its logarithm: steps are then ratios, no step leaves what is
-//! possible, and an uncertainty is a part of the value. All others are counted in units of their start or their range.
-//! A number that follows a `[param]` is refused, with the name of what it follows, since a fit that cut the two apart would
-//! change what the author meant.
+//! A number that cannot be negative is varied by its logarithm: steps are then ratios, a step cannot leave the valid
+//! range, and an uncertainty is a fraction of the value. Other numbers are scaled by half the width of their range, or
+//! by their start. A number that follows a `[param]` is refused with the name of that `[param]`, since varying it alone
+//! would break the relation that the author wrote.
 
 use super::verdict::Words;
 use ca_compile::Options;
@@ -14,50 +14,49 @@ use ca_model::quantity::{self, Plain, six, unit_of};
 use ca_model::{Entry, Model, Value};
 use cordis_anima::Loaded;
 
-/// How far a number may go, as somebody wrote it.
+/// Range of a number, as the user wrote it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Range {
-    /// as `--set` knows it
+    /// Name in the syntax of `--set`.
     pub name: String,
-    /// both ends
+    /// Lower and upper end.
     pub ends: [Value; 2],
 }
 
-/// A number that is varied.
+/// Number that is varied.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Varied {
-    /// as `--set` knows it
+    /// Name in the syntax of `--set`.
     pub name: String,
-    /// its unit; empty for a plain number
+    /// Unit; empty for a plain number.
     pub unit: String,
-    /// where it starts
+    /// Initial value.
     pub start: f64,
-    /// its least and greatest value
+    /// Least and greatest value.
     pub bounds: [f64; 2],
-    /// whether it is varied by its logarithm
+    /// True if it is varied by its logarithm.
     pub log: bool,
 }
 
-/// A number as written, with its unit if it has one.
 struct Written {
     value: f64,
     unit: String,
 }
 
 impl Varied {
-    /// The number of this name, within its own range and the ones asked for.
+    /// Finds the number of this name, within the range of its kind and the requested one.
     ///
     /// # Errors
-    /// [`Failure::Usage`] where there is none such, it is not a number, follows another, or starts out of its range.
+    /// [`Failure::Usage`] where it does not exist, is not a number, follows another or starts outside its range.
     pub fn of(loaded: &Loaded, name: &str, ranges: &[Range], words: &Words) -> Result<Varied, Failure> {
         let model = &loaded.model;
         let first = match instances(model, name) {
             Some(each) => each.into_iter().next().unwrap_or_else(|| name.to_owned()),
             None => name.to_owned(),
         };
-        // says what is not there, and what might have been meant
+        // reports a missing name, with a suggestion
         load::set(&mut loaded.clone(), &first, Value::Num(1.0))?;
-        // a bare number is in the unit beside the value of a `[param]`
+        // a bare end of the range is in the unit beside the value of a `[param]`
         let (written, own, size) = match model.params.iter().find(|e| e.key == first) {
             Some(e) => param(e)?,
             None => argument(model, &first, words).map(|(written, own)| (written, own, 1.0))?,
@@ -89,24 +88,24 @@ impl Varied {
         Ok(found)
     }
 
-    /// What one is, in which it is counted where it is not varied by its logarithm.
+    /// Size of one unit of the search coordinate, if it is not logarithmic.
     fn scale(&self) -> f64 {
         let width = 0.5 * (self.bounds[1] - self.bounds[0]);
         if width.is_finite() && width < 1e150 { width } else { self.start.abs() }
     }
 
-    /// The place of a value among those that are searched.
+    /// Search coordinate of a value.
     pub fn place(&self, value: f64) -> f64 {
         if self.log { libm::log(value / self.start) } else { (value - self.start) / self.scale() }
     }
 
-    /// The value at a place.
+    /// Value at a search coordinate.
     pub fn value(&self, place: f64) -> f64 {
         let v = if self.log { self.start * libm::exp(place) } else { self.start + place * self.scale() };
         v.clamp(self.bounds[0], self.bounds[1])
     }
 
-    /// The ends of the search.
+    /// Bounds of the search coordinate.
     pub fn ends(&self) -> [f64; 2] {
         self.bounds.map(|v| {
             let place = self.place(v);
@@ -114,23 +113,23 @@ impl Varied {
         })
     }
 
-    /// One standard deviation in its unit, from that of its place.
+    /// Converts a standard deviation of the search coordinate to the unit of the number.
     pub fn deviation(&self, value: f64, place: f64) -> f64 {
         if self.log { value * place } else { place * self.scale() }
     }
 
-    /// As it is set in the model.
+    /// Value as it is set in the model.
     pub fn setting(&self, value: f64) -> Value {
         if self.unit.is_empty() { Value::Num(value) } else { Value::Text(format!("{value:e} {}", self.unit)) }
     }
 
-    /// As somebody would write it, six digits.
+    /// Value as a user would write it, with six digits.
     pub fn shown(&self, value: f64) -> String {
         format!("{} {}", Plain(six(value)), self.unit).trim_end().to_owned()
     }
 }
 
-/// A value as a number, or why it is none.
+/// Reads a value as a number, or returns the reason why it is not one.
 fn plain(name: &str, value: &Value, params: &[Entry]) -> Result<Written, Failure> {
     let no = |what: String| Err(Failure::Usage(format!("`{name}` {what}")));
     match value {
@@ -152,9 +151,9 @@ fn plain(name: &str, value: &Value, params: &[Entry]) -> Result<Written, Failure
     }
 }
 
-/// Refuses an end of a range in a unit of another dimension, by what is said where it is set.
+/// Refuses an end of a range whose unit has another dimension, with the message for setting it.
 fn measured_so(loaded: &Loaded, name: &str, end: &Value) -> Result<(), Failure> {
-    // a bare number is in the unit of what it is an end of
+    // a bare number has the unit of the number that it limits
     if matches!(end, Value::Num(_)) {
         return Ok(());
     }
@@ -163,12 +162,12 @@ fn measured_so(loaded: &Loaded, name: &str, end: &Value) -> Result<(), Failure> 
     let options = Options { clouds: loaded.clouds.clone(), ..Options::default() };
     let Err(mut found) = model.compile(&options) else { return Ok(()) };
     found.diags.list.retain(|d| d.code == "E008");
-    // what is wrong in the file itself is reported by the fit
+    // errors of the model itself are reported by the fit
     let by_it = !found.diags.list.is_empty() && loaded.compile(&options).is_ok();
     if by_it { Err(Failure::Found(found)) } else { Ok(()) }
 }
 
-/// A `[param]`, its own bounds, and how much one of a bare number is.
+/// Reads a `[param]`: its number, its bounds, and the factor of a bare number.
 fn param(e: &Entry) -> Result<(Written, [f64; 2], f64), Failure> {
     let Value::Table(entries) = &e.value else {
         return Ok((plain(&e.key, &e.value, &[])?, [f64::MIN, f64::MAX], 1.0));
@@ -177,7 +176,7 @@ fn param(e: &Entry) -> Result<(Written, [f64; 2], f64), Failure> {
     if of("port").is_some() {
         return Err(Failure::Usage(format!("`{}` is driven by a port; set it there", e.key)));
     }
-    // bare numbers are in the unit that stands beside them
+    // a bare number has the unit written beside it
     let unit = match of("unit") {
         Some(Value::Text(u)) if !u.is_empty() => quantity::parse(&format!("1 {u}")).ok(),
         _ => None,
@@ -194,7 +193,7 @@ fn param(e: &Entry) -> Result<(Written, [f64; 2], f64), Failure> {
     Ok((read(value)?, [end("min", f64::MIN)?, end("max", f64::MAX)?], unit.as_ref().map_or(1.0, |q| q.value)))
 }
 
-/// A parameter of a module, and the range of its kind.
+/// Reads a parameter of a module, with the range of its kind.
 fn argument(model: &Model, name: &str, words: &Words) -> Result<(Written, [f64; 2]), Failure> {
     let usage = |what: String| Failure::Usage(what);
     let found = name.rsplit_once('.').and_then(|(owner, key)| {
@@ -210,7 +209,7 @@ fn argument(model: &Model, name: &str, words: &Words) -> Result<(Written, [f64; 
     };
     if let Some(e) = item.args.iter().find(|e| e.key == key) {
         let read = plain(name, &e.value, &model.params)?;
-        // a bare number is in the unit of its parameter
+        // a bare number has the unit of its parameter
         let unit = if read.unit.is_empty() { symbol.to_owned() } else { read.unit };
         return Ok((Written { unit, ..read }, bounds));
     }
@@ -221,12 +220,11 @@ fn argument(model: &Model, name: &str, words: &Words) -> Result<(Written, [f64; 
     Err(usage(format!("{what}; give it a start with {}", words.set)))
 }
 
-/// The range of a number, and its unit.
 fn range(known: &Param) -> Option<([f64; 2], &'static str)> {
     match known.ty {
         Type::Number { unit, min, max } | Type::Numbers { unit, min, max } => Some(([min, max], unit.symbol)),
         Type::PowerStiffness { .. } => Some(([0.0, f64::MAX], "")),
-        // a number of what moves on a line; in space it is a list, and refused as such
+        // a position is one number on a line; in space it is a list, which is refused later
         Type::Position { unit } => Some(([f64::MIN, f64::MAX], unit.symbol)),
         _ => None,
     }

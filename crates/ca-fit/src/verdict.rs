@@ -1,103 +1,102 @@
-//! Judges a fit: did the search settle, at the pitch of the recording, does the model explain the sound, and did it come nearer?
+//! Judges a fit: did the search settle, at the pitch of the recording, and does the model explain the sound?
 //!
-//! Decides that no deviation is given where one of these fails: derivatives at a place that is no end of the search, or of a model
-//! that makes another sound, give one all the same, and a small one where the recording is long. So do derivatives in another minimum: a model
-//! that ends at another pitch than the recording is in one, and one that started more than a semitone away may be, unless the
-//! samples agree.
+//! Deviations are not reported where one of these fails. Derivatives give one even at a point that is not a minimum, or
+//! for a model that makes another sound, and a small one if the recording is long. The same holds in another minimum:
+//! the fit is in one if the model ends at another pitch than the recording, and may be in one if it started more than a
+//! semitone away, unless samples agree.
 
 use super::{Distance, Fit, Pitch, Stage};
 use ca_model::quantity::{Plain, rounded};
 
-/// Levels that are further off than this are those of another sound \[dB\]: twelve recorded guitar strings are fitted to 6.5 dB and less.
+/// Greatest level difference that counts as the same sound \[dB\]; twelve guitar strings are fitted to 6.5 dB or less.
 const LEVELS: f64 = 6.6;
-/// … unless this much of the samples is explained \[dB\].
+/// Greatest sample residual that counts as the same sound \[dB\].
 const SAMPLES: f64 = -3.0;
-/// Less gained than this is no gain \[dB\].
+/// Smallest improvement that counts as one \[dB\].
 const LITTLE: f64 = 0.1;
-/// A sound of which so little is left cannot be improved \[dB\].
+/// Sample residual below which a fit cannot improve \[dB\].
 const ALIKE: f64 = -60.0;
 
 /// Names of the options of a fit, for its messages.
 #[derive(Debug)]
 pub struct Words {
-    /// how far a number goes
+    /// Range of a number.
     pub range: &'static str,
-    /// where it starts
+    /// Initial value of a number.
     pub set: &'static str,
-    /// most renders
+    /// Maximum number of renders.
     pub renders: &'static str,
-    /// how much is fitted
+    /// Time to fit.
     pub seconds: &'static str,
 }
 
 impl Words {
-    /// Those of the command.
+    /// Names in the command.
     pub const COMMAND: Words =
         Words { range: "`--range`", set: "`--set`", renders: "`--renders`", seconds: "`--seconds`" };
-    /// Those of Python.
+    /// Names in Python.
     pub const PYTHON: Words =
         Words { range: "`ranges`", set: "`Scene.replace`", renders: "`renders`", seconds: "`seconds`" };
 }
 
-/// Why the search ended.
+/// Reason for the end of a search.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StopReason {
-    /// what a step would still change is less than the deviations
+    /// The next step would change every number by less than its deviation.
     Settled,
-    /// no renders were left for another step
+    /// Too few renders were left for another step.
     Renders,
-    /// steps would still change numbers, and none that was tried gained anything
+    /// The next step would change numbers by more, but every step tried failed to come nearer.
     Stuck,
 }
 
-/// What is known at the end of a search.
+/// Result of a search besides its point.
 pub(super) struct Known {
-    /// the standard deviations of places; `None` of what is not determined
+    /// Standard deviations of the search coordinates; `None` where a number is not determined.
     pub deviations: Vec<Option<f64>>,
-    /// why it ended
     pub halt: StopReason,
 }
 
 impl Known {
-    /// Of so many numbers, where nothing could be looked at: not even whether the sound determines them.
+    /// Result for `n` numbers without an estimate, not even whether the sound determines them.
     pub fn nothing(n: usize) -> Known {
         Known { deviations: vec![Some(f64::INFINITY); n], halt: StopReason::Renders }
     }
 }
 
-/// Why a number has no deviation.
+/// Reason for a missing deviation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Doubt {
-    /// the sound does not determine it
+    /// The sound does not determine the number.
     Undetermined,
-    /// the search did not settle
+    /// The search did not settle.
     Unsettled,
-    /// the model does not explain the sound
+    /// The model does not explain the sound.
     Unexplained,
-    /// the model ends at another pitch than the recording
+    /// The model ends at another pitch than the recording.
     Elsewhere,
-    /// it started at another pitch, and samples do not tell whether that matters
+    /// The model started at another pitch, and samples do not tell whether that matters.
     Far,
 }
 
-/// Whether so little is left that the sound may be one of this model.
+/// Returns whether the residuals are so small that this model may have made the sound.
 pub(super) fn explained(left: &Distance) -> bool {
     left.levels <= LEVELS || left.samples <= SAMPLES
 }
 
 impl Fit {
-    /// Whether the model came nearer to the recording: by more than a little in the distance that decided, and not much farther
-    /// in the other. A start that is the recording itself cannot be improved, and counts too.
+    /// Returns whether the model came nearer to the recording: by more than 0.1 dB in the distance that determined the
+    /// result, and not much farther in the other. A start that equals the recording counts as nearer.
     pub fn is_nearer(&self) -> bool {
         nearer(&self.before, &self.after, self.stage)
     }
 
-    /// True if the model ends at another pitch than the recording.
+    /// Returns whether the model ends at another pitch than the recording.
     pub fn is_elsewhere(&self) -> bool {
         self.pitch.ends_elsewhere()
     }
 
-    /// What somebody should know of the values, a sentence each.
+    /// Warnings about the values, one sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let mut all = Vec::new();
         let Words { range, set, renders, seconds } = self.words;
@@ -136,7 +135,6 @@ impl Fit {
         all
     }
 
-    /// The warning about pitches.
     fn of_pitch(&self, set: &str) -> Option<String> {
         let Pitch { recording, start, found, from_start, left } = self.pitch;
         let hertz = |f: Option<f64>| f.map_or_else(String::new, |f| format!("{} Hz", Plain(rounded(f, 4))));
@@ -164,7 +162,7 @@ fn nearer(was: &Distance, is: &Distance, stage: Stage) -> bool {
         return true;
     }
     match stage {
-        // samples that were not explained before have nothing to lose
+        // samples that were not explained before do not count
         Stage::Levels => {
             let farther = was.samples <= SAMPLES && is.samples > was.samples - SAMPLES;
             is.levels < was.levels - LITTLE && !farther

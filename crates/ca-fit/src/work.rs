@@ -1,8 +1,9 @@
-//! The stages of a fit, and in which order they are tried.
+//! Stages of a fit and their order.
 //!
-//! Decides that the search has several starts: where the modes lie at the partials, as the model was given, and a few values of
-//! each number that modes say nothing of, such as the mass of a hammer. Each goes down by samples where phases agree at once,
-//! else by levels and then by samples; the first that leaves next to nothing ends it, and the budget of renders does.
+//! The search has several starts: the point whose modes lie at the partials, the values of the model, and some values
+//! of each number that modes do not depend on, such as the mass of a hammer. Each start descends by samples if phases
+//! agree at once, otherwise by levels and then by samples. The search ends with the first start that leaves almost no
+//! residual, or with the budget of renders.
 
 use super::loss::spectral::Spectral;
 use super::loss::wave::Wave;
@@ -17,52 +18,49 @@ use super::verdict::{Known, StopReason, Words};
 use super::{BEYOND, FEW, Fit};
 use ca_lab::Failure;
 
-/// How late the model may begin \[s\].
+/// Latest onset of the model that is allowed for \[s\].
 const LATE: f64 = 2.0;
-/// First window in which samples are compared \[s\], and how it grows.
+/// First window in which samples are compared \[s\], and the factor by which it grows.
 const FIRST: f64 = 0.03;
 const GROWS: f64 = 1.8;
-/// What is tried of a number that modes say nothing of, as logarithms or parts of its scale.
+/// Steps tried for a number that modes do not depend on, as logarithms or in units of its scale.
 const SCAN: [f64; 4] = [-0.7, -0.35, 0.35, 0.7];
-/// What is left of samples where nothing better is looked for \[dB\].
+/// Sample residual at which no further start is tried \[dB\].
 const FOUND: f64 = -25.0;
-/// Phases agree where what is left is less than this part of the sound.
+/// Phases agree where the residual has less than this fraction of the power of the sound.
 const AGREES: f64 = 0.5;
-/// Samples decide where less than this part of the sound is left.
+/// Samples determine the result where the residual has less than this fraction of the power.
 const SURE: f64 = 0.1;
-/// First moments by which a delay is found \[s\].
+/// Windows from the onset by which a delay is found \[s\].
 const ALIGNED: [f64; 2] = [0.03, 0.15];
-/// How far from where its onset puts it a sound may be \[s\].
+/// Greatest difference between the delay and the distance of the onsets \[s\].
 const LAG: f64 = 0.003;
 
-/// Where the search from one start ended.
+/// End of the search from one start.
 pub(super) struct Found {
     pub point: Point,
-    /// up to which sample samples decided; `None` where levels did
+    /// Last sample of the window in which samples determined the result; `None` where levels did.
     pub until: Option<usize>,
-    /// whether renders were spent before samples were followed as far as phases agree
+    /// True if renders ran out before samples were followed as far as phases agree.
     pub cut: bool,
 }
 
-/// A fit under way.
 pub(super) struct Work<'a> {
     pub target: Target,
     pub varied: &'a [Varied],
-    /// of places
+    /// Bounds of the search coordinates.
     pub ends: Vec<[f64; 2]>,
-    /// where it is not free
+    /// Gain, if it is not free.
     pub gain: Option<f64>,
-    /// what options are called
     pub words: &'static Words,
 }
 
 impl Work<'_> {
-    /// All of it.
     pub fn run(&self, player: &mut Player) -> Result<Fit, Failure> {
         let Target { rate, onset, fitted, .. } = self.target;
         let start: Vec<f64> = vec![0.0; self.varied.len()];
         let start: Vec<f64> = start.iter().zip(&self.ends).map(|(p, e)| p.clamp(e[0], e[1])).collect();
-        // the model has its onset when it likes
+        // the onset of the model is not known yet
         player.frames = (fitted + (LATE * rate) as usize) as u64;
         let levels = Spectral::of(&self.target, 0, fitted, self.gain);
         let Some(first) = self.point(player, &start)? else {
@@ -90,7 +88,7 @@ impl Work<'_> {
             }
             let rules = Rules { ends: &self.ends, still: &[], steps: 8, gains: 0.03, spare };
             let mut own: Option<Slopes> = None;
-            // where phases agree already, samples tell more than levels, and at once
+            // where phases agree already, samples determine more than levels
             let mut found = None;
             if self.agreement(&start).1 < AGREES {
                 found = Some(self.samples(player, start.clone(), &mut own)?).filter(|f| f.until.is_some());
@@ -116,7 +114,7 @@ impl Work<'_> {
         self.summary(player, &before, &found, known)
     }
 
-    /// Goes on by the distance that decided until the search has settled; where levels did and phases then agree, by samples.
+    /// Continues by the distance that determined the result until it settles; after levels, by samples if phases agree.
     fn to_the_end(
         &self,
         player: &mut Player,
@@ -149,24 +147,24 @@ impl Work<'_> {
         Ok((found, known))
     }
 
-    /// Samples of a render that reach to a sample of the recording, with room for a delay that changes.
+    /// Samples to render up to sample `until` of the recording, with a margin for a delay that changes.
     pub fn frames(&self, until: usize, delay: f64) -> u64 {
         let early = libm::ceil((-delay).max(0.0)) as usize;
         (until + early + (0.02 * self.target.rate) as usize) as u64
     }
 
-    /// Renders for what is known of the numbers, and for what comes after the part that is fitted.
+    /// Renders reserved for the uncertainty and for the time after the fitted part.
     pub fn spare(&self) -> u32 {
         self.varied.len() as u32 + u32::from(self.is_beyond())
     }
 
-    /// Whether enough of the recording is not fitted.
+    /// Returns whether enough of the recording is not fitted.
     pub fn is_beyond(&self) -> bool {
         let there = self.target.samples.first().map_or(0, Vec::len);
         (there - self.target.fitted) as f64 >= BEYOND * self.target.rate
     }
 
-    /// How good a find is: what is left of the samples, where they could be followed; else levels, which is worse.
+    /// Rates a result \[dB\], by samples where they could be followed, otherwise by levels, which is worse.
     fn score(&self, levels: &Spectral, point: &Point, until: Option<usize>) -> f64 {
         match until {
             Some(until) => self.wave(until).decibel(&point.heard, point.free),
@@ -174,7 +172,7 @@ impl Work<'_> {
         }
     }
 
-    /// Gain and delay by which the first moments of samples agree best, and what is then left of all that is fitted.
+    /// Returns the gain and delay at which samples near the onset agree best, and the residual of the fitted part.
     fn agreement(&self, point: &Point) -> (Free, f64) {
         let Target { rate, onset, fitted, .. } = self.target;
         let wave = self.wave(fitted);
@@ -187,8 +185,8 @@ impl Work<'_> {
         tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((point.free, 1.0))
     }
 
-    /// Where the search may start, best first, by samples where phases agree and else by levels: a few values of each number that modes say nothing of. A blow may have
-    /// more than one that comes near, and steps downhill find the nearest.
+    /// Returns starts, best first, judged by samples where phases agree and otherwise by levels. Adds some values of
+    /// each number that modes do not depend on: a blow may have several minima, and a descent finds only the nearest.
     fn scanned(
         &self,
         player: &mut Player,
@@ -205,7 +203,7 @@ impl Work<'_> {
         for k in (0..moved.len()).filter(|k| !moved[*k]) {
             let centre = all[0].1.clone();
             for by in SCAN {
-                // most of what is left is for the steps
+                // most of the remaining renders are for descents
                 if player.left() < player.budget / 2 + self.varied.len() as u32 {
                     break;
                 }
@@ -224,7 +222,7 @@ impl Work<'_> {
         Ok(all.into_iter().map(|a| a.1).collect())
     }
 
-    /// What is heard at these places, where its onset is that of the recording; `None` where the model cannot be so or is silent.
+    /// Renders these coordinates and aligns the onset with the recording; `None` where that fails or is silent.
     fn point(&self, player: &mut Player, places: &[f64]) -> Result<Option<Point>, Failure> {
         let Some(heard) = player.render(places)? else { return Ok(None) };
         let Some(onset) = target::onset(&heard, self.target.rate) else { return Ok(None) };
@@ -236,7 +234,7 @@ impl Work<'_> {
         Wave::of(&self.target, 0, until, self.gain, true)
     }
 
-    /// Samples compared in windows that grow as far as phases agree; up to where, if that is all that is fitted.
+    /// Fits samples in windows that grow as far as phases agree; sets `until` if they cover the fitted part.
     fn samples(&self, player: &mut Player, mut point: Point, slopes: &mut Option<Slopes>) -> Result<Found, Failure> {
         let spare = self.spare();
         let Target { rate, onset, fitted, .. } = self.target;
@@ -276,14 +274,14 @@ impl Work<'_> {
                 break;
             }
         }
-        // what is left of a recording that the model cannot follow would bend the numbers to the strongest partials
+        // otherwise what the model cannot follow would bias the numbers towards the strongest partials
         if reached == Some(fitted) && left(&point, fitted) < SURE {
             return Ok(Found { point, until: reached, cut });
         }
         Ok(Found { point: before, until: None, cut })
     }
 
-    /// The delay, near that of the onsets, by which samples agree best.
+    /// Returns the delay at which samples agree best, near the distance of the onsets.
     pub fn aligned(&self, point: &Point, until: usize) -> Free {
         let most = (LAG * self.target.rate) as i32;
         let wave = self.wave(until);

@@ -1,57 +1,57 @@
-//! Difference: the derivatives of all numbers that a scene begins with, by one parameter.
+//! Derivatives, by one parameter, of all numbers that a scene begins with.
 //!
-//! Decides for differences of the eighth order, central ones where the parameter may be moved both ways, with a step at which
-//! those of a lower order agree: what is smooth is then exact to 1e-12 or so, and what is not (a corner, a jump, a contact that
-//! is closed at load on one side only) agrees at no step and is refused.
+//! They are differences of the eighth order, central where the parameter can move both ways. The step is one at which
+//! differences of a lower order agree. Smooth functions are then exact to about 1e-12; a function with a corner or a
+//! jump, such as a contact closed at load on one side only, agrees at no step and is refused.
 
 use crate::{Error, Parameter};
 use ca_core::internal::scene;
 use ca_core::{Identity, Scene};
 use std::ops::Range;
 
-/// Steps, in parts of the value: narrower ones where what is built changes or bends, wider ones where a value is so small that
-/// a change by parts of it is rounded away, and at last very narrow ones, for curves in tables, whose pieces are short.
+/// Steps relative to the value, in the order of trial: narrow ones; wide ones, for values so small that a relative
+/// change is rounded away; very narrow ones, for curves in tables, whose pieces are short.
 const STEPS: [f64; 13] = [1e-2, 1e-3, 1e-4, 1e-5, 1e-1, 1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e-6, 1e-7];
-/// As many as are trusted by themselves: what is far away on both sides may be smooth without what is between, and a very narrow
-/// step may be nothing to a number.
+/// Number of steps that are trusted without comparison. A wide step may skip a feature between its ends, and a very
+/// narrow step may be lost in rounding.
 const OWN: usize = 4;
-/// From which on they are the very narrow ones, and how far their derivatives may be from those across the corners of a table.
+/// Index of the first very narrow step, and the tolerance of such steps across the corners of a table.
 const NARROWEST: usize = 11;
 const CORNERS: f64 = 1e-3;
-/// How far differences may be off, relative: what is asked for, and what the best of all steps has to reach.
+/// Relative error of the differences: requested, and required of the best step.
 const ASKED: f64 = 1e-9;
 const ENOUGH: f64 = 1e-7;
-/// The rounding of a number by the compiler, in parts of itself.
+/// Relative rounding error of a number from the compiler.
 const ROUNDING: f64 = 4e-16;
-/// A change of places \[m\], coefficients and the like by less is none, if it is nothing but rounding.
+/// Changes below this (positions in m, coefficients and so on) count as zero if rounding explains them.
 const NOTHING: f64 = 1e-17;
 
-/// Weights of the values at 1, 2, … steps, less those at −1, −2, …: of the eighth order, and of the sixth.
+/// Weights of the values at 1, 2, … steps, less those at −1, −2, …: eighth order, sixth order.
 const CENTRAL: [[f64; 4]; 2] =
     [[4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0], [3.0 / 4.0, -3.0 / 20.0, 1.0 / 60.0, 0.0]];
-/// Weights of the values at 0, 1, 2, … steps: of the eighth order, and of the seventh.
+/// Weights of the values at 0, 1, 2, … steps: eighth order, seventh order.
 const ONE_SIDED: [[f64; 9]; 2] = [
     [-761.0 / 280.0, 8.0, -14.0, 56.0 / 3.0, -35.0 / 2.0, 56.0 / 5.0, -14.0 / 3.0, 8.0 / 7.0, -1.0 / 8.0],
     [-363.0 / 140.0, 7.0, -21.0 / 2.0, 35.0 / 3.0, -35.0 / 4.0, 21.0 / 5.0, -7.0 / 6.0, 1.0 / 7.0, 0.0],
 ];
 
-/// A scene as it begins: what decides how it runs, and its numbers.
+/// Structure and numbers of a scene at its start.
 pub struct Start {
-    /// as [`Scene::structure`]
+    /// As [`Scene::structure`].
     structure: Identity,
     numbers: Vec<f64>,
-    /// curves that ports are given, which carry no derivatives
+    /// Curves given to ports; these are not differentiated.
     gestures: Vec<(String, Vec<[f64; 2]>)>,
-    /// stretches of numbers of one kind: one that is small beside the others is known to the digits of these
+    /// Ranges of numbers of one kind. The error of each number is judged by the largest in its range.
     alike: Vec<Range<usize>>,
 }
 
 impl Start {
-    /// The structure of a scene; its numbers are 0 afterwards.
+    /// Returns the start of a scene, whose numbers are 0 afterwards.
     pub fn of(scene: &mut Scene) -> Start {
         let mut numbers = Vec::new();
         scene::numbers(scene, &mut |v| numbers.push(*v));
-        // as `scene::numbers` has them: lengths and directions in space, elongations, places, shares in modes, their couplings
+        // as in `scene::numbers`: vectors in space, elongations, rest positions, shares in modes, couplings of modes
         let l = &scene.layout;
         let lengths = [
             4 * l.links.reach.len(),
@@ -69,7 +69,7 @@ impl Start {
         Start { alike: alike.to_vec(), structure: scene::structure(scene), numbers, gestures }
     }
 
-    /// True where all numbers lie on lines through what they are, but for rounding: of one step and of two, up and down.
+    /// Returns whether all numbers change linearly, but for rounding, from two steps down to two steps up.
     fn are_lines(&self, steps: &[[Vec<f64>; 2]]) -> bool {
         let [[up, down], [up2, down2]] = steps else { return false };
         let line = |i: usize| {
@@ -80,23 +80,20 @@ impl Start {
         (0..self.numbers.len()).all(line)
     }
 
-    /// How many numbers there are.
     pub fn len(&self) -> usize {
         self.numbers.len()
     }
 }
 
-/// Why one step gives no derivative.
 enum Obstacle {
-    /// the model has an error there, such as a number out of range
+    /// The model has an error there, such as a number out of range.
     Model(String),
     Built,
-    /// what ports are given is another
     Gesture,
     Rough,
 }
 
-/// The derivatives of the numbers of `start` by `parameter`; `compiled` is the start of the model with another value of it.
+/// Returns the derivatives of the numbers of `start`; `compiled` is the start at another value of `parameter`.
 pub fn derivatives(
     start: &Start,
     parameter: &Parameter,
@@ -106,7 +103,7 @@ pub fn derivatives(
     let mut best: Option<(f64, Vec<f64>)> = None;
     let mut narrow: Option<(f64, Found)> = None;
     for (i, part) in STEPS.into_iter().enumerate() {
-        // what was built otherwise by a narrow step is so by a wide one
+        // if a narrow step changes the structure, a wide one does too
         if i == OWN && !matches!(obstacle, Obstacle::Rough) {
             break;
         }
@@ -169,20 +166,19 @@ pub fn derivatives(
     }))
 }
 
-/// What steps are parts of, as a power of two: the value, or for 0 a thousandth of the unit.
+/// Unit of the steps: the value, or 1e-3 for 0, rounded to a power of two.
 fn size(parameter: &Parameter) -> f64 {
     let size = if parameter.value == 0.0 { 1e-3 } else { parameter.value.abs() };
     size.log2().round().exp2()
 }
 
-/// Differences of two orders, with their step.
 struct Found {
     h: f64,
     high: Vec<f64>,
     low: Vec<f64>,
-    /// the largest size of each number
+    /// Largest magnitude of each number.
     most: Vec<f64>,
-    /// its largest change
+    /// Largest change of each number.
     change: Vec<f64>,
 }
 
@@ -195,7 +191,7 @@ impl Found {
 
     fn add(&mut self, values: &[f64], base: &[f64], weights: [f64; 2]) {
         for (i, (v, base)) in values.iter().zip(base).enumerate() {
-            // what does not change is nothing, whatever the weights round to
+            // the difference first, so that a number that does not change gives exactly 0
             let change = v - base;
             self.high[i] += weights[0] * change;
             self.low[i] += weights[1] * change;
@@ -204,7 +200,7 @@ impl Found {
         }
     }
 
-    /// True where other derivatives agree with these to this part, and are not 0 where these are known not to be.
+    /// Returns whether other derivatives agree with these to `near`, and are nonzero where these are known to be.
     fn may_be(&self, other: &[f64], near: f64) -> bool {
         let largest = self.largest();
         let agree = |(i, by): (usize, &f64)| {
@@ -215,24 +211,24 @@ impl Found {
         other.iter().enumerate().all(agree)
     }
 
-    /// How far a difference may be off.
+    /// Error bound of a difference.
     fn off(&self, i: usize) -> f64 {
         (self.high[i] - self.low[i]).abs() + ROUNDING * self.most[i]
     }
 
-    /// True where it is well above that.
+    /// Returns whether the change is well above its error bound.
     fn is_resolved(&self, i: usize) -> bool {
         self.off(i) <= 1e-4 * self.change[i]
     }
 
-    /// The largest change of those, in parts of the number.
+    /// Largest relative change of a resolved number.
     fn largest(&self) -> f64 {
         let resolved = (0..self.high.len()).filter(|i| self.change[*i] > 0.0 && self.is_resolved(*i));
         resolved.map(|i| self.change[i] / self.most[i]).fold(0.0, f64::max)
     }
 
-    /// How far the derivatives are off, and these. Each is measured by the change of its number, and by that which would be as
-    /// large a part of it as the largest of all that are well resolved: what changes no more than by rounding is then no matter.
+    /// Returns the largest relative error, and the derivatives. Each error is divided by the change of its number plus
+    /// the change at the largest resolved rate, so that numbers that only change by rounding do not matter.
     fn derivatives(&mut self, alike: &[Range<usize>]) -> (f64, Vec<f64>) {
         for range in alike {
             let most = &mut self.most[range.clone()];
@@ -244,7 +240,7 @@ impl Found {
         let counts = |i: &usize| self.is_resolved(*i) || self.change[*i] > NOTHING;
         let part_off = |i: usize| self.off(i) / (self.change[i] + largest * self.most[i]);
         let worst = all.clone().filter(changes).filter(counts).map(part_off);
-        // a non-finite value is as wrong as can be
+        // a non-finite value is the largest error
         let worst = worst.fold(0.0, |most: f64, v| if v <= most { most } else { v });
         let none = |i: usize| !self.is_resolved(i) && self.change[i] <= NOTHING;
         let derivatives = all.map(|i| if none(i) { 0.0 } else { self.high[i] / self.h }).collect();
@@ -252,7 +248,7 @@ impl Found {
     }
 }
 
-/// By values on both sides. Four of them are enough where all numbers lie on lines, as they do for most parameters.
+/// Differences by values on both sides; four values are enough where all numbers change linearly, as most do.
 fn central(start: &Start, at: &dyn Fn(i32) -> Result<Vec<f64>, Obstacle>, h: f64) -> Result<Found, Obstacle> {
     let mut found = Found::new(start, h);
     let [high, low] = CENTRAL;
@@ -276,7 +272,6 @@ fn central(start: &Start, at: &dyn Fn(i32) -> Result<Vec<f64>, Obstacle>, h: f64
     Ok(found)
 }
 
-/// By values on one.
 fn one_sided(start: &Start, at: &dyn Fn(i32) -> Result<Vec<f64>, Obstacle>, h: f64) -> Result<Found, Obstacle> {
     let mut found = Found::new(start, h);
     let [high, low] = ONE_SIDED;

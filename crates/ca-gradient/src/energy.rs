@@ -1,11 +1,12 @@
-//! Energy: the accounts of energy of a scene, with their derivatives, at some instants.
+//! Energy accounts of a scene and their derivatives, at chosen instants.
 //!
-//! This is the ledger of the tick itself over dual numbers ([`ca_core::Ledger`], whose accounts carry derivatives in
-//! that build): what a law stores and loses is written once, for the ledger of a render and for this. The identity of the ledger
-//! holds for each derivative as for the accounts, `h = h0 + work − lost + scheme_error + changed + residual`, with a residual
-//! that is rounding. A type beside [`Forward`], not a call of it: the scene is another one, whose passes keep the ledger, so that
-//! its numbers are differenced for themselves, and who asks for sound alone pays nothing. Only sums are given, at as many
-//! instants as are asked for: a number of each link in each sample would be more than anybody reads.
+//! This is the ledger of the tick over dual numbers ([`ca_core::Ledger`]), so that the energy a law stores and loses is
+//! written once. The identity of the ledger, `h = h0 + work − lost + scheme_error + changed + residual`, holds for each
+//! derivative too; the residual is rounding.
+//!
+//! [`Energy`] is not a method of [`Forward`] because it needs another scene, whose passes compute the ledger and whose
+//! numbers are differentiated separately. It returns only sums, at the requested instants, since a value per link and
+//! sample would be too much data to read.
 
 use crate::played::{Played, diverged, zeros};
 use crate::{Error, Forward, GoesOn, Parameter};
@@ -13,11 +14,11 @@ use ca_core::{Balance, Dual, TANGENTS};
 use ca_io::gesture::Gesture;
 use cordis_anima::{Loaded, Options};
 
-/// The accounts, in the order of [`EnergyTangents::values`], by their names in [`ca_core::Balance`]: energy at load, energy
-/// now, heat, error of the scheme, work received from ports, received by changes, and what these do not explain \[J\].
+/// Accounts in the order of [`EnergyTangents::values`], named as in [`ca_core::Balance`] \[J\]: energy at load, energy
+/// now, heat, error of the scheme, work received from ports, energy received by changes, residual.
 pub const ACCOUNTS: [&str; 7] = ["h0", "h", "lost", "scheme_error", "work", "changed", "residual"];
 
-/// A scene that keeps the energy ledger, with the derivatives of all that it begins with.
+/// Scene with the energy ledger and the derivatives of everything it begins with.
 ///
 /// ```
 /// use ca_gradient::Energy;
@@ -38,29 +39,29 @@ pub struct Energy {
     forward: Forward,
 }
 
-/// Accounts of energy at some instants, and their derivatives. All arrays row by row.
+/// Energy accounts at some instants and their derivatives. All arrays are row-major.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnergyTangents {
-    /// how much time the ledger covers at each instant \[s\] (instants): one tick less than was played, since a tick is entered
-    /// when the next one begins
+    /// Time covered by the ledger at each instant \[s\] (instants). It is one tick less than was played, since a tick
+    /// is entered when the next one begins.
     pub seconds: Vec<f64>,
-    /// by which parameters
+    /// Parameters differentiated by.
     pub parameters: Vec<Parameter>,
-    /// the accounts \[J\] (instants x [`ACCOUNTS`]): those of a render that keeps the ledger, to the bit where its links lie in the
-    /// same order, and to 1e-13 of all energy else
+    /// Accounts \[J\] (instants x [`ACCOUNTS`]): the same bits as a render with the ledger if its links have the same
+    /// order, otherwise within 1e-13 of all energy.
     pub values: Vec<f64>,
-    /// their derivatives \[J\] per unit of the parameter (instants x [`ACCOUNTS`] x parameters)
+    /// Derivatives of the accounts \[J\] per unit of the parameter (instants x [`ACCOUNTS`] x parameters).
     pub tangents: Vec<f64>,
 }
 
 impl EnergyTangents {
-    /// How many instants there are.
+    /// Number of instants.
     pub fn instants(&self) -> usize {
         self.seconds.len()
     }
 
-    /// An account of [`ACCOUNTS`] at an instant \[J\], with its derivatives \[J\] per unit of each parameter; nothing where there is
-    /// no such account or instant.
+    /// Returns an account of [`ACCOUNTS`] at an instant \[J\] with its derivatives \[J\] per unit of each parameter, or
+    /// `None` without such an account or instant.
     pub fn account(&self, name: &str, instant: usize) -> Option<(f64, &[f64])> {
         let at = instant * ACCOUNTS.len() + ACCOUNTS.iter().position(|a| *a == name)?;
         let n = self.parameters.len();
@@ -69,11 +70,10 @@ impl EnergyTangents {
 }
 
 impl Energy {
-    /// A model, compiled with these options and with the energy ledger, and by which parameters is differentiated: names as
-    /// [`Forward::new`] takes them.
+    /// Compiles a model with these options and the energy ledger, to be differentiated as by [`Forward::new`].
     ///
     /// # Errors
-    /// As [`Forward::new`]; [`Error::Refused`] also where no ledger is kept of the scene (`pefrl`).
+    /// As [`Forward::new`]; [`Error::Refused`] also where the ledger does not support the scene (`pefrl`).
     pub fn new(loaded: &Loaded, options: &Options, wrt: &[&str]) -> Result<Energy, Error> {
         Ok(Energy { forward: Forward::with_ledger(loaded, options, wrt)? })
     }
@@ -83,16 +83,16 @@ impl Energy {
         self.forward.rate()
     }
 
-    /// By what is differentiated.
+    /// Parameters differentiated by.
     pub fn parameters(&self) -> &[Parameter] {
         self.forward.parameters()
     }
 
-    /// Plays so many seconds, or as many as a render of the model has, and gives the accounts at so many `instants`, evenly
-    /// spaced, of which the last is the end: 1 is the end alone.
+    /// Plays `seconds`, or as long as a render of the model, and returns the accounts at `instants` evenly spaced
+    /// instants. The last instant is the end; 1 means only the end.
     ///
     /// # Errors
-    /// As [`Forward::tangents`]; [`Error::Refused`] also where there is no instant, or are more of them than samples.
+    /// As [`Forward::tangents`]; [`Error::Refused`] also where `instants` is 0 or greater than the number of samples.
     pub fn tangents(
         &self,
         seconds: Option<f64>,
@@ -138,15 +138,14 @@ impl Energy {
     }
 }
 
-/// How many samples have been played at instant `k` of several.
+/// Number of samples played by instant `k`.
 fn after(k: usize, instants: usize, frames: usize) -> usize {
-    // in wide numbers, since both may be large
+    // u128, since the product may exceed 64 bits
     ((k as u128 + 1) * frames as u128 / instants as u128) as usize
 }
 
-/// In the order of [`ACCOUNTS`].
 fn accounts(b: &Balance<Dual>) -> [Dual; ACCOUNTS.len()] {
-    // who adds an account is asked here what to do with it
+    // exhaustive, so that a new account has to be considered here
     let Balance { h0, h, lost, scheme_error, work, changed, residual, peak: _, received: _ } = *b;
     [h0, h, lost, scheme_error, work, changed, residual]
 }

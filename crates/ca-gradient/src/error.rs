@@ -1,7 +1,7 @@
-//! Error: why there is no derivative.
+//! Errors of this crate.
 //!
-//! Decides that whatever has no true derivative is refused, with the name of the parameter or module: a number that looks like
-//! one would be believed.
+//! A parameter or module without a true derivative is refused by name, because a plausible wrong number would be
+//! believed.
 
 use ca_io::FileError;
 use ca_model::diag::{Diags, Severity};
@@ -9,16 +9,16 @@ use ca_model::render;
 use cordis_anima::Found;
 use std::fmt;
 
-/// Why there is no derivative.
+/// Reason for a missing derivative.
 #[derive(Debug)]
 pub enum Error {
-    /// what was asked for is not there, or has no derivative
+    /// The request names something that does not exist or cannot be differentiated.
     Refused(String),
-    /// the model has errors
+    /// The model has errors.
     Model(Box<Found>),
-    /// the gesture does not fit the model
+    /// The gesture does not fit the model.
     Gesture(FileError),
-    /// who was asked did not want more of it
+    /// The caller's [`GoesOn`](crate::GoesOn) callback returned false.
     Stopped,
 }
 
@@ -27,7 +27,6 @@ impl Error {
         Error::Refused(what.into())
     }
 
-    /// The first error among findings.
     pub(crate) fn first(found: &Diags) -> String {
         found.list.iter().find(|d| d.severity == Severity::Error).map(|d| d.title.clone()).unwrap_or_default()
     }

@@ -1,10 +1,9 @@
-//! Forward: a scene with the derivatives of all it begins with, played.
+//! Forward mode: plays a scene together with the derivatives of all numbers it begins with.
 //!
-//! Decides for as many renders as there are seven parameters begun, one after the other: a number and seven derivatives fill the
-//! vectors of a processor, and a loop over any number of them would be one of loads and stores. A scene that is linear for the most
-//! part is left to its own passes ([`crate::tangent`]). What the ports are given
-//! is written down beforehand, tick by tick, by the one loop that reads gestures ([`Played`]); a scene without ports
-//! needs none of it.
+//! Parameters are taken seven at a time, one play for each seven: a value and seven derivatives fill the vectors of a
+//! processor, while a loop over any number of derivatives would spend its time on loads and stores. A mostly linear
+//! scene is played by its own passes instead ([`crate::tangent`]). Port inputs are computed beforehand for every tick,
+//! by the same loop that reads gestures elsewhere ([`Played`]).
 
 use crate::difference::{Start, derivatives};
 use crate::parameter::put;
@@ -22,52 +21,53 @@ use ca_model::Model;
 use ca_model::diag::Diags;
 use cordis_anima::{Loaded, Options, catalog, laws};
 
-/// A scene, with the derivatives of all that it begins with.
+/// Scene with the derivatives of everything it begins with.
 pub struct Forward {
-    /// in double precision, for its ports
+    /// The scene in double precision, for its ports.
     pub(crate) plain: Scene,
     parameters: Vec<Parameter>,
-    /// of each parameter, the derivatives of the numbers of the scene
+    /// Derivatives of the numbers of the scene, per parameter.
     derivatives: Vec<Vec<f64>>,
     model: Model,
     catalog: Catalog,
     options: Options,
-    /// plays it by its own passes, if it is linear for the most part
+    /// Plays the scene by its own passes, if it is mostly linear.
     tangent: Option<Tangent>,
 }
 
-/// What a scene sounds, and its derivatives. All arrays row by row.
+/// Outputs of a scene and their derivatives. All arrays are row-major.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tangents {
-    /// \[Hz\]
+    /// Sound rate \[Hz\].
     pub rate: f64,
-    /// samples
+    /// Number of samples.
     pub frames: usize,
-    /// numbers of a sample: the sound channels, then the probes
+    /// Values per sample: the sound channels, then the probes.
     pub outputs: usize,
-    /// how many of them are sound channels
+    /// Number of sound channels.
     pub channels: usize,
-    /// by which parameters
+    /// Parameters differentiated by.
     pub parameters: Vec<Parameter>,
-    /// what is heard; the bits of a render (frames x outputs)
+    /// Outputs, with the bits of a render (frames x outputs).
     pub output: Vec<f64>,
-    /// its derivatives, per unit of the parameter (frames x outputs x parameters)
+    /// Derivatives of the outputs, per unit of the parameter (frames x outputs x parameters).
     pub tangents: Vec<f64>,
 }
 
 impl Forward {
-    /// A model, compiled with these options, and by which parameters is differentiated: names as `--set` takes them, such as
-    /// `low.f`, `hammer.v` or the name of a `[param]`, and numbers of lists, such as `ball.v[1]`.
+    /// Compiles a model with these options, to be differentiated by the parameters `wrt`: names in the syntax of
+    /// `--set`, such as `low.f`, `hammer.v` or the name of a `[param]`, and numbers of lists, such as `ball.v[1]`.
     ///
     /// # Errors
-    /// [`Error::Model`] where the model has errors; [`Error::Refused`] where there is no such parameter, it is not numeric by
-    /// which there are derivatives, or the scene has groups at the gesture rate.
+    /// [`Error::Model`] where the model has errors; [`Error::Refused`] where a parameter does not exist or is not a
+    /// number with a derivative, or where the scene has groups at the gesture rate.
     pub fn new(loaded: &Loaded, options: &Options, wrt: &[&str]) -> Result<Forward, Error> {
         Forward::made(loaded, options, wrt, Tangent::is_worth)
     }
 
-    /// The same by the passes of the scene, of whatever size it is, with dual numbers for links that are not linear alone; `None`
-    /// where something of it is not known that way. Scenes that are small take longer so, and [`Forward::new`] leaves them out.
+    /// As [`Forward::new`], by the passes of the scene whatever its size, with dual numbers only for links that are not
+    /// linear. Returns `None` where this method does not support a part of the scene. It is slower for small scenes,
+    /// for which [`Forward::new`] does not use it.
     ///
     /// # Errors
     /// As [`Forward::new`].
@@ -75,7 +75,7 @@ impl Forward {
         Ok(Some(Forward::made(loaded, options, wrt, |_, _| true)?).filter(|f| f.tangent.is_some()))
     }
 
-    /// The same by dual numbers for all of a tick: the reference for the other ways.
+    /// As [`Forward::new`], by dual numbers for the whole tick: the reference for the other methods.
     ///
     /// # Errors
     /// As [`Forward::new`].
@@ -83,7 +83,7 @@ impl Forward {
         Forward::made(loaded, options, wrt, |_, _| false)
     }
 
-    /// `by_passes` says of scenes that are known that way whether to go it.
+    /// `by_passes` decides, for a scene that the method by passes supports, whether to use it.
     fn made(
         loaded: &Loaded,
         options: &Options,
@@ -103,7 +103,7 @@ impl Forward {
         forward.differenced(scene)
     }
 
-    /// The same, of a scene that keeps the energy ledger.
+    /// As [`Forward::new`], for a scene with the energy ledger.
     pub(crate) fn with_ledger(loaded: &Loaded, options: &Options, wrt: &[&str]) -> Result<Forward, Error> {
         let (mut forward, _) = Forward::begun(loaded, options, wrt)?;
         forward.options.energy = true;
@@ -111,7 +111,7 @@ impl Forward {
         forward.differenced(scene)
     }
 
-    /// With the derivatives of the numbers that its `scene` begins with.
+    /// Adds the derivatives of the numbers that its `scene` begins with.
     fn differenced(mut self, mut scene: Scene) -> Result<Forward, Error> {
         let start = Start::of(&mut scene);
         for p in &self.parameters {
@@ -125,7 +125,7 @@ impl Forward {
         Ok(self)
     }
 
-    /// The same without derivatives of the numbers that it begins with, and the scene to be bound to dual numbers.
+    /// Returns a `Forward` without derivatives of the start, and the scene to bind to dual numbers.
     pub(crate) fn begun(loaded: &Loaded, options: &Options, wrt: &[&str]) -> Result<(Forward, Scene), Error> {
         let options = Options { energy: false, audited: false, exact: false, ..options.clone() };
         let plain = loaded.compile(&options)?.scene;
@@ -155,7 +155,6 @@ impl Forward {
         Ok((forward, scene))
     }
 
-    /// The scene in double precision, and by what is differentiated.
     pub(crate) fn into_parts(self) -> (Scene, Vec<Parameter>) {
         (self.plain, self.parameters)
     }
@@ -165,26 +164,26 @@ impl Forward {
         self.plain.rate
     }
 
-    /// The time of a tick \[s\].
+    /// Duration of a tick \[s\].
     pub(crate) fn sample_dt(&self) -> f64 {
         self.plain.rates.sample_dt
     }
 
-    /// How many numbers a sample has: the sound channels, then the probes.
+    /// Values per sample: the sound channels, then the probes.
     pub fn outputs(&self) -> usize {
         self.plain.counts.n_out
     }
 
-    /// By what is differentiated.
+    /// Parameters differentiated by.
     pub fn parameters(&self) -> &[Parameter] {
         &self.parameters
     }
 
-    /// What is heard, and all its derivatives, in so many seconds, or in as many as a render of the model has.
+    /// Returns the outputs and all their derivatives over `seconds`, or over the length of a render of the model.
     ///
     /// # Errors
-    /// [`Error::Gesture`] where the gesture does not fit the model, [`Error::Refused`] where it drives a live parameter, or
-    /// where the scene diverges.
+    /// [`Error::Gesture`] where the gesture does not fit the model; [`Error::Refused`] where it drives a live
+    /// parameter, or where the scene diverges.
     pub fn tangents(
         &self,
         seconds: Option<f64>,
@@ -220,7 +219,8 @@ impl Forward {
         Ok(to)
     }
 
-    /// What is heard alone (frames x outputs): what a loss is computed of, whose cotangent [`Forward::gradient`] takes.
+    /// Returns the outputs without derivatives (frames x outputs), to compute a loss from. The cotangent of that loss
+    /// goes to [`Forward::gradient`].
     ///
     /// # Errors
     /// As [`Forward::tangents`].
@@ -228,11 +228,11 @@ impl Forward {
         crate::played::output(&self.plain, seconds, gesture, goes_on)
     }
 
-    /// The gradient of a loss of what is heard (parameters), from its cotangent: the derivatives of the loss by each number that is
-    /// heard (frames x outputs), as many frames as it has. Takes no memory for derivatives of samples.
+    /// Returns the gradient of a loss by the parameters. The cotangent holds the derivative of the loss by each output
+    /// value (frames x outputs) and sets the number of frames. No derivatives of samples are stored.
     ///
     /// # Errors
-    /// As [`Forward::tangents`], and where the cotangent has no whole rows.
+    /// As [`Forward::tangents`], and where the cotangent is empty, not finite or not made of whole rows.
     pub fn gradient(&self, cotangent: &[f64], gesture: Option<&Gesture>, goes_on: GoesOn) -> Result<Vec<f64>, Error> {
         let outputs = self.plain.counts.n_out.max(1);
         let seconds = frames_of(cotangent, outputs)? as f64 / self.plain.rate;
@@ -257,7 +257,7 @@ impl Forward {
         Ok(gradient)
     }
 
-    /// Plays it with the derivatives by `some` parameters; `heard` gets the state after each sample.
+    /// Plays the scene with the derivatives by `some` parameters; `heard` receives the state after each sample.
     pub(crate) fn play(
         &self,
         played: &Played,
@@ -303,7 +303,6 @@ impl Forward {
     }
 }
 
-/// A scene over dual numbers.
 pub(crate) fn over_dual(scene: &Scene) -> Result<Scene<Dual>, Error> {
     scene.bind(&laws()).map_err(|why| Error::Refused(why.to_string()))
 }

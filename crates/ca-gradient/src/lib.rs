@@ -1,25 +1,29 @@
-//! Derivatives of what a scene sounds by parameters of its model, by its start and by what ports are given; and of its energy, by
-//! parameters.
+//! Derivatives of the outputs of a scene, by parameters of its model, its start and its port inputs; and of its energy,
+//! by parameters.
 //!
 //! ```text
 //! Model ─ at p and around it ─ compiled ─ differences: what p makes of the numbers ─ ticks: what these make of the outputs
 //!         (parameter)                     (difference)                               (forward, reverse)
 //! ```
-//! Decides for derivatives in two parts, of which neither is written by hand. What the *compiler* makes of a parameter
-//! (coefficients, lengths, the start) is had by differences of the eighth order between scenes compiled around its value: these
-//! are smooth functions, computed to their last digits, so that the differences are exact to 1e-12 or so. What the *ticks*
-//! make of it is had by ticks over dual numbers ([`Dual`](ca_core::Dual)): the same laws, passes and methods, whose numbers carry seven
-//! derivatives each. Against differences of whole renders, which lose half of all digits to chaos and rounding, and take two renders
-//! for each parameter; and against a tape, which would keep every operation.
+//! A derivative has two parts, neither of them written by hand:
 //!
-//! [`Forward`] takes all of a scene through its ticks so: all derivatives of all samples, for any scene, in a time that grows with the
-//! number of parameters. [`Reverse`] goes back over the ticks: the gradient of one loss by any number of parameters, and by what
-//! ports are given, in the time of a few renders, for most scenes. [`Energy`] goes forward too, and has the derivatives of the accounts of
-//! energy, which the ticks keep as numbers with derivatives like all others.
+//! - What the *compiler* makes of a parameter (coefficients, lengths, the start) is differentiated by eighth-order
+//!   differences between scenes compiled around its value. These functions are smooth and computed to their last
+//!   digits, so the differences are exact to about 1e-12.
+//! - What the *ticks* make of these numbers is computed over dual numbers ([`Dual`](ca_core::Dual)): the same laws,
+//!   passes and methods on numbers that carry seven derivatives each.
 //!
-//! The tick is differentiable nearly everywhere: where a contact closes, friction turns or a table has a corner, the derivative
-//! is that of the branch that was taken (docs/numerics.md §9). What is refused, by name: parameters that are whole numbers,
-//! words or flags, or change what is built; groups at the gesture rate; parameters that a gesture drives.
+//! Differences of whole renders would lose half of all digits to chaos and rounding, and need two renders per
+//! parameter. Recording every operation of every tick would take memory in proportion to the time played.
+//!
+//! [`Forward`] returns all derivatives of all samples, for any scene; its time grows with the number of parameters.
+//! [`Reverse`] returns the gradient of one loss by any number of parameters and by port inputs, in the time of a few
+//! renders, for most scenes. [`Energy`] works forward too and returns the derivatives of the energy accounts.
+//!
+//! The tick is differentiable nearly everywhere. At a contact that closes, friction that changes its branch or a corner
+//! of a table, the derivative follows the branch taken (docs/numerics.md §9). Refused, by name: parameters that are
+//! whole numbers, words or flags, or that change what is built; groups at the gesture rate; parameters driven by a
+//! gesture.
 //!
 //! ```
 //! use ca_gradient::{Forward, Reverse};

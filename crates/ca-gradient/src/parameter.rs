@@ -1,27 +1,28 @@
-//! Parameter: a name as `--set` takes it, the number that stands there, and the model with another one.
+//! Parameters: resolves a name in the syntax of `--set` to the number written there, and writes another value into the
+//! model.
 //!
-//! Decides to go by what is written: a quantity is moved in SI, a bare number in the units of the model, which are SI unless it
-//! says otherwise. One place of a list is a parameter too (`ball.v[1]`), since a place or a speed in space is one. A number
-//! that is the name of a `[param]`, or a multiple of one, is moved there alone; whoever means all places names that.
+//! A quantity is varied in SI units, a bare number in the units of the model, which are SI unless the model says
+//! otherwise. One number of a list is a parameter too (`ball.v[1]`), since positions and speeds in space are lists. If
+//! a value is the name of a `[param]`, or a multiple of one, only that value is varied; the name of the `[param]`
+//! itself varies all its uses.
 
 use crate::Error;
 use ca_core::{Catalog, Kind, Need, Param, Type, Unit};
 use ca_model::suggest::nearest;
 use ca_model::{Entry, Model, Value, quantity};
 
-/// A parameter by which is differentiated.
+/// Parameter to differentiate by.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
-    /// as it was asked for
+    /// Name as requested.
     pub name: String,
-    /// its value, in `unit`
+    /// Value, in `unit`.
     pub value: f64,
-    /// of SI; empty for a plain number, and for a bare one, which is in the units of the model
+    /// SI unit; empty for a plain number and for a bare one, which is in the units of the model.
     pub unit: String,
 }
 
 impl Parameter {
-    /// The parameter `name` of a model.
     pub(crate) fn find(model: &Model, catalog: &Catalog, name: &str) -> Result<Parameter, Error> {
         let (whole, index) = split(name);
         let Some((e, unit)) = place(model, catalog, name, whole)? else { return absent(model, catalog, name, whole) };
@@ -49,7 +50,6 @@ impl Parameter {
     }
 }
 
-/// The value that is written at a name.
 fn entry<'m>(model: &'m Model, name: &str) -> Option<&'m Entry> {
     if let Some(e) = model.params.iter().find(|e| e.key == name) {
         return Some(e);
@@ -63,7 +63,7 @@ fn entry<'m>(model: &'m Model, name: &str) -> Option<&'m Entry> {
     args.iter().find(|e| e.key == key)
 }
 
-/// The model with a parameter at `value`.
+/// Returns the model with a parameter at `value`.
 pub(crate) fn put(p: &Parameter, model: &Model, value: f64) -> Model {
     let mut other = model.clone();
     let unit = &p.unit;
@@ -84,7 +84,7 @@ pub(crate) fn put(p: &Parameter, model: &Model, value: f64) -> Model {
     other
 }
 
-/// `ball.v[1]` → `ball.v` and 1.
+/// Splits `ball.v[1]` into `ball.v` and 1.
 fn split(name: &str) -> (&str, Option<usize>) {
     let parts = name.strip_suffix(']').and_then(|n| n.rsplit_once('['));
     match parts.and_then(|(whole, i)| Some((whole, i.parse().ok()?))) {
@@ -93,12 +93,12 @@ fn split(name: &str) -> (&str, Option<usize>) {
     }
 }
 
-/// A name with a key: the index of an instance, as in `key[2]`, is none of a list.
+/// Returns whether an index after `whole` selects from a list: in `key[2]` it selects an instance.
 fn entry_like(whole: &str) -> bool {
     whole.rsplit_once('.').is_some_and(|(_, key)| !key.contains(']'))
 }
 
-/// The kind of a module, and its parameter of a name.
+/// Returns the kind of a module and, if it exists, the named parameter of that kind.
 fn param<'c>(model: &Model, catalog: &'c Catalog, name: &str) -> Option<(&'c Kind, Option<&'c Param>)> {
     let (owner, key) = name.rsplit_once('.')?;
     let item = model.items.iter().find(|i| i.name == owner)?;
@@ -106,7 +106,7 @@ fn param<'c>(model: &Model, catalog: &'c Catalog, name: &str) -> Option<(&'c Kin
     Some((kind, kind.param(key).map(|i| &kind.params[i])))
 }
 
-/// What is written at the parameter `whole`, with the unit it has, if that is known; `None` where nothing is.
+/// Returns the entry at the parameter `whole` with its unit, if known; `None` where the model does not write it.
 fn place<'m>(
     model: &'m Model,
     catalog: &Catalog,
@@ -134,7 +134,7 @@ fn place<'m>(
     Ok(e.map(|e| (e, unit)))
 }
 
-/// A parameter that is not written: its default, or why there is nothing to move.
+/// Handles a parameter that the model does not write: returns its default, or the reason why there is none to vary.
 fn absent(model: &Model, catalog: &Catalog, name: &str, whole: &str) -> Result<Parameter, Error> {
     if let Some((_, Some(param))) = param(model, catalog, whole) {
         let unit = match param.ty {
@@ -158,10 +158,10 @@ fn absent(model: &Model, catalog: &Catalog, name: &str, whole: &str) -> Result<P
     Err(Error::refused(format!("the model has no `{name}`{hint}")))
 }
 
-/// The number that a value means, and its unit; without one where it is bare.
+/// Returns the number that a value stands for, and its unit, which is empty for a bare number.
 fn number(model: &Model, value: &Value, unit: Option<Unit>) -> Option<(f64, String)> {
     let of_param = |name: &str| match &model.params.iter().find(|e| e.key == name)?.value {
-        // it is no name of another
+        // a `[param]` that names another `[param]` is not followed
         Value::Text(t) if model.params.iter().any(|e| e.key == *t) => None,
         value => number(model, value, unit),
     };

@@ -1,4 +1,4 @@
-//! Played: what a scene is given while it plays, what is heard of it, and where it ends.
+//! Inputs and outputs of a scene while it plays, and its end.
 
 use crate::Error;
 use ca_io::gesture::Gesture;
@@ -6,16 +6,14 @@ use ca_io::perform::{self, Performance};
 pub(crate) use ca_io::play::BLOCK;
 use ca_io::play::play;
 
-/// Asked now and then, while it plays, whether to go on.
+/// Callback during play that returns whether to go on.
 pub type GoesOn<'a> = &'a mut dyn FnMut() -> bool;
 
-/// What a scene is given while it plays.
 pub(crate) struct Played {
-    /// samples
     pub(crate) frames: usize,
-    /// what the ports are given (frames x inputs)
+    /// Inputs of the ports (frames x inputs).
     pub(crate) given: Vec<f64>,
-    /// where hands are at the first tick, and under way (inputs)
+    /// Position of each hand at the first tick and its change per tick (inputs).
     pub(crate) hands: Vec<Option<[f64; 2]>>,
 }
 
@@ -42,7 +40,7 @@ impl Played {
     }
 }
 
-/// A table of so many frames, outputs and numbers, all 0.
+/// Allocates a table of frames, outputs and numbers for each, all 0.
 pub(crate) fn zeros(frames: usize, outputs: usize, each: usize) -> Result<Vec<f64>, Error> {
     let (n, mut all) = (frames.checked_mul(outputs).and_then(|n| n.checked_mul(each)), Vec::new());
     match n.filter(|n| all.try_reserve_exact(*n).is_ok()) {
@@ -60,7 +58,6 @@ pub(crate) fn diverged() -> Error {
     Error::refused("the scene diverges, and so do its derivatives; play fewer seconds, or a softer or heavier model")
 }
 
-/// What is heard of a scene (frames x outputs).
 pub(crate) fn output(
     scene: &ca_core::Scene,
     seconds: Option<f64>,
@@ -80,7 +77,7 @@ pub(crate) fn output(
     if silent { Err(diverged()) } else { Ok(all) }
 }
 
-/// How many samples a cotangent has.
+/// Returns the number of samples of a cotangent, or an error where it is empty, not finite or has a part of a row.
 pub(crate) fn frames_of(cotangent: &[f64], outputs: usize) -> Result<usize, Error> {
     if let Some(at) = cotangent.iter().position(|v| !v.is_finite()) {
         let what = format!("the cotangent of sample {} is {}, and not a number to go by", at / outputs, cotangent[at]);

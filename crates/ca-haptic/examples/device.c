@@ -2,7 +2,7 @@
  *
  *   cc -Icrates/ca-haptic/c/include device.c -Ltarget/release -lca_device -o device && ./device finger 3000
  *
- * It sends where it is 1000 times a second, is moved by what ca_device_force lets through, and prints what it saw. */
+ * It sends its position 1000 times a second, moves under the force of ca_device_force, and prints statistics. */
 #define _POSIX_C_SOURCE 200809L
 #include "ca_device.h"
 #include <math.h>
@@ -45,7 +45,7 @@ int main(int argc, char **argv) {
         frame.t_device_ns = (uint64_t)now.tv_sec * 1000000000u + (uint64_t)now.tv_nsec;
         frame.pos[0] = x;
         if (ca_device_send(device, &frame) < 0) return fail();
-        /* the force came from another process: it is used only if it is fresh, ours and meant */
+        /* the force is zero unless it is fresh, for this device and switched on */
         if (ca_device_force(device, force, &last) < 0) return fail();
         v = (v + force[0] / M * DT) / (1 + Z / M * DT);
         x += v * DT;

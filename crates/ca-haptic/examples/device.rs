@@ -1,6 +1,6 @@
 //! The smallest device: a damped finger of 100 g that the force of the engine moves.
 //!
-//! It sends where it is 1000 times a second, is moved by what `safe_force` lets through, and prints what it saw.
+//! It sends its position 1000 times a second, moves under the force of `safe_force`, and prints statistics.
 //! `cargo run -p ca-haptic --example device -- finger 3000`
 
 use ca_haptic::frame::{About, DOF, DeviceFrame, Mode};
@@ -9,15 +9,15 @@ use std::time::{Duration, Instant};
 
 /// Mass of the finger \[kg\].
 const M: f64 = 0.1;
-/// Its viscosity \[N s/m\].
+/// Viscosity of the finger \[N s/m\].
 const Z: f64 = 2.0;
 /// Time between frames \[s\].
 const DT: f64 = 0.001;
 
-/// Runs a finger for some frames. Returns the line it prints.
+/// Runs a finger for some frames and returns the line to print.
 ///
 /// # Errors
-/// Where the name is taken, or the shared memory cannot be made.
+/// If the name is taken, or the shared memory cannot be created.
 pub fn run(name: &str, frames: u64) -> Result<String, HostError> {
     let mut about = About {
         low: [-0.02; DOF],
@@ -36,7 +36,7 @@ pub fn run(name: &str, frames: u64) -> Result<String, HostError> {
         frame.pos[0] = x;
         frame.t_device_ns = start.elapsed().as_nanos() as u64;
         device.send(&mut frame)?;
-        // the force came from another process: it is used only if it is fresh, ours and meant
+        // `safe_force` is zero unless the force is fresh, for this device and switched on
         let force = device.safe_force()[0];
         v = (v + force / M * DT) / (1.0 + Z / M * DT);
         x += v * DT;

@@ -1,4 +1,4 @@
-//! Admission of a device: whether a scene is played with it, by what it says of itself.
+//! Admission of a device without a profile: decides from its own description whether a scene may be played with it.
 
 use crate::coupling;
 use crate::engine::Setup;
@@ -8,24 +8,24 @@ use ca_core::{Input, Scene, Unit};
 use ca_model::quantity::{show, six};
 use std::fmt;
 
-/// Why a scene is not played with a device that describes itself.
+/// Reason why a scene is not played with a device that describes itself.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum NotAdmitted {
-    /// the device says what cannot be
+    /// The description of the device is impossible.
     Profile(ProfileFault),
-    /// the device has fewer degrees of freedom than the scene uses
+    /// The device has fewer degrees of freedom than the scene uses.
     Freedom {
-        /// degrees of freedom of the device
+        /// Degrees of freedom of the device.
         has: u32,
-        /// degrees of freedom that the scene uses
+        /// Degrees of freedom that the scene uses.
         wanted: u32,
     },
-    /// a key is stiffer in the hand than the device holds
+    /// A key is stiffer in the hand than the device can render.
     Stiff {
-        /// the key
+        /// The key.
         key: String,
-        /// its stiffness \[N/m\]
+        /// Its stiffness \[N/m\].
         stiffness: f64,
     },
 }
@@ -51,17 +51,19 @@ impl fmt::Display for NotAdmitted {
 
 impl std::error::Error for NotAdmitted {}
 
-/// A device without a profile, which describes itself.
+/// A device without a profile, which has to describe itself.
 #[derive(Clone, Debug)]
 pub struct Undescribed {
-    /// limits of such a device
+    /// Upper limits for such a device.
     pub most: Profile,
-    /// degrees of freedom the scene uses
+    /// Degrees of freedom that the scene uses.
     pub wanted: u32,
 }
 
 impl Undescribed {
-    /// Makes the setup what the device says, and gives that in words; `None` where it was so before.
+    /// Fits the setup to the description of the device and returns that description in words.
+    ///
+    /// Returns `None` where the setup already matches.
     ///
     /// # Errors
     /// [`NotAdmitted`]; the setup is unchanged then.
@@ -75,7 +77,7 @@ impl Undescribed {
             return Ok(None);
         }
         let said = Setup { profile: p, ..setup.clone() };
-        // couplings were chosen for what such a device holds as far as was known
+        // the couplings were chosen for the limits known before
         if let Some((key, stiffness)) = coupling::beyond(scene, &said) {
             return Err(NotAdmitted::Stiff { key, stiffness });
         }
@@ -94,7 +96,7 @@ impl Undescribed {
     }
 }
 
-/// Claims of a device that fall behind its profile, by which the guard acts.
+/// Lists where the description of a device falls short of its profile. The guard acts by the profile.
 pub fn differences(p: &Profile, a: &About) -> Vec<String> {
     let n = (a.n as usize).min(p.dof as usize);
     let least = a.force[..n].iter().copied().fold(f32::INFINITY, f32::min);

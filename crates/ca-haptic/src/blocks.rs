@@ -1,9 +1,10 @@
-//! Numbers of any length through a ring: a tick, how many, and they, all or nothing. Neither side allocates, once the
-//! buffer of the taking side has grown.
+//! Passes blocks of numbers of any length through a ring, each whole or not at all.
+//!
+//! A block is a tick, the number of values, and the values. Neither side allocates once the reader's buffer has grown.
 
 use rtrb::{Consumer, Producer};
 
-/// A tick, how many values there are, and they, in two parts: all or nothing.
+/// Writes one block with the values of both slices; returns `false` where the ring lacks capacity for all of it.
 pub(crate) fn put(ring: &mut Producer<f64>, tick: u64, values: &[f64], more: &[f64]) -> bool {
     let n = values.len() + more.len();
     match ring.write_chunk_uninit(n + 2) {
@@ -16,7 +17,7 @@ pub(crate) fn put(ring: &mut Producer<f64>, tick: u64, values: &[f64], more: &[f
     }
 }
 
-/// Head and values of one `put`; empty where there is none.
+/// Reads one block into `into` and returns its tick; `None` where the ring is empty.
 pub(crate) fn take(ring: &mut Consumer<f64>, into: &mut Vec<f64>) -> Option<u64> {
     let tick = ring.pop().ok()?;
     let n = ring.pop().ok()? as usize;

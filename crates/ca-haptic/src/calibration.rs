@@ -1,25 +1,25 @@
-//! Calibration: from what a device says to metres, and from newtons to what it takes.
+//! Calibration: converts device readings to metres and newtons to device commands.
 //!
-//! Decides to keep it apart from every modelling choice (GENESIS paper, 6.4): a file per device, made once by
-//! `ca device calibrate`, valid for every model until the hardware changes. A device process that speaks metres and
-//! newtons by itself needs none; gains here are then what is left to correct.
+//! It is separate from every modelling choice (GENESIS paper, 6.4): one file per device, made once by `ca device
+//! calibrate`, valid for every model until the hardware changes. A device process that already uses metres and newtons
+//! needs none; its gains here are then small corrections.
 
 use crate::frame::{DOF, fnv};
 use ca_io::error::{FileError, FileErrorKind};
 use serde::{Deserialize, Serialize};
 
-/// Largest number of an axis: beyond it a force of a newton is none that the wire holds.
+/// Largest magnitude of a number of an axis. Beyond it, the wire cannot hold a force of one newton.
 const LARGEST: f64 = 1e9;
 
-/// One degree of freedom.
+/// Calibration of one degree of freedom.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Axis {
-    /// metres per unit of what the device says
+    /// Metres per unit of the device's reading.
     pub scale: f64,
-    /// position \[m\] where the device says 0
+    /// Position \[m\] at a reading of 0.
     pub offset: f64,
-    /// what the device takes per newton
+    /// Device units per newton.
     pub force: f64,
 }
 
@@ -29,26 +29,26 @@ impl Default for Axis {
     }
 }
 
-/// The calibration of a device; empty is none.
+/// The calibration of a device; an empty one corrects nothing.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Calibration {
-    /// name of the device
+    /// Name of the device.
     #[serde(default)]
     pub device: String,
-    /// who did it, and with what
+    /// Person who calibrated it, and the tools used.
     #[serde(default)]
     pub by: String,
-    /// its degrees of freedom, from the first; those beyond have no correction
+    /// Degrees of freedom, from the first. Those beyond the list are not corrected.
     #[serde(default)]
     pub axis: Vec<Axis>,
 }
 
 impl Calibration {
-    /// Reads a calibration. `file` is named in errors.
+    /// Parses a calibration. `file` is the name used in errors.
     ///
     /// # Errors
-    /// With the line, where the text is no calibration or a number is out of bounds.
+    /// Names the line, where the text is not a calibration or a number is out of bounds.
     pub fn read(text: &str, file: &str) -> Result<Calibration, FileError> {
         let bad = |what: String| FileError::new(FileErrorKind::Content, format!("{file}: {what}"));
         let c: Calibration = toml::from_str(text).map_err(|e| bad(e.to_string().trim_end().into()))?;
@@ -68,12 +68,12 @@ impl Calibration {
         Ok(c)
     }
 
-    /// Text of this calibration, as [`Calibration::read`] takes it.
+    /// Returns the calibration as text that [`Calibration::read`] parses.
     pub fn write(&self) -> String {
         toml::to_string(self).unwrap_or_default()
     }
 
-    /// Its id on the wire: a hash of its numbers; 0 where it corrects nothing.
+    /// Returns the id on the wire: a hash of the numbers, or 0 without axes.
     pub fn id(&self) -> u64 {
         if self.axis.is_empty() {
             return 0;
@@ -82,14 +82,14 @@ impl Calibration {
         fnv(&self.axis.iter().flat_map(bits).collect::<Vec<u8>>())
     }
 
-    /// Positions as the device says them, to metres.
+    /// Converts positions in place from device units to metres.
     pub fn positions(&self, pos: &mut [f64; DOF]) {
         for (x, a) in pos.iter_mut().zip(&self.axis) {
             *x = a.scale * *x + a.offset;
         }
     }
 
-    /// Newtons to what the device takes.
+    /// Converts forces in place from newtons to device units.
     pub fn forces(&self, force: &mut [f32; DOF]) {
         for (f, a) in force.iter_mut().zip(&self.axis) {
             *f = (f64::from(*f) * a.force) as f32;

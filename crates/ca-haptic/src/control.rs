@@ -4,13 +4,13 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 
-/// A value as it was typed: a number in SI units, or a text with its unit.
+/// A value as typed: a number in SI units, or text with a unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Given {
-    /// in the model's units
+    /// A number in SI units.
     Number(f64),
-    /// `8 kN/m`
+    /// Text such as `8 kN/m`.
     Text(String),
 }
 
@@ -18,51 +18,51 @@ pub enum Given {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "do", rename_all = "lowercase", deny_unknown_fields)]
 pub enum Request {
-    /// new values of live parameters, all in one tick
+    /// Sets live parameters, all in one tick.
     Set {
-        /// by name
+        /// Values by name.
         values: BTreeMap<String, Given>,
     },
-    /// forces on, once nothing pushes
+    /// Arms: forces begin once nothing pushes.
     Arm {
-        /// one device; all if absent
+        /// One device; all if absent.
         device: Option<String>,
     },
-    /// forces off
+    /// Disarms: forces off.
     Disarm {
-        /// one device; all if absent
+        /// One device; all if absent.
         device: Option<String>,
     },
-    /// what plays the sound, and what may
+    /// Asks for the sound devices, or switches to another one.
     Audio {
-        /// another one; none to ask
+        /// The device to switch to; `None` only asks.
         to: Option<String>,
     },
-    /// how it goes
+    /// Asks for the state of the performance.
     Status,
-    /// the end
+    /// Ends the performance.
     Stop,
 }
 
 /// The answer to a request.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Reply {
-    /// whether it was done
+    /// True if the request was executed.
     pub ok: bool,
-    /// for people: what was done, or why not
+    /// Result or reason for refusal, for people.
     #[serde(default)]
     pub text: String,
-    /// for programs
+    /// Result for programs.
     #[serde(default)]
     pub fields: Map<String, Value>,
 }
 
 impl Reply {
-    /// It was done.
+    /// Returns a reply for an executed request.
     pub fn done(text: impl Into<String>) -> Reply {
         Reply { ok: true, text: text.into(), fields: Map::new() }
     }
-    /// It was not.
+    /// Returns a reply for a refused request.
     pub fn refused(text: impl Into<String>) -> Reply {
         Reply { ok: false, text: text.into(), fields: Map::new() }
     }

@@ -1,24 +1,26 @@
 //! Virtual coupling: a spring and a damper that soften a key which its device cannot render.
 //!
-//! [`needed`] compares the stiffness that each key presents to the hand at most with what the device holds, when a scene meets
-//! its devices. A key that the device can hold stays as it is and costs nothing. Before a stiffer one stand a spring and a damper
-//! (Colgate, Stanley and Brown 1995; Adams and Hannaford 1999), and the scene is compiled once more
-//! ([`ca_core::internal::scene::Coupling`]). Behind them the model keeps its stiffness and its sound.
+//! When a scene meets its devices, [`needed`] compares the largest stiffness of each key with the stiffness that its
+//! device can render. A key within that limit stays as it is and costs nothing. A stiffer key gets a spring and a
+//! damper in front of it (Colgate, Stanley and Brown 1995; Adams and Hannaford 1999), and the scene is compiled once
+//! more ([`ca_core::internal::scene::Coupling`]). Behind the coupling the model keeps its stiffness and its sound.
 //!
-//! With its own friction b a device stays passive up to K ≤ b/(κT), with each force a frame later than it is computed, because
-//! real devices take it then (docs/numerics.md §5.2). A key is softened above nine tenths of that, or above the stiffness of the
-//! profile if that is less. It is softened to half of what is passive: most profiles do not know the friction exactly, and a
-//! coupling that is made has to be right. The spring of the coupling and the links at their stiffest together make that
-//! stiffness. The damper takes energy out of the model behind it, which can store what the delay makes. With 3b/4 on a spring of
-//! b/(2κT), a device of 0.79 b is passive before any model. The mass between coupling and links is the lightest that the
-//! scheme allows. If that is more than a tenth of the device, the hand would feel the mass: no coupling fits, and the device gives
-//! no force.
+//! A device with friction b stays passive up to K ≤ b/(κT). κ includes one more frame, because real devices use a force
+//! one frame after it was computed (docs/numerics.md §5.2). A key is softened if it exceeds nine tenths of that limit,
+//! or the stiffness of the profile if that is less. It is softened to half of the limit, because the friction in most
+//! profiles is inexact and a coupling must be safe. That value is the series stiffness of the coupling's spring and the
+//! links at their stiffest.
 //!
-//! A device that is slower than the engine gets the mean force of a coupled key over each of its frames, one of them later
-//! ([`crate::engine::Port`]). The stiffness of a softened key counts that frame too.
+//! The damper dissipates energy of the model behind it, which can store the energy that the delay makes. With 3b/4 on a
+//! spring of b/(2κT), a device is passive in front of any model if its friction is at least 0.79 b. The mass between
+//! coupling and links is 16 times the lightest for which the scheme is stable. If it exceeds a tenth of the device's
+//! mass, the hand would feel it: no coupling fits, and the device gives no force.
 //!
-//! Friction that sticks joins a key to a body without any give, and a damper near the friction of the device makes as much energy
-//! as a stiff spring. Both count as a spring far stiffer than the device holds.
+//! A device slower than the engine gets the mean force of a coupled key over each device frame, one device frame later
+//! ([`crate::engine::Port`]). The stiffness of a softened key allows for that frame too.
+//!
+//! Sticking friction joins a key rigidly to a body, and a damper near the friction of the device makes as much energy
+//! as a stiff spring. Both count as a spring far stiffer than the limit.
 
 use crate::engine::{Setup, coupled, is_slower};
 use crate::profile::Profile;
@@ -31,45 +33,45 @@ use ca_model::quantity::{show, six};
 use core::fmt;
 use std::collections::BTreeMap;
 
-/// Steps in which a key is moved over its travel, and most of them times the modules of the scene.
+/// Most steps in which a key is moved over its travel, and the largest number of steps × modules of the scene.
 const STEPS: usize = 2000;
 const MOST: usize = 20_000_000;
-/// Part of what is passive up to which a key stays as it is.
+/// Part of the passivity limit up to which a key stays as it is.
 const KEPT: f64 = 0.9;
-/// Part of what is passive that a softened key is given: the friction of the profile may be wrong.
+/// Part of the passivity limit to which a key is softened, because the friction of the profile may be wrong.
 const SURE: f64 = 0.5;
-/// Viscosity of the coupling, as a part of the friction of the device, before links of any stiffness.
+/// Viscosity of the coupling in front of infinitely stiff links, as a part of the device's friction.
 const DAMPER: f64 = 0.75;
-/// Largest stiffness of a coupling, in stiffnesses that a softened key is given.
+/// Largest stiffness of a coupling, as a multiple of the stiffness to which a key is softened.
 const STIFFEST: f64 = 10.0;
-/// T²k + 2Tz of coupling and links, times this, is the mass between them: a 16th of the limit of the scheme.
+/// Mass between coupling and links, as a multiple of their T²k + 2Tz: 16 times the lightest that is stable.
 const HEAVIER: f64 = 4.0;
-/// Largest mass between coupling and links, in masses of the device.
+/// Largest mass between coupling and links, as a part of the device's mass.
 const LIGHT: f64 = 0.1;
-/// Stiffness of friction that sticks and of strong dampers, in stiffnesses up to which a key stays as it is.
+/// Stiffness that stands for sticking friction and strong dampers, as a multiple of [`Held::kept`].
 const RIGID: f64 = 1000.0;
-/// Slopes count where the force is less than this, in largest forces of the device: a hand that the device cannot stop goes no further.
+/// Slopes count only below this multiple of the device's largest force: above it, the device cannot stop the hand.
 const REACHED: f64 = 2.0;
 
-/// Stiffnesses that a device can render.
+/// Stiffness limits of a device.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Held {
-    /// the stiffest sum of springs on which it is passive, each force a frame later \[N/m\]
+    /// Stiffest sum of springs on which it is passive, if it uses each force one frame later \[N/m\].
     pub passive: f64,
-    /// ... were forces taken at once
+    /// The same, if it uses each force at once \[N/m\].
     pub at_once: f64,
-    /// a key up to here stays as it is: 0.9 of `passive`, or the stiffness of the profile if that is less \[N/m\]
+    /// Stiffness up to which a key stays as it is: 0.9 of `passive`, or the profile's if less \[N/m\].
     pub kept: f64,
-    /// a stiffer one is softened to this: half of `passive`, counted one frame later still for a device slower than the scene, or
-    /// the stiffness of the profile if that is less \[N/m\]
+    /// Stiffness to which a stiffer key is softened: half of `passive`, or the profile's if less \[N/m\]. A
+    /// device slower than the scene counts one more frame of delay.
     pub given: f64,
 }
 
 impl Held {
-    /// By a device of this profile, of this scene.
+    /// Computes the limits of a device with this profile in this scene.
     pub fn new(scene: &Scene, profile: &Profile) -> Held {
         let rate = scene.rate / f64::from(scene.rates.ratio);
-        // a slower device holds each force for longer
+        // a slower device holds each force longer
         let longer = (rate / profile.rate).max(1.0);
         let own = delays(scene);
         let d = Delays { spring: own.spring * longer, frame: own.frame * longer, ..own };
@@ -83,23 +85,23 @@ impl Held {
     }
 }
 
-/// A key over the travel of its device, in the units of the hand.
+/// A key as the hand meets it over the travel of its device, in the units of the hand.
 #[derive(Clone, Debug)]
 pub struct Presented {
-    /// sum of the links, all contacts closed, live parameters at their stiffest \[N/m\]
+    /// Sum over the links, with all contacts closed and live parameters at their stiffest \[N/m\].
     pub certified: f64,
-    /// steepest place of the travel that the device lets a hand come to \[N/m\]
+    /// Steepest slope in the part of the travel that the hand can reach against the device \[N/m\].
     pub steepest: f64,
-    /// sum of the viscosities \[N s/m\]
+    /// Sum of the viscosities \[N s/m\].
     pub viscosity: f64,
-    /// friction that sticks holds it
+    /// True if sticking friction holds it.
     pub sticks: bool,
-    /// position \[m\] and force \[N\] over the travel
+    /// Position \[m\] and force \[N\] over the travel.
     pub travel: Vec<[f64; 2]>,
 }
 
 impl Presented {
-    /// Device port number `t` of the scene, moved over the range of its device, with everything behind it at rest.
+    /// Moves device port number `t` of the scene over the range of its device, with everything behind it at rest.
     pub fn new(scene: &Scene, t: usize, profile: &Profile) -> Presented {
         let range = profile.range;
         let port = scene.ports.tgr[t];
@@ -131,18 +133,18 @@ impl Presented {
         }
     }
 
-    /// True of a key that a device of this friction \[N s/m\] cannot render as it is, however soft its springs are.
+    /// Returns true for a key that a device of this friction \[N s/m\] cannot render, however soft its springs are.
     pub fn is_rigid(&self, friction: f64) -> bool {
         self.sticks || self.viscosity > KEPT * friction
     }
 
-    /// The stiffest it is \[N/m\].
+    /// Returns the larger of the two stiffnesses \[N/m\].
     pub fn k(&self) -> f64 {
         self.certified.max(self.steepest)
     }
 }
 
-/// The key of the certificate at MAT number `at`.
+/// Returns the key of the certificate at MAT number `at`.
 pub fn key(scene: &Scene, at: usize) -> Option<&Key> {
     scene.certificate.keys.iter().find(|k| k.name == scene.mat_name(at))
 }
@@ -150,15 +152,15 @@ pub fn key(scene: &Scene, at: usize) -> Option<&Key> {
 /// A key that is softened.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Softened {
-    /// name of the device
+    /// Name of the device.
     pub device: String,
-    /// stiffness that the key presents at most \[N/m\], in the hand
+    /// Largest stiffness of the key in the hand \[N/m\].
     pub presents: f64,
-    /// friction that sticks or a damper holds it more firmly than that
+    /// True if sticking friction or a damper holds it more firmly than that.
     pub rigid: bool,
-    /// the stiffness that is felt \[N/m\], in the hand
+    /// Stiffness felt in the hand \[N/m\].
     pub felt: f64,
-    /// how
+    /// The coupling that softens it.
     pub coupling: Coupling,
 }
 
@@ -183,22 +185,22 @@ impl fmt::Display for Softened {
 /// Keys that their devices cannot render.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Needed {
-    /// those that a coupling softens
+    /// Keys that a coupling softens.
     pub softened: Vec<Softened>,
-    /// those for which no coupling fits
+    /// Keys for which no coupling fits.
     pub too_stiff: Vec<TooStiff>,
 }
 
 /// A key for which no coupling fits.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TooStiff {
-    /// name of the device
+    /// Name of the device.
     pub device: String,
-    /// name of the TGR
+    /// Name of the TGR.
     pub port: String,
 }
 
-/// The couplings that an uncoupled scene needs before these devices.
+/// Returns the couplings that an uncoupled scene needs for these devices.
 pub fn needed(scene: &Scene, setups: &[Setup]) -> Needed {
     let mut all = Needed::default();
     if scene.ports.crossing.feedback {
@@ -212,13 +214,13 @@ pub fn needed(scene: &Scene, setups: &[Setup]) -> Needed {
 fn of_device(scene: &Scene, setup: &Setup, needed: &mut Needed) {
     let p = &setup.profile;
     let Held { kept, given, .. } = Held::new(scene, p);
-    // a device that describes itself later has a largest profile
+    // an unknown device may be without force until it describes itself, but its couplings are chosen before that
     let gives = p.force > 0.0 || p.is_unknown();
     if !(p.guard.coupling && gives && given > 0.0 && given.is_finite()) {
         return;
     }
     let b = p.body.friction;
-    // ports by the MAT they move, whose axes share a coupling
+    // ports by the MAT they move: its axes share a coupling
     let mut mats: BTreeMap<String, Moved> = BTreeMap::new();
     let mut sums: BTreeMap<u32, f64> = BTreeMap::new();
     for (t, port) in scene.ports.tgr.iter().enumerate() {
@@ -240,7 +242,7 @@ fn of_device(scene: &Scene, setup: &Setup, needed: &mut Needed) {
     let tick_dt = scene.rates.sample_dt / f64::from(scene.oversample());
     for (port, moved) in mats {
         let k = moved.counts(kept);
-        // ports of one degree of freedom share what it holds
+        // ports of one degree of freedom share the stiffness limit
         let all = moved.dofs.iter().filter_map(|d| sums.get(d)).fold(0.0, |a: f64, b| a.max(*b));
         if all.is_nan() || all <= kept * (1.0 + 1e-9) {
             continue;
@@ -262,27 +264,27 @@ fn of_device(scene: &Scene, setup: &Setup, needed: &mut Needed) {
     }
 }
 
-/// A MAT that ports of one device move, in the units of the hand.
+/// A MAT moved by ports of one device, in the units of the hand.
 #[derive(Default)]
 struct Moved {
-    /// stiffest of its axes \[N/m\]
+    /// Largest stiffness among its axes \[N/m\].
     k: f64,
-    /// viscosity \[N s/m\]
+    /// Viscosity \[N s/m\].
     z: f64,
     rigid: bool,
-    /// stiffness in the hand for one of the model
+    /// Stiffness in the hand per stiffness in the model.
     gain: f64,
     dofs: Vec<u32>,
 }
 
 impl Moved {
-    /// Stiffness that counts \[N/m\], where a key up to `kept` stays as it is.
+    /// Returns the stiffness to compare with `kept` \[N/m\]; a rigid key counts as at least [`RIGID`] times that.
     fn counts(&self, kept: f64) -> f64 {
         if self.rigid { self.k.max(RIGID * kept) } else { self.k }
     }
 }
 
-/// The first key that is stiffer than this device holds, and the stiffness that is felt \[N/m\], with the couplings of the scene.
+/// Returns the first key that is too stiff for this device as coupled, with its felt stiffness \[N/m\].
 pub fn beyond(scene: &Scene, setup: &Setup) -> Option<(String, f64)> {
     if !scene.ports.crossing.feedback || !setup.profile.guard.coupling {
         return None;
@@ -306,16 +308,16 @@ pub fn beyond(scene: &Scene, setup: &Setup) -> Option<(String, f64)> {
 
 /// A compiled scene, with the couplings that its devices need.
 pub struct Met {
-    /// the scene, with the findings of the model as it was written
+    /// The scene, with the findings of the model as it was written.
     pub compiled: Compiled,
-    /// keys that are softened
+    /// Keys that are softened.
     pub softened: Vec<Softened>,
-    /// keys for which no coupling fits
+    /// Keys for which no coupling fits.
     pub too_stiff: Vec<TooStiff>,
 }
 
 impl Met {
-    /// A line for each of these keys.
+    /// Returns a line for each of these keys.
     pub fn said(&self) -> Vec<String> {
         let hard = |t: &TooStiff| {
             format!(
@@ -329,7 +331,7 @@ impl Met {
 }
 
 impl Met {
-    /// These setups; a device gives no force if no coupling fits one of its keys.
+    /// Returns these setups; a device gives no force if no coupling fits one of its keys.
     pub fn setups(&self, setups: &[Setup]) -> Vec<Setup> {
         let mut setups = setups.to_vec();
         for s in &mut setups {
@@ -341,8 +343,9 @@ impl Met {
     }
 }
 
-/// Couples an uncoupled scene to its devices if a key needs it. `options` have the couplings after that, and `again` compiles
-/// with them.
+/// Couples an uncoupled scene to its devices if a key needs it.
+///
+/// `again` compiles the scene with these couplings. Afterwards `options` holds the couplings in use.
 pub fn meet<E>(
     compiled: Compiled,
     setups: &[Setup],

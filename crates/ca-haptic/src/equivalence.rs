@@ -1,14 +1,13 @@
 //! Equivalence: how large and how heavy the simulated world is in the hand.
 //!
-//! X = α·x from real to simulated position, f = β·F from simulated to real force (GENESIS paper, 6.3;
-//! docs/numerics.md §6). The table, and what an author writes about it, are of the model: [`ca_core::equivalence`].
-//! Here is what a device needs of it, which is two numbers for each of its degrees of freedom.
+//! X = α·x converts a real to a simulated position, and f = β·F a simulated to a real force (GENESIS paper, 6.3;
+//! docs/numerics.md §6). The table and its syntax in a model are in [`ca_core::equivalence`]. This module returns what
+//! a device needs of it: two numbers per degree of freedom.
 
 use ca_core::Scene;
 pub use ca_core::equivalence::Gains;
 
-/// The gains of each degree of freedom of `device`, as the model says; one to one where nothing of the scene moves with
-/// it.
+/// Returns the gains of each degree of freedom of `device`; 1:1 where it moves nothing in the scene.
 pub fn gains(scene: &Scene, device: &str) -> Vec<Gains> {
     let mut all: Vec<Gains> = Vec::new();
     for i in &scene.inputs {

@@ -1,7 +1,7 @@
-//! What a running engine leaves behind for those who write it down.
+//! Records of a running engine, for takes, control and reports.
 //!
-//! Decides that the real-time thread hands over plain values through a ring and never waits: a record that finds no room
-//! is counted and gone. Boxes travel the same way, so that they are freed where freeing is allowed.
+//! The real-time thread passes plain values through a ring and never waits: a record that does not fit is counted and
+//! dropped. Boxes travel the same way, so that another thread frees them.
 
 use crate::engine::{OwnGesture, Retired, Swap, Touched};
 use crate::frame::{DeviceFrame, ForceFrame};
@@ -9,100 +9,100 @@ use crate::guard::Order;
 use crate::guard::wait::Wait;
 use ca_core::Balance;
 
-/// One thing that happened. `tick` is the sound sample before which it took effect.
-// frames are the many, boxes the few: a ring of values of one size is what the real-time thread can write
+/// One event. `tick` is the sound sample before which it took effect.
+// the real-time thread needs a ring of values of one size; most are frames, few have boxes
 #[allow(clippy::large_enum_variant)]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Record {
-    /// a frame that was looked at, stamped with the tick; also those that were dropped
+    /// A frame that was checked, stamped with the tick; also one that was dropped.
     Device {
-        /// number of the device in the engine
+        /// Number of the device in the engine.
         port: u32,
-        /// the frame
+        /// The frame.
         frame: DeviceFrame,
     },
-    /// a frame that was sent; its publishing time is not in it
+    /// A frame that was sent, without its publishing time.
     Force {
-        /// number of the device in the engine
+        /// Number of the device in the engine.
         port: u32,
-        /// the frame
+        /// The frame.
         frame: ForceFrame,
     },
-    /// parameters changed, the scene was loaded again, or a device said what it is
+    /// Parameters changed, the scene was loaded again, or a device described itself.
     Retired {
-        /// when
+        /// When.
         tick: u64,
-        /// what it was
+        /// Data that the engine no longer uses.
         retired: Retired,
     },
-    /// forces were armed, disarmed or tripped
+    /// Forces were armed, disarmed or tripped.
     Order {
-        /// when
+        /// When.
         tick: u64,
-        /// one device, or all
+        /// One device, or all.
         port: Option<u32>,
-        /// what was asked
+        /// The order.
         order: Order,
     },
-    /// a hand without a device did something
+    /// The pointer, a gesture or another input without a device acted on the scene.
     Touched {
-        /// when
+        /// When.
         tick: u64,
-        /// what
+        /// The action.
         touched: Touched,
-        /// a gesture that ended by it
+        /// The gesture that it ended.
         gone: Option<Box<OwnGesture>>,
     },
-    /// another version of the scene plays from here on
+    /// Another version of the scene plays from here on.
     Swapped {
-        /// when
+        /// When.
         tick: u64,
-        /// how many there were before it
+        /// Number of versions before it.
         number: u32,
-        /// the one that faded out when it came
+        /// An earlier swap that is out of use now, if any.
         gone: Option<Box<Swap>>,
     },
-    /// an [`EngineCommand::Mark`](crate::engine::EngineCommand::Mark) was executed: all earlier commands have their records before it
+    /// An [`EngineCommand::Mark`](crate::engine::EngineCommand::Mark), after the records of all earlier commands.
     Marked {
-        /// when
+        /// When.
         tick: u64,
-        /// [`ca_core::State::bits`]
+        /// [`ca_core::State::bits`].
         bits: u64,
     },
-    /// a hash of the state, once a second
+    /// Hash of the state, once a second.
     Hash {
-        /// when
+        /// When.
         tick: u64,
-        /// [`ca_core::State::bits`]
+        /// [`ca_core::State::bits`].
         bits: u64,
     },
-    /// the energy ledger
+    /// The energy ledger.
     Energy {
-        /// when
+        /// When.
         tick: u64,
-        /// its sums
+        /// Its sums.
         balance: Balance,
     },
-    /// an armed device still has no force, reported now and then
+    /// An armed device is still without force; reported now and then.
     Waiting {
-        /// when
+        /// When.
         tick: u64,
-        /// number of the device in the engine
+        /// Number of the device in the engine.
         port: u32,
-        /// what keeps forces from beginning
+        /// Reason why its forces have not begun.
         wait: Wait,
     },
-    /// here so many records are missing: there was no room for them
+    /// Records are missing here, because the ring was full.
     Lost {
-        /// when there was room again
+        /// When the ring had capacity again.
         tick: u64,
-        /// how many
+        /// Number of missing records.
         records: u64,
     },
 }
 
 impl Record {
-    /// When it happened.
+    /// Returns when it happened.
     pub fn tick(&self) -> u64 {
         match self {
             Record::Device { frame, .. } => frame.tick,

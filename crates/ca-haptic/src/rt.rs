@@ -1,43 +1,45 @@
-//! Real time as the operating system grants it: asked for, read back, reported (H17).
+//! Requests real-time scheduling from the operating system, reads back what was granted, and reports it (H17).
 //!
-//! Decides on `libc` alone: priority, memory lock, affinity and an absolute sleep are four calls, and no crate that is
-//! kept covers all of them. Nothing here fails: what was not granted is in [`Granted`], and the caller goes on without.
-//! A wait sleeps until shortly before the time and spins the rest. A real-time thread that never slept would keep a
-//! core from everything else, and the kernel's own guard would stop it for 50 ms every second; so a loop whose waits
-//! are too short to sleep in, or that is late all the time, sleeps for a sixteenth of the time all the same, a quarter
-//! of a millisecond at once ([`Waits`]). Linux; elsewhere nothing is granted and waits are those of `std`.
+//! It calls `libc` directly: priority, memory lock, affinity and an absolute sleep are four calls, and no maintained
+//! crate covers all of them. Nothing here fails: [`Granted`] lists what was refused, and the caller goes on without it.
+//!
+//! A wait sleeps until shortly before its time and spins for the rest. A real-time thread that never slept would block
+//! its core, and the kernel would stop it for 50 ms every second. A loop whose waits are too short to sleep in, or that
+//! is always late, therefore still sleeps a sixteenth of the time, at least a quarter of a ms at once ([`Waits`]).
+//!
+//! Real time is for Linux only; elsewhere nothing is granted and waits use `std`.
 
 #![allow(unsafe_code)]
 
 use std::fmt;
 
-/// What is asked for.
+/// Real-time properties requested for a thread.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RtRequest {
-    /// priority of `SCHED_FIFO`, 1 to 99
+    /// Priority of `SCHED_FIFO`, 1 to 99.
     pub priority: Option<u8>,
-    /// the core to stay on
+    /// Core to which the thread is pinned.
     pub cpu: Option<usize>,
-    /// keep all memory of the process in RAM
+    /// Locks all memory of the process in RAM.
     pub lock: bool,
-    /// nice value among threads that are not of real time, −20 to 19; a negative one is a larger share of the cores
+    /// Nice value among threads without real time, −20 to 19; a negative one gets a larger share of the cores.
     pub nice: Option<i8>,
 }
 
-/// What was granted, as the system itself reports it.
+/// Real-time properties granted, as the system reports them.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Granted {
-    /// `FIFO`, `RR`, `OTHER` …
+    /// Scheduling policy: `FIFO`, `RR`, `OTHER` …
     pub policy: String,
-    /// priority of the policy
+    /// Priority within the policy.
     pub priority: i32,
-    /// nice value
+    /// Nice value.
     pub nice: i32,
-    /// cores the thread may run on
+    /// Cores on which the thread may run.
     pub cpus: Vec<usize>,
-    /// memory that is kept in RAM \[kB\]
+    /// Memory locked in RAM \[kB\].
     pub locked_kb: u64,
-    /// what was asked and not granted, in words
+    /// Refused requests, in words.
     pub refused: Vec<String>,
 }
 
@@ -57,32 +59,32 @@ impl fmt::Display for Granted {
     }
 }
 
-/// How long before its time a wait stops sleeping and spins \[ns\], at most: more than most wake-ups are late by. At
-/// least, with a machine that wakes as it should.
+/// Bounds of the time before its end at which a wait stops sleeping and spins \[ns\]. The upper one exceeds most late
+/// wake-ups; the lower one suits a machine that wakes on time.
 const SPIN: u64 = 80_000;
 const LEAST_SPIN: u64 = 5_000;
-/// Waits over which a late wake-up is forgotten: it was a second ago at 3000 a second. Also those that did not sleep:
-/// else a loop of short waits would never try whether it could.
+/// Waits after which a late wake-up is forgotten: a second at 3000 waits a second. Waits without a sleep count too, so
+/// that a loop of short waits tries again whether it can sleep.
 const FORGET: u64 = 3000;
 
-/// Of the time a thread is awake it sleeps one part in so many: a little more than the twentieth that the kernel keeps
-/// from real-time threads.
+/// A thread sleeps one part in this many of its waking time; the kernel withholds a twentieth from real-time threads.
 const REST: u64 = 16;
-/// Sleep that is owed is taken from so much on \[ns\], and never more at once than this.
+/// Least owed sleep that is taken \[ns\], and the most that can be owed.
 const OWED: u64 = 250_000;
 const MOST_OWED: u64 = 10_000_000;
 
-/// The waits of one thread: they sleep until shortly before the time, by as much as this machine woke us late of late,
-/// and spin the rest. So a quiet machine spins for a few per cent of the time, and a restless one for a quarter. No
-/// thread is awake for more than sixteen parts in seventeen, however short its waits: where these leave no time to
-/// sleep in, one of them is late.
+/// Waits of one thread, each a sleep followed by a spin.
+///
+/// The spin is as long as recent wake-ups on this machine were late: a few per cent of the time on a quiet machine, a
+/// quarter on a busy one. No thread is awake for more than sixteen parts in seventeen, however short its waits. Where
+/// they leave no time for sleep, one of them ends late.
 #[derive(Clone, Debug)]
 pub struct Waits {
-    /// \[ns\]
+    /// Time before the end of a wait at which it spins \[ns\].
     spin: u64,
-    /// since when the thread is awake, as far as that is accounted for \[ns\]; 0 before its first wait
+    /// Start of the waking time not yet accounted for \[ns\]; 0 before the first wait.
     woke: u64,
-    /// sleep it owes \[ns\]
+    /// Sleep owed \[ns\].
     owed: u64,
 }
 
@@ -93,7 +95,7 @@ impl Default for Waits {
 }
 
 impl Waits {
-    /// Waits until `at` \[ns of [`now_ns`]\]; returns the time it is then.
+    /// Waits until `at` \[ns of [`now_ns`]\] and returns the time at the end.
     pub fn until(&mut self, at: u64) -> u64 {
         let now = now_ns();
         if let Some(wake) = self.plan(now, at) {
@@ -109,7 +111,7 @@ impl Waits {
         }
     }
 
-    /// Sleeps until `at` \[ns\] without a spin: for what need not be met to the microsecond.
+    /// Sleeps until `at` \[ns\] without a spin, where microseconds do not matter.
     pub fn sleep(&mut self, at: u64) {
         let now = now_ns();
         self.awake(now);
@@ -120,12 +122,12 @@ impl Waits {
         }
     }
 
-    /// Where nothing is waited for: sleeps only if that is owed.
+    /// Sleeps only if sleep is owed, for a loop that does not wait.
     pub fn pass(&mut self) {
         self.sleep(0);
     }
 
-    /// Until when to sleep \[ns\] in a wait that begins `now`; `None` where there is no time for it.
+    /// Returns the time until which to sleep \[ns\] in a wait from `now`; `None` where there is no time for sleep.
     fn plan(&mut self, now: u64, at: u64) -> Option<u64> {
         self.awake(now);
         self.spin = (self.spin - self.spin / FORGET).max(LEAST_SPIN);
@@ -133,16 +135,16 @@ impl Waits {
         (wake > now).then_some(wake)
     }
 
-    /// A sleep from `now` until `wake` ended at `after` \[ns\].
+    /// Records a sleep from `now`, planned until `wake` and ended at `after` \[ns\].
     fn slept(&mut self, now: u64, wake: u64, after: u64) {
         let late = after.saturating_sub(wake);
-        // a thread that was put off for longer than it would spin is not helped by spinning
+        // spinning does not help a thread that wakes later than the longest spin
         let wanted = if late < SPIN { late + late / 4 } else { 0 };
         self.spin = self.spin.max(wanted).clamp(LEAST_SPIN, SPIN);
         self.rested(now, after);
     }
 
-    /// The thread was awake until `now` \[ns\].
+    /// Records that the thread was awake until `now` \[ns\].
     fn awake(&mut self, now: u64) {
         let awake = if self.woke == 0 { 0 } else { now.saturating_sub(self.woke) };
         self.owed = (self.owed + awake / REST).min(MOST_OWED);
@@ -154,13 +156,13 @@ impl Waits {
         self.woke = to;
     }
 
-    /// Sleep that is to be taken now \[ns\].
+    /// Returns the sleep to take now \[ns\].
     fn due(&self) -> u64 {
         if self.owed >= OWED { self.owed } else { 0 }
     }
 }
 
-/// A single wait until `at` \[ns of [`now_ns`]\]; returns the time it is then.
+/// Waits once until `at` \[ns of [`now_ns`]\] and returns the time at the end.
 pub fn wait_until(at: u64) -> u64 {
     Waits::default().until(at)
 }
@@ -171,7 +173,7 @@ pub use system::{ask, fine_sleep, now_ns};
 mod system {
     use super::{Granted, RtRequest};
 
-    /// `CLOCK_MONOTONIC` \[ns\]; no call into the kernel.
+    /// Returns `CLOCK_MONOTONIC` \[ns\] without a system call.
     pub fn now_ns() -> u64 {
         let mut t = libc::timespec { tv_sec: 0, tv_nsec: 0 };
         // SAFETY: `t` is a valid place for the result.
@@ -181,14 +183,14 @@ mod system {
 
     pub(super) fn sleep_until(at: u64) {
         let t = libc::timespec { tv_sec: (at / 1_000_000_000) as _, tv_nsec: (at % 1_000_000_000) as _ };
-        // SAFETY: `t` is valid; a null remainder is allowed with an absolute time. A signal ends it early, which the
-        // caller's spin makes up for.
+        // SAFETY: `t` is valid; a null remainder is allowed with an absolute time. A signal ends the sleep early, and
+        // the caller's spin makes up for it.
         unsafe {
             libc::clock_nanosleep(libc::CLOCK_MONOTONIC, libc::TIMER_ABSTIME, &raw const t, std::ptr::null_mut())
         };
     }
 
-    /// Makes short sleeps of this thread short: without it the kernel rounds them up by 50 µs.
+    /// Sets the timer slack of this thread to 1 ns; by default the kernel delays wake-ups by up to 50 µs.
     pub fn fine_sleep() {
         // SAFETY: takes no pointers.
         unsafe { libc::prctl(libc::PR_SET_TIMERSLACK, 1_u64, 0, 0, 0) };
@@ -198,12 +200,12 @@ mod system {
         std::io::Error::last_os_error().to_string()
     }
 
-    /// Asks for what the calling thread needs, and reads back what it has.
+    /// Requests these properties for the calling thread, and reads back those in force.
     pub fn ask(request: RtRequest) -> Granted {
         let mut refused = Vec::new();
         fine_sleep();
         if request.lock {
-            // pages mapped later are locked too only where that cannot make allocations fail
+            // locks future pages only where the limit cannot make allocations fail
             let mut limit = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
             // SAFETY: `limit` is a valid place for the result; the others take no pointers.
             let failed = unsafe {
@@ -266,7 +268,7 @@ mod system {
                 n => format!("{n}"),
             },
             priority: p.sched_priority,
-            // SAFETY: takes no pointers. −1 is a value and an error alike; this call has no reason to fail.
+            // SAFETY: takes no pointers. −1 is both a value and an error; this call has no reason to fail.
             nice: unsafe { libc::getpriority(libc::PRIO_PROCESS, 0) },
             cpus,
             locked_kb: locked.and_then(|l| l.trim().trim_end_matches(" kB").parse().ok()).unwrap_or(0),
@@ -283,7 +285,7 @@ mod system {
 
     static START: OnceLock<Instant> = OnceLock::new();
 
-    /// Time since the first call \[ns\].
+    /// Returns the time since the first call \[ns\].
     pub fn now_ns() -> u64 {
         START.get_or_init(Instant::now).elapsed().as_nanos() as u64
     }
@@ -292,7 +294,7 @@ mod system {
         std::thread::sleep(Duration::from_nanos(at.saturating_sub(now_ns())));
     }
 
-    /// Nothing here.
+    /// Does nothing.
     pub fn fine_sleep() {}
 
     /// Grants nothing.
@@ -311,7 +313,7 @@ mod tests {
     fn a_wait_is_never_early_and_the_clock_never_runs_back() {
         let (mut last, mut waits) = (now_ns(), Waits::default());
         for n in 0..200_u64 {
-            // short ones only spin, and one of the past does nothing
+            // short waits only spin, and one in the past returns at once
             let at = last + 1000 * (n % 200);
             let now = waits.until(at);
             assert!(now >= at && now >= last);
@@ -322,8 +324,8 @@ mod tests {
         assert!(waits.until(0) > last);
     }
 
-    /// A loop of any period and load on a machine that wakes it at once or late, by a clock of the test: it sleeps for a
-    /// twentieth of any half second, and a loop that has time to sleep in is not late for that.
+    /// On a simulated clock, loops of any period and load sleep for a twentieth of any half second, whether the machine
+    /// wakes them late or not. A loop with time to sleep is not late because of it.
     #[test]
     fn no_loop_is_awake_all_the_time() {
         for period in [5_000, 20_833, 80_000, 333_333, 5_000_000_u64] {
@@ -335,7 +337,7 @@ mod tests {
                     while now < 2_000_000_000 {
                         n += 1;
                         due += period;
-                        // what is left out is left out, as the clock of the engine does
+                        // skips missed periods, as the clock of the engine does
                         if now > due {
                             due += (now - due) / period * period;
                         }
@@ -372,7 +374,7 @@ mod tests {
             let g = ask(RtRequest { priority: Some(1), cpu, ..RtRequest::default() });
             assert_eq!(g.policy == "FIFO", g.refused.iter().all(|r| !r.starts_with("priority")), "{g}");
             assert_eq!(g.cpus.len(), 1, "{g}");
-            // everybody may have less
+            // any process may raise its nice value
             let g = ask(RtRequest { nice: Some(7), ..RtRequest::default() });
             assert!(g.nice == 7 && g.refused.is_empty() && g.to_string().contains("nice 7"), "{g}");
             let none = ask(RtRequest { cpu: Some(100_000), ..RtRequest::default() });

@@ -1,7 +1,7 @@
-//! How a loop fared: distributions of times, in the numbers people ask for.
+//! Distributions of the times of a loop, as percentiles.
 //!
-//! Decides on HDR histograms: three digits over any range, fixed memory, and percentiles that do not depend on how
-//! many samples were kept. They are filled by the recorder, never by the real-time thread.
+//! It uses HDR histograms: three digits over any range, fixed memory, and percentiles that do not depend on how many
+//! samples are stored. The recorder fills them, never the real-time thread.
 
 use hdrhistogram::Histogram;
 use serde::Serialize;
@@ -10,18 +10,18 @@ use serde::Serialize;
 #[derive(Clone, Debug)]
 pub struct Times(Histogram<u64>);
 
-/// What is reported of a distribution \[µs\].
+/// Summary of a distribution \[µs\].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Percentiles {
-    /// how many
+    /// Number of times.
     pub n: u64,
-    /// median
+    /// Median.
     pub p50: f64,
-    /// 99 of 100 are shorter
+    /// 99th percentile.
     pub p99: f64,
-    /// 999 of 1000 are shorter
+    /// 99.9th percentile.
     pub p999: f64,
-    /// the longest
+    /// Maximum.
     pub max: f64,
 }
 
@@ -32,18 +32,18 @@ impl Default for Times {
 }
 
 impl Times {
-    /// None yet; up to 100 s, longer ones count as that.
+    /// Makes an empty distribution. Times above 100 s count as 100 s.
     pub fn new() -> Times {
-        // bounds and digits are constants that the library accepts
+        // the library accepts these constants
         Times(Histogram::new_with_bounds(1, 100_000_000_000, 3).unwrap_or_else(|_| unreachable!()))
     }
 
-    /// One more \[ns\].
+    /// Adds a time \[ns\].
     pub fn add(&mut self, ns: u64) {
         self.0.saturating_record(ns.max(1));
     }
 
-    /// The numbers.
+    /// Returns the summary; all zeros without samples.
     pub fn percentiles(&self) -> Percentiles {
         if self.0.is_empty() {
             return Percentiles::default();

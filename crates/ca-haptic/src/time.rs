@@ -1,4 +1,4 @@
-//! The time in which forces and frames are stamped.
+//! Clock with which forces and frames are stamped.
 
 #[cfg(feature = "system")]
 pub use crate::rt::now_ns;
@@ -12,12 +12,12 @@ mod caller {
 
     static NOW: AtomicU64 = AtomicU64::new(0);
 
-    /// The time that the caller set last \[ns\].
+    /// Returns the time that the caller set last \[ns\].
     pub fn now_ns() -> u64 {
         NOW.load(Relaxed)
     }
 
-    /// Sets the time \[ns\]. It never goes back.
+    /// Sets the time \[ns\]; an earlier one than the last is ignored.
     pub fn set_now_ns(ns: u64) {
         NOW.fetch_max(ns, Relaxed);
     }

@@ -1,7 +1,7 @@
-//! A version of a scene's model: all that is needed to make the scene again, beside it.
+//! A version of a scene, with everything needed to compile it again.
 //!
-//! Decides that it holds the model as its author wrote it and the changes made to it, as the header of a take does; what was
-//! asked of the compiler stays as at the start, but for the bodies that the model reads from files.
+//! It holds the model as its author wrote it and the changes made to it, as the header of a take does. The compiler
+//! options stay as at the start, except for the bodies that the model reads from files.
 
 use ca_core::{Controls, Scene, State};
 use std::collections::BTreeMap;
@@ -10,15 +10,15 @@ use std::sync::Arc;
 /// A model as text.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModelText {
-    /// name of its file, without its folder
+    /// Name of its file, without the folder.
     pub file: String,
-    /// as its author wrote it
+    /// Text as its author wrote it.
     pub text: String,
-    /// what was changed besides, in order: name and value
+    /// Changes made to it, in order: name and value.
     pub changes: Vec<(String, String)>,
-    /// with these changes, for people
+    /// Text with these changes applied, for people.
     pub resolved: String,
-    /// the files that it takes parts from, by their paths from its folder
+    /// Files from which it takes parts, by their paths from its folder.
     pub parts: BTreeMap<String, String>,
 }
 
@@ -31,10 +31,10 @@ mod text {
     use ca_model::{Model, read, write};
 
     impl ModelText {
-        /// Of `model`, to which `changes` were made.
+        /// Returns the text of `model`, to which `changes` were made.
         pub fn of(model: &Model, changes: Vec<(String, String)>) -> ModelText {
             let resolved = write::write(model);
-            // a model that a program built has only this text
+            // a model built by a program has only the resolved text
             let built = model.text.is_empty();
             let file = model.file.rsplit(['/', '\\']).next().unwrap_or_default();
             ModelText {
@@ -46,7 +46,7 @@ mod text {
             }
         }
 
-        /// The model, without its changes, with what its reader found.
+        /// Parses the model without its changes, and returns it with its findings.
         pub fn read(&self, catalog: &Catalog) -> (Model, Diags) {
             read::read_with(&self.text, &self.file, catalog, &mut |name| {
                 let missing = || Unread { what: format!("`{name}` is not attached to it"), help: String::new() };
@@ -56,23 +56,23 @@ mod text {
     }
 }
 
-/// Another version of a scene that plays.
+/// Another version of a playing scene.
 pub struct Version {
-    /// the scene
+    /// The scene.
     pub scene: Arc<Scene>,
-    /// its model
+    /// Its model.
     pub model: ModelText,
-    /// what was asked of the compiler
+    /// Compiler options.
     #[cfg(feature = "system")]
     pub options: ca_compile::Options,
-    /// live parameters that somebody had moved before, and their values \[SI\]
+    /// Live parameters that were changed before, with their values \[SI\].
     pub moved: Vec<(String, f64)>,
-    /// begins as at load: no mass goes on from where it is
+    /// True if it starts as at load: no mass continues from its present position.
     pub anew: bool,
 }
 
 impl Version {
-    /// A version without a text. A take that holds it cannot be played again.
+    /// Makes a version without a text. A take that holds it cannot be replayed.
     pub fn new(scene: Arc<Scene>, anew: bool) -> Version {
         Version {
             scene,
@@ -85,8 +85,9 @@ impl Version {
     }
 }
 
-/// The state in which `scene` begins, and its parameters, where `moved` stay as they are. One that is out of the range of this
-/// scene, or is none of it, is as the scene says.
+/// Returns the initial state of `scene` and its parameters, with the values in `moved`.
+///
+/// A value out of range, or of a parameter that this scene lacks, is ignored.
 pub fn begin(scene: &Scene, moved: &[(String, f64)]) -> (State, Controls) {
     let (mut controls, mut state) = (scene.controls(), scene.state());
     for (name, value) in moved {

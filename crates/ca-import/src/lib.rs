@@ -1,11 +1,9 @@
-//! Models in the formats of others.
+//! Imports models in the formats of other programs.
 //!
-//! Decides on a crate of its own: nobody who reads a model of ours pays for the grammars of other programs, and each
-//! format is a folder that knows the language ([`ca_model`]) and nothing of the compiler. [`FORMATS`] lists them: to add one,
-//! write a folder and add a line to the list.
+//! The grammars of other programs are in a separate crate so that only importers build them. Each format is a folder
+//! that depends on the language ([`ca_model`]) but not on the compiler, and a line in [`FORMATS`].
 //!
-//! What is not here: models of ours, which `ca_model::read` reads, and files beside a model (`ca-io`). A program opens a model of any
-//! format by `cordis_anima::Loaded`.
+//! `ca_model::read` reads model files, `ca-io` files beside a model, and `cordis_anima::Loaded` a model of any format.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -18,26 +16,25 @@ use alloc::vec::Vec;
 use ca_model::Model;
 use ca_model::diag::Diags;
 
-/// A file format of another program.
+/// File format of another program.
 #[derive(Clone, Copy, Debug)]
 pub struct Format {
-    /// the name in messages
+    /// Name in messages.
     pub name: &'static str,
-    /// extension of its files, without the dot, in lower case
+    /// Extension of the files, without the dot, in lower case.
     pub extension: &'static str,
-    /// how `ca import --help` describes the model that comes out
+    /// Description of the resulting model in `ca import --help`.
     pub result: &'static str,
-    /// the text of a file
+    /// Decodes the bytes of a file.
     pub decode: fn(Vec<u8>) -> String,
-    /// a model from its text, and the findings; the second argument is the name of its file in reports. With errors, the
-    /// model is empty.
+    /// Reads a model from its text and its file name for reports; with errors among the findings, the model is empty.
     pub import: fn(&str, &str) -> (Model, Diags),
 }
 
 /// All formats. A file without a known extension is imported as the first of them.
 pub const FORMATS: &[Format] = &[mims::FORMAT];
 
-/// The format of a file, by its extension; none for our own.
+/// Returns the format for a file extension; `None` for model files of this project.
 ///
 /// ```
 /// assert_eq!(ca_import::of("old/String.MDL").map(|f| f.name), Some("MIMS"));
@@ -48,7 +45,7 @@ pub fn of(file: &str) -> Option<&'static Format> {
     FORMATS.iter().find(|f| extension.eq_ignore_ascii_case(f.extension))
 }
 
-/// The format in which `ca import` reads a file: by its extension, or else the first.
+/// Returns the format in which `ca import` reads a file: by its extension, otherwise the first.
 pub fn assumed(file: &str) -> &'static Format {
     of(file).unwrap_or(&FORMATS[0])
 }

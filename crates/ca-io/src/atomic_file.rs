@@ -1,15 +1,17 @@
-//! A file that appears whole or not at all.
+//! Files that appear complete or not at all.
 //!
-//! Decides that a render is written into a hidden sibling (`.out.wav.90af….part`) and takes the place of the old file
-//! in one step when it is finished, so that a crash, a full disk or an interrupted command never leaves half a file
-//! over a good one. A sibling rather than a file in the temporary directory: only within one file system is renaming
-//! one step. What is not finished removes itself; after a kill the sibling stays and says by its name what it is.
-//! A symbolic link keeps pointing, a file keeps the rights to read it, and other users may never write it; what is not a plain file (`/dev/null`) is written
-//! straight, never replaced.
+//! The bytes go to a hidden file beside the target (`.out.wav.90af….part`), which replaces the target in one step when
+//! it is complete. A crash, a full disk or an interrupted command therefore never damages an existing file. The hidden
+//! file is not in the temporary directory, because a rename is one step only within one file system. It is removed if
+//! it is not completed, except after a kill.
 //!
-//! A pipe, a FIFO and standard output get their bytes at the end, from a temporary file without a name: formats whose header
-//! holds the length go back to it, and a pipe cannot. So a pipe gets the bytes that a file would have. Writing the header first,
-//! with the greatest length that it can hold, was the alternative; not all readers of WAV take that.
+//! Symbolic links keep pointing to their target. A replaced file keeps its read permissions, and other users may never
+//! write it. Anything but a plain file (`/dev/null`) is written directly, never replaced.
+//!
+//! A pipe, a FIFO and standard output receive their bytes at the end, from an unnamed temporary file. Some formats
+//! store the length in the header, which must be rewritten at the end, and a pipe cannot seek. A pipe thus receives the
+//! same bytes as a file. A header with the greatest possible length, written first, would not be accepted by all
+//! readers of WAV.
 
 use crate::error::{FileError, FileErrorKind};
 use std::collections::hash_map::RandomState;
@@ -18,15 +20,15 @@ use std::hash::{BuildHasher as _, Hasher as _};
 use std::io::{Read as _, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 
-/// Mode of a file at most, whatever the umask of the process: other users read it.
+/// Maximum mode of a file, whatever the umask of the process: other users may read it.
 const PLAIN: u32 = 0o644;
-/// Mode of a file that other users do not read.
+/// Mode of a file that other users may not read.
 const PRIVATE: u32 = 0o600;
 
-/// Makes a file where there is none, with this mode where the system has modes; the umask takes more away.
+/// Creates a file that does not exist yet, with this mode if the system has modes; the umask removes further bits.
 ///
 /// # Errors
-/// If there is one, or it cannot be made.
+/// If the file exists or cannot be created.
 pub fn new_file(path: &Path, mode: u32) -> std::io::Result<File> {
     let mut options = File::options();
     options.read(true).write(true).create_new(true);
@@ -37,7 +39,7 @@ pub fn new_file(path: &Path, mode: u32) -> std::io::Result<File> {
     options.open(path)
 }
 
-/// The rights of a file that is replaced; other users may not write it.
+/// Returns the permissions of a file to be replaced, without write permission for other users.
 fn kept(about: &fs::Metadata) -> fs::Permissions {
     #[cfg(unix)]
     {
@@ -48,27 +50,27 @@ fn kept(about: &fs::Metadata) -> fs::Permissions {
     about.permissions()
 }
 
-/// Bytes that go to a pipe at once.
+/// Bytes sent to a pipe at a time.
 const ROOM: usize = 1 << 16;
 
-/// Where the bytes go until they are all there.
+/// A file being written, put in place when it is complete.
 #[derive(Debug)]
 pub struct AtomicFile {
-    /// what the caller asked for, with symbolic links followed
+    /// Path as given, with symbolic links followed.
     target: PathBuf,
-    /// the sibling, until it has become the target; `None` where the target is written straight
+    /// Hidden file until it replaces the target; `None` if the target is written directly.
     part: Option<PathBuf>,
-    /// where the bytes of `file` go at the end, where that is a pipe
+    /// Pipe that receives the bytes of `file` at the end, if the target is one.
     pipe: Option<File>,
     file: File,
 }
 
-/// True for paths that mean standard output: `-` and the names of the system.
+/// Returns true for paths that mean standard output: `-` and its names in the file system.
 pub fn is_stdout(path: &Path) -> bool {
     ["-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| path == Path::new(name))
 }
 
-/// Another handle to standard output. Opening its name again would begin at the start of a file that it is redirected to.
+/// Returns another handle to standard output. Opening it by name would write from the start of a redirected file.
 fn stdout() -> std::io::Result<File> {
     #[cfg(unix)]
     let owned = std::os::fd::AsFd::as_fd(&std::io::stdout()).try_clone_to_owned();
@@ -77,25 +79,25 @@ fn stdout() -> std::io::Result<File> {
     owned.map(File::from)
 }
 
-/// Writes a file, in place of one that is there.
+/// Writes a file and replaces an existing one.
 ///
 /// # Errors
-/// Where it cannot be written; what was there stays.
+/// If the file cannot be written; an existing one stays.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     let staged = AtomicFile::create(path)?;
     staged.fill(bytes)?;
     staged.commit()
 }
 
-/// Writes a file where there is none.
+/// Writes a file that does not exist yet.
 ///
 /// # Errors
-/// Where there is one, which stays, and where it cannot be written.
+/// If the file exists, which leaves it unchanged, or cannot be written.
 pub fn write_new(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     fill_new(path, bytes, PLAIN)
 }
 
-/// Writes a file that this user alone can read, where there is none.
+/// Writes a file that does not exist yet and that only this user may read.
 ///
 /// # Errors
 /// As [`write_new`].
@@ -112,7 +114,7 @@ fn fill_new(path: &Path, bytes: &[u8], mode: u32) -> Result<(), FileError> {
     staged.fill(bytes)?;
     let Some(part) = &staged.part else { return Ok(()) };
     staged.file.sync_all().map_err(|e| staged.fail(&e))?;
-    // a link takes no other file's place, in one step; not all file systems have links
+    // in one step, a hard link fails if the target exists; not all file systems have hard links
     match fs::hard_link(part, &staged.target) {
         Ok(()) => Ok(()),
         Err(_) if staged.target.symlink_metadata().is_ok() => Err(there()),
@@ -125,15 +127,15 @@ fn fill_new(path: &Path, bytes: &[u8], mode: u32) -> Result<(), FileError> {
 }
 
 impl AtomicFile {
-    /// Begins a file; at a path that [`is_stdout`] its bytes go to standard output.
+    /// Begins a file; at a path for which [`is_stdout`] is true, its bytes go to standard output.
     ///
     /// # Errors
-    /// Where no file can be there.
+    /// If no file can be created there.
     pub fn create(path: &Path) -> Result<AtomicFile, FileError> {
         AtomicFile::begin(path, PLAIN)
     }
 
-    /// Begins a file that this user alone can read.
+    /// Begins a file that only this user may read.
     ///
     /// # Errors
     /// As [`AtomicFile::create`].
@@ -175,18 +177,19 @@ impl AtomicFile {
         let Some(name) = target.file_name() else {
             return Err(FileError::usage("it has no name").file(path.display()));
         };
-        // random: numbers of processes come back, and are the same on other machines
+        // random, because process ids repeat, and are the same on other machines
         let random = RandomState::new().build_hasher().finish();
         let part = target.with_file_name(format!(".{}.{random:016x}.part", name.to_string_lossy()));
         let file = new_file(&part, mode).map_err(|e| fail(&e))?;
         if let Some(rights) = rights {
-            // a file system without rights has none to keep
+            // a file system without permissions refuses
             let _ = file.set_permissions(rights);
         }
         Ok(AtomicFile { target, part: Some(part), pipe: None, file })
     }
 
-    /// A file without a name on the same disk, or where temporary files are if this is a pipe; it is gone when it is closed.
+    /// Creates an unnamed file on the same disk, or in the temporary directory for a pipe. It disappears when it is
+    /// closed.
     ///
     /// # Errors
     /// If the system refuses it.
@@ -205,28 +208,29 @@ impl AtomicFile {
         (&self.file).write_all(bytes).map_err(|e| self.fail(&e))
     }
 
-    /// Another handle to the same file, for a writer to own; for plain files and pipes what was written can be read by it.
+    /// Returns another handle to the same file, for a writer to own. For plain files and pipes it can also read the
+    /// bytes written.
     ///
     /// # Errors
-    /// Where the system has no more of them.
+    /// If the system has no more handles.
     pub fn handle(&self) -> Result<File, FileError> {
         self.file.try_clone().map_err(|e| self.fail(&e))
     }
 
-    /// True for a plain file.
+    /// Returns true for a plain file.
     pub fn is_plain(&self) -> bool {
         self.part.is_some()
     }
 
-    /// True for a pipe: bytes that were sent cannot be taken back.
+    /// Returns true for a pipe: bytes that were sent cannot be changed.
     pub fn is_pipe(&self) -> bool {
         self.pipe.is_some()
     }
 
-    /// Puts the finished file in its place, or sends it through its pipe. All that was written must have been flushed.
+    /// Puts the finished file in place, or sends it through its pipe. The caller must have flushed all writes.
     ///
     /// # Errors
-    /// Where it cannot be put there; what was there stays.
+    /// If it cannot be put in place; an existing file stays.
     pub fn commit(mut self) -> Result<(), FileError> {
         if let Some(mut pipe) = self.pipe.take() {
             self.send(&mut pipe).map_err(|e| match e.kind() {
@@ -258,10 +262,10 @@ impl AtomicFile {
     }
 }
 
-/// The file that symbolic links lead to, whether it is there or not.
+/// Returns the path that symbolic links lead to, whether it exists or not.
 fn followed(path: &Path) -> std::io::Result<PathBuf> {
     let mut target = path.to_owned();
-    // as many as Linux follows
+    // the limit of Linux
     for _ in 0..40 {
         if let Ok(there) = fs::canonicalize(&target) {
             return Ok(there);
@@ -298,7 +302,7 @@ mod tests {
         drop(staged);
         assert_eq!(fs::read_dir(&dir).unwrap().count(), 1);
         assert_eq!(fs::read(&path).unwrap(), b"good");
-        // two at once do not share a sibling, the last one to finish wins
+        // two writers at once have different hidden files; the last one to finish wins
         let (a, b) = (AtomicFile::create(&path).unwrap(), AtomicFile::create(&path).unwrap());
         a.handle().unwrap().write_all(b"first").unwrap();
         b.handle().unwrap().write_all(b"second").unwrap();
@@ -359,7 +363,7 @@ mod tests {
         s.commit().unwrap();
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
         assert_eq!(fs::read(&real).unwrap(), b"new");
-        // also to a file that is not there yet, from another folder, by two links
+        // also to a file that does not exist yet, in another folder, through two links
         let (sub, first, second) = (dir.path().join("sub"), dir.path().join("first"), dir.path().join("sub/second"));
         fs::create_dir(&sub).unwrap();
         std::os::unix::fs::symlink("sub/second", &first).unwrap();
@@ -367,7 +371,7 @@ mod tests {
         write(&first, b"made").unwrap();
         assert!([&first, &second].iter().all(|l| fs::symlink_metadata(l).unwrap().is_symlink()));
         assert_eq!(fs::read(dir.path().join("made")).unwrap(), b"made");
-        // a circle is refused, and stays
+        // a cycle is refused and stays
         let circle = dir.path().join("circle");
         std::os::unix::fs::symlink("circle", &circle).unwrap();
         let e = AtomicFile::create(&circle).unwrap_err().to_string();
@@ -381,7 +385,7 @@ mod tests {
         assert!(!fs::metadata("/dev/null").unwrap().is_file());
     }
 
-    /// A header that is written last arrives first, through a FIFO too.
+    /// A header that is written last arrives first, also through a FIFO.
     #[cfg(unix)]
     #[test]
     fn a_pipe_gets_the_bytes_of_a_file() {
@@ -397,7 +401,7 @@ mod tests {
         file.write_all(b"head").unwrap();
         staged.commit().unwrap();
         assert!(reader.join().unwrap() == [&b"head"[..], &vec![b'x'; 100_000 - 4]].concat());
-        // a closed pipe is another error than a full disk
+        // a closed pipe gives a different error from a full disk
         let from = fifo.clone();
         let reader = std::thread::spawn(move || drop(File::open(from).unwrap()));
         let staged = AtomicFile::create(&fifo).unwrap();

@@ -1,10 +1,11 @@
-//! The sound of a render: how loud it is, and how it ends.
+//! Level and ending of the sound file of a render.
 //!
-//! Decides that floats hold what the model makes, beyond full scale too: nothing of them is lost, and a gain mends it later. A sound
-//! that does not die away is faded in its last 20 ms, since its end would be a click that no model makes; the rest keeps its bits.
-//! Both are of files alone: what is computed from a render has all of it. What is to be as loud as asked is written twice, the
-//! first time as floats, because how loud it is becomes known at its end. So are floats that go through a pipe: whether the model
-//! diverges is known at its end, too.
+//! Float files keep the output of the model, also beyond full scale; a gain can correct it later. A sound that has not
+//! died away is faded over its last 20 ms, because the abrupt end would click; all other samples keep their bits.
+//! Clipping and fading apply only to files: computations on a render use its full output.
+//!
+//! A normalised render is written twice, first as floats, because its peak is known only at the end. Floats to a pipe
+//! are also written twice, because a divergence of the model is known only at the end.
 
 use crate::atomic_file::AtomicFile;
 use crate::error::FileError;
@@ -17,35 +18,35 @@ use std::fs::File;
 use std::io::{Read as _, Seek as _, SeekFrom};
 use std::path::{Path, PathBuf};
 
-/// What a fade lasts \[s\].
+/// Length of the fade \[s\].
 pub const FADE: f64 = 0.02;
-/// A sound that ends below is let be: −60 dB of full scale.
+/// Peak below which the end of a sound is not faded: −60 dB of full scale.
 pub const QUIET: f64 = 1e-3;
-/// Frames that are written again at once.
+/// Frames rewritten at a time.
 const BLOCK: u64 = 1 << 14;
 
-/// How a render is written.
+/// Options for writing a render.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ending {
-    /// its samples
+    /// Sample format.
     pub format: Format,
-    /// whether they are kept as FLAC, and not as WAV
+    /// Writes FLAC instead of WAV.
     pub flac: bool,
-    /// whether floats are kept within full scale, as integers are
+    /// Clips floats at full scale, as integers always are.
     pub ceiling: bool,
-    /// whether its end is faded, where it still sounds
+    /// Fades the end of a sound that has not died away.
     pub fade: bool,
-    /// its peak, of full scale, if it is to be just as loud
+    /// Peak to normalise to, as a share of full scale.
     pub normalize: Option<f64>,
 }
 
 impl Ending {
-    /// True if samples beyond full scale stay.
+    /// Returns true if samples beyond full scale are kept.
     fn is_unlimited(&self) -> bool {
         self.format == Format::F32 && !self.ceiling && !self.flac
     }
 
-    /// Begins a file of (\[Hz\], channels), of a model that `diverged`, or not.
+    /// Begins a file of this shape (\[Hz\], channels), of a model that `diverged` or not.
     fn begin(self, to: AtomicFile, path: &Path, shape: (f64, usize), diverged: bool) -> Result<SoundOut, FileError> {
         let (rate, channels) = shape;
         if self.flac {
@@ -56,18 +57,17 @@ impl Ending {
     }
 }
 
-/// What became of a render.
+/// Result of writing a render.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ended {
-    /// the file
+    /// Written file.
     pub written: Written,
-    /// whether its end was faded
+    /// True if the end was faded.
     pub faded: bool,
-    /// what all samples were multiplied by
+    /// Gain applied to all samples.
     pub gain: f64,
 }
 
-/// A sound file of either kind under way.
 enum SoundOut {
     Wav(WavOut),
     Flac(Box<FlacOut>),
@@ -96,18 +96,18 @@ impl SoundOut {
     }
 }
 
-/// A render under way.
+/// A render being written.
 pub struct RenderOut {
     out: SoundOut,
     path: PathBuf,
-    /// (\[Hz\], channels)
+    /// (\[Hz\], channels).
     shape: (f64, usize),
     ending: Ending,
-    /// what is written now, where it can be read again
+    /// Handle to read back the file being written, if that is possible.
     back: Option<File>,
-    /// where it goes at the end, if that is written a second time in any case
+    /// Target of the second writing, if there always is one.
     last: Option<AtomicFile>,
-    /// its last samples so far, as many as a fade has
+    /// Last samples so far, kept back for a fade.
     tail: Vec<f64>,
 }
 
@@ -115,14 +115,14 @@ impl RenderOut {
     /// Begins the file at `path`, as [`AtomicFile::create`].
     ///
     /// # Errors
-    /// Those of [`WavOut::create`] and [`FlacOut::over`].
+    /// The errors of [`WavOut::create`] and [`FlacOut::over`].
     pub fn create(path: &Path, rate: f64, channels: usize, ending: Ending) -> Result<RenderOut, FileError> {
         let to = AtomicFile::create(path)?;
         let (path, shape, tail) = (path.to_owned(), (rate, channels), Vec::new());
-        // what was sent through a pipe cannot be kept within full scale any more, should the model diverge
+        // samples sent through a pipe cannot be clipped afterwards if the model diverges
         let twice = ending.normalize.is_some() || to.is_pipe() && ending.is_unlimited();
         if twice {
-            // what cannot be written at the end is refused before anything is played
+            // refuses an impossible format before anything is played
             ending.begin(to.scratch()?, &path, shape, false)?;
             let first = to.scratch()?;
             let back = Some(first.handle()?);
@@ -134,7 +134,7 @@ impl RenderOut {
         Ok(RenderOut { out, path, shape, ending, back, last: None, tail })
     }
 
-    /// Samples of a fade.
+    /// Returns the number of samples in a fade.
     fn room(&self) -> usize {
         let (rate, channels) = self.shape;
         (rate * FADE).round().max(1.0) as usize * channels
@@ -143,7 +143,7 @@ impl RenderOut {
     /// Appends whole frames of interleaved samples.
     ///
     /// # Errors
-    /// Those of [`WavOut::write`].
+    /// The errors of [`WavOut::write`].
     pub fn write(&mut self, frames: &[f64]) -> Result<(), FileError> {
         let room = self.room();
         self.tail.extend_from_slice(frames);
@@ -155,10 +155,10 @@ impl RenderOut {
         Ok(())
     }
 
-    /// Completes the file. Where the model `diverged`, it is kept within full scale and not faded.
+    /// Completes the file. If the model `diverged`, the file is clipped at full scale and not faded.
     ///
     /// # Errors
-    /// Those of [`WavOut::finish`].
+    /// The errors of [`WavOut::finish`].
     pub fn finish(mut self, diverged: bool) -> Result<Ended, FileError> {
         let loudest = |all: &[f64]| all.iter().filter(|x| x.is_finite()).fold(0.0, |m: f64, x| m.max(x.abs()));
         let gain = |peak: f64| match self.ending.normalize {
@@ -190,7 +190,7 @@ impl RenderOut {
         Ok(Ended { written, faded, gain })
     }
 
-    /// Writes all of it a second time, as it is read from `back`.
+    /// Writes the file a second time, from the samples in `back`.
     fn again(self, mut back: File, gain: f64, diverged: bool) -> Result<Written, FileError> {
         let first = self.out.finish()?;
         let unread = |e: std::io::Error| FileError::io(&first.path, "it cannot be read again", &e);
@@ -251,7 +251,7 @@ mod tests {
         }
         let (got, ended) = render(Ending { fade: false, ..ENDING }, &samples, false);
         assert_eq!((got, ended.faded), (samples.clone(), false));
-        // what has died away is let be, a sound that is shorter than a fade is not
+        // a sound that has died away is not faded; one shorter than a fade is
         let quiet = [[0.5, -2.0].repeat(80), [9e-4, -9e-4].repeat(20)].concat();
         assert!(!render(ENDING, &quiet, false).1.faded);
         let (got, ended) = render(ENDING, &[1.0, 1.0, 1.0, 1.0], false);
@@ -268,7 +268,6 @@ mod tests {
             assert!((ended.gain - 0.5 / peak).abs() < 1e-15 && ended.written.is_faithful());
             let far = got.iter().zip(&samples).fold(0.0, |m: f64, (a, b)| m.max((a - b * ended.gain).abs()));
             assert!(far < step, "{format:?}: {far}");
-            // what is silent stays so
             assert_eq!(render(ending, &[0.0; 40], false).1.gain, 1.0);
         }
     }
@@ -287,11 +286,11 @@ mod tests {
         let ended = out.finish(false).unwrap();
         assert!(others.iter().all(|o| std::fs::read(o).unwrap() == b"precious"));
         assert_eq!(std::fs::read_dir(&dir).unwrap().count(), 3);
-        // and what is faded is as loud as asked afterwards
+        // the fade comes before the normalisation
         assert!((ended.written.level.peak[0] - 0.5).abs() < 1e-7, "{:?}", ended.written.level);
     }
 
-    /// A pipe gets what a file gets, whatever is done to the sound at its end.
+    /// A pipe gets the same bytes as a file, with every kind of ending.
     #[cfg(unix)]
     #[test]
     fn a_pipe_gets_the_bytes_of_the_file() {
@@ -311,7 +310,7 @@ mod tests {
             });
             assert_eq!(whole, sent);
             let bytes = std::fs::read(&file).unwrap();
-            // a head of 42 bytes, and equal samples in a few more
+            // a header of 42 bytes, and equal samples in a few more
             assert!(bytes.len() > 42 && bytes == reader.join().unwrap(), "{ending:?} {diverged}");
         }
     }

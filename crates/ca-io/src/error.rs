@@ -1,74 +1,74 @@
-//! What is said about a file that cannot be read or written.
+//! Errors about files that cannot be read or written.
 //!
-//! Decides that there is one record for every file format: a kind for programs, and for people the file, the place
-//! in it, what is found there and one thing to do about it. An enum with a variant per mishap was the alternative; it
-//! would grow with every format, while callers only ever ask whether it is the file, its content or their own request.
+//! All file formats share one record: a kind for programs; the file, the place in it, the problem and one fix for
+//! people. An enum with a variant per problem would grow with every format, and callers only distinguish the file, its
+//! content and their own request.
 
 use std::fmt;
 use std::path::Path;
 
-/// What sort of failure, for programs.
+/// Kind of a failure, for programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FileErrorKind {
-    /// the operating system refused to open, read, write or rename it
+    /// The operating system refused to open, read, write or rename the file.
     Io,
-    /// it is not a file of that format, or is cut short
+    /// The file is not of this format, or is cut short.
     Format,
-    /// a proper file of that format, in a variety that is not read
+    /// The file uses a valid variant of the format that is not supported.
     Unsupported,
-    /// it reads, but what it holds cannot drive a model: a gap, a time that runs backwards, a number without a value
+    /// The content cannot drive a model: a gap, a time that decreases, a number without a value.
     Content,
-    /// the request does not fit the file: a missing rate, a number of channels
+    /// The request does not fit the file: a missing rate, a number of channels.
     Usage,
-    /// the reader of a pipe went away
+    /// The reader of a pipe closed it.
     Left,
 }
 
-/// Why a file could not be read or written.
+/// Reason why a file could not be read or written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FileError {
-    /// what sort of failure
+    /// Kind of the failure.
     pub kind: FileErrorKind,
-    /// the file as the caller named it; empty where there is none
+    /// File as the caller named it; empty if there is none.
     pub file: String,
-    /// where in the file (`line 3, column 2`); empty where it is all of it
+    /// Place in the file (`line 3, column 2`); empty for the whole file.
     pub place: String,
-    /// what is wrong
+    /// Description of the problem.
     pub what: String,
-    /// what to do about it; empty where nothing sensible can be said
+    /// Advice; empty if there is none.
     pub fix: String,
 }
 
 impl FileError {
-    /// What went wrong; file, place and a fix are added by those who know them.
+    /// Makes an error without file, place and fix; callers that know them add them.
     pub fn new(kind: FileErrorKind, what: impl Into<String>) -> FileError {
         FileError { kind, file: String::new(), place: String::new(), what: what.into(), fix: String::new() }
     }
-    /// The system refused: `what` says what was tried.
+    /// Makes an error of the operating system: `what` names the failed operation.
     pub fn io(path: &Path, what: &str, e: &std::io::Error) -> FileError {
-        // the number says nothing that the words do not
+        // the words of the system already say what its number means
         let why = e.to_string();
         let why = why.split(" (os error").next().unwrap_or(&why);
         FileError::new(FileErrorKind::Io, format!("{what}: {}", lower(why))).file(path.display())
     }
-    /// Not a file of this format.
+    /// Makes an error for a file that is not of this format.
     pub fn format(what: impl Into<String>) -> FileError {
         FileError::new(FileErrorKind::Format, what)
     }
-    /// A file of this format that holds what cannot be.
+    /// Makes an error for invalid content in a file of this format.
     pub fn content(what: impl Into<String>) -> FileError {
         FileError::new(FileErrorKind::Content, what)
     }
-    /// What the format allows and this reader does not know.
+    /// Makes an error for a valid file in a variant that this reader does not support.
     pub fn unsupported(what: impl Into<String>) -> FileError {
         FileError::new(FileErrorKind::Unsupported, what)
     }
-    /// Not the fault of a file.
+    /// Makes an error for a wrong request.
     pub fn usage(what: impl Into<String>) -> FileError {
         FileError::new(FileErrorKind::Usage, what)
     }
-    /// Names the file.
+    /// Sets the file, if none is set.
     #[must_use]
     pub fn file(mut self, file: impl fmt::Display) -> FileError {
         if self.file.is_empty() {
@@ -76,13 +76,13 @@ impl FileError {
         }
         self
     }
-    /// Names the place in it.
+    /// Sets the place in the file.
     #[must_use]
     pub fn at(mut self, place: impl Into<String>) -> FileError {
         self.place = place.into();
         self
     }
-    /// Says what to do.
+    /// Sets the advice.
     #[must_use]
     pub fn fix(mut self, fix: impl Into<String>) -> FileError {
         self.fix = fix.into();
@@ -90,7 +90,7 @@ impl FileError {
     }
 }
 
-/// A word of a file, as it may stand on a terminal: not too long, and what is no sign is escaped.
+/// Returns a word from a file as safe for a terminal: at most 40 characters, control characters escaped.
 pub fn shown(word: &str) -> String {
     const MOST: usize = 40;
     let short: String = word.chars().take(MOST).collect();
@@ -99,7 +99,7 @@ pub fn shown(word: &str) -> String {
         + rest
 }
 
-/// The words of the system, as part of a sentence.
+/// Returns the message of the system without its error number and with a lower-case first letter.
 pub fn reason(e: &std::io::Error) -> String {
     let s = e.to_string();
     let s = s.split(" (os error").next().unwrap_or(&s);
@@ -107,7 +107,8 @@ pub fn reason(e: &std::io::Error) -> String {
     c.next().map(|a| a.to_lowercase().chain(c).collect()).unwrap_or_default()
 }
 
-/// The libraries below us begin their messages with a capital.
+/// Returns `s` with a lower-case first letter, unless the next letter is a capital. Libraries capitalise their
+/// messages.
 pub fn lower(s: &str) -> String {
     let mut c = s.chars();
     match c.next() {

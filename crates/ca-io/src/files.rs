@@ -1,25 +1,23 @@
-//! Files: where the outputs of a render go, sound and probes, and what is measured of the sound on its way.
-//!
-//! Decides that this stands with the files it writes: it looks at every sample, which a command that only calls others does not.
+//! Distributes the outputs of a render to its files, the sound and the probes, and measures the sound on the way.
 
 use crate::ending::{Ended, RenderOut};
 use crate::error::FileError;
 use crate::probe::ProbeOut;
 use crate::slow::Slow;
 
-/// The files of a render under way.
+/// Files of a render being written.
 pub struct Files {
     wav: RenderOut,
     slow: Slow,
-    /// files of probes, each with the number of its columns
+    /// Probe files, each with its number of columns.
     probes: Vec<(ProbeOut, usize)>,
     channels: usize,
-    /// what waits to be written: sound, then one list for each probe
+    /// Samples waiting to be written: the sound, then one list for each probe.
     waiting: Vec<Vec<f64>>,
 }
 
 impl Files {
-    /// A sound of so many channels at `rate` \[Hz\], and probes, each with the number of its columns.
+    /// Takes a sound file with `channels` channels at `rate` \[Hz\], and probe files, each with its number of columns.
     pub fn new(wav: RenderOut, probes: Vec<(ProbeOut, usize)>, channels: usize, rate: f64) -> Files {
         let waiting = vec![Vec::new(); 1 + probes.len()];
         Files { wav, slow: Slow::new(channels, rate), probes, channels, waiting }
@@ -28,7 +26,7 @@ impl Files {
     /// Appends rows of all outputs: the channels, then the columns of each probe.
     ///
     /// # Errors
-    /// Where a file takes no more, as [`RenderOut::write`] and [`ProbeOut::write`].
+    /// If a file cannot be written, as [`RenderOut::write`] and [`ProbeOut::write`].
     pub fn write(&mut self, rows: &[f64]) -> Result<(), FileError> {
         if self.probes.is_empty() {
             self.slow.hear(rows);
@@ -53,7 +51,7 @@ impl Files {
         Ok(())
     }
 
-    /// Completes all of them.
+    /// Completes all files.
     ///
     /// # Errors
     /// As [`RenderOut::finish`] and [`ProbeOut::finish`].

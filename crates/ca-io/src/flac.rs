@@ -1,7 +1,7 @@
-//! Sound out: FLAC, which keeps 16 or 24 bits of each sample without loss, in about half the room of WAV.
+//! Sound out: FLAC files, which store 16 or 24 bits of each sample without loss, in about half the size of WAV.
 //!
-//! Each block goes to the file when it is full, so an hour of sound takes no more memory than a second. The head has the number of
-//! samples and their hash, and is written again at the end. Samples are the integers of [`crate::sound`].
+//! Each block is written when it is full, so memory does not grow with the length of the sound. The header contains the
+//! number of samples and their hash, and is rewritten at the end. Samples are the same integers as in [`crate::sound`].
 
 use crate::atomic_file::AtomicFile;
 use crate::error::FileError;
@@ -14,12 +14,12 @@ use std::fs::File;
 use std::io::{Cursor, Seek, Write};
 use std::path::Path;
 
-/// Most channels.
+/// Largest number of channels.
 pub const MAX_CHANNELS: usize = 8;
-/// Fastest rate \[Hz\].
+/// Highest rate \[Hz\].
 pub const MAX_RATE: f64 = 655_350.0;
 
-/// Why a sound of this shape cannot be FLAC.
+/// Returns the reason why a sound of this shape cannot be FLAC, if there is one.
 pub fn refuses(channels: usize, rate: f64) -> Option<String> {
     let fits = (1..=MAX_CHANNELS).contains(&channels) && rate.fract() == 0.0 && (1.0..=MAX_RATE).contains(&rate);
     (!fits).then(|| {
@@ -31,10 +31,10 @@ pub fn refuses(channels: usize, rate: f64) -> Option<String> {
     })
 }
 
-/// A whole sound as the bytes of a file. Interleaved samples within ±1, whole frames.
+/// Encodes a whole sound as the bytes of a file. Takes whole frames of interleaved samples within ±1.
 ///
 /// # Errors
-/// If the encoder refuses it.
+/// If the encoder refuses the sound.
 pub fn encode(samples: &[f32], channels: usize, rate: f64, format: Format) -> Result<Vec<u8>, FileError> {
     if let Some(why) = refuses(channels, rate) {
         return Err(FileError::usage(why));
@@ -48,20 +48,19 @@ pub fn encode(samples: &[f32], channels: usize, rate: f64, format: Format) -> Re
     Ok(bytes)
 }
 
-/// Without seek points and padding.
 fn encoder<W: Write + Seek>(to: W, rate: f64, channels: usize, format: Format) -> Result<FlacSampleWriter<W>, Error> {
     let options = Options::default().no_padding().no_seektable();
     FlacSampleWriter::new(to, options, rate as u32, u32::from(format.bits()), channels as u8, None)
 }
 
-/// The integer of a sample of 1.
+/// Returns the integer for a sample of 1.
 fn full_scale(format: Format) -> f64 {
     f64::from(format.bits() - 1).exp2()
 }
 
-/// A FLAC file under way.
+/// A FLAC file being written.
 pub struct FlacOut {
-    // before `staged`, so that it is closed when the sibling is removed
+    // before `staged`, so that it is closed before the hidden file is removed
     encoder: FlacSampleWriter<File>,
     staged: AtomicFile,
     full: f64,
@@ -108,7 +107,7 @@ impl FlacOut {
         self.encoder.write(&samples).map_err(|e| unwritten(&self.written.path, e))
     }
 
-    /// The numbers of [`FlacOut::finish`], so far.
+    /// Returns the numbers of [`FlacOut::finish`], so far.
     pub fn so_far(&self) -> &Written {
         &self.written
     }
@@ -136,7 +135,7 @@ mod tests {
     use super::*;
     use crate::recording::Recording;
 
-    /// In pieces of any length the file is the same as at once; `test_sweep_files.py` reads it with libsndfile.
+    /// Writing in pieces gives the same file as writing at once. `test_sweep_files.py` reads it with libsndfile.
     #[test]
     fn a_file_holds_the_samples_that_were_written() {
         let dir = tempfile::tempdir().unwrap();

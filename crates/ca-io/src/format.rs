@@ -1,18 +1,18 @@
-//! The formats of the samples of a sound file, by their type and width.
+//! Sample formats of sound files, by type and width.
 
-/// The formats in which a sample is stored.
+/// Format in which a sample is stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// 32-bit floats
+    /// 32-bit floats.
     F32,
-    /// 24-bit integers
+    /// 24-bit integers.
     I24,
-    /// 16-bit integers
+    /// 16-bit integers.
     I16,
 }
 
 impl Format {
-    /// Width of a sample \[bits\].
+    /// Returns the width of a sample \[bits\].
     pub fn bits(self) -> u16 {
         match self {
             Format::F32 => 32,

@@ -1,9 +1,9 @@
-//! What a scene is played from and into: gestures, sound files, probes, clouds of points, and a [performance](perform)
-//! that plays a scene to its end without a clock. Devices and real time are in `ca-haptic`.
+//! Inputs and outputs of a scene: gestures, sound files, probes, clouds of points, and a [performance](perform) that
+//! plays a scene to its end without a clock. Devices and real time are in `ca-haptic`.
 //!
-//! A gesture is a few named functions of time, read from CSV, NPY, WAV or MIDI files. A render is a WAV file, and a
-//! probe is any quantity of the model in an NPY or CSV file. Without the feature `files`, which is on by default, the crate has
-//! only curves over time and MIDI as it is played. All three together:
+//! A gesture is a set of named functions of time, read from CSV, NPY, WAV or MIDI files. A render is a WAV file. A
+//! probe is any quantity of the model in an NPY or CSV file. Without the feature `files`, which is on by default, the
+//! crate has only curves over time and live MIDI. All three together:
 //!
 //! ```
 //! use ca_io::format::Format;

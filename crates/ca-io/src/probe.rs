@@ -1,11 +1,14 @@
-//! Probes out: any quantities of a model over time, as NPY or CSV.
+//! Probes out: quantities of a model over time, as NPY or CSV.
 //!
-//! Decides that a probe is written as it goes, in constant memory, at full precision and without a ceiling. What has
-//! no value is written as it is (`nan`, `inf`): a probe is how one finds out where a model broke. NPY is `float64` of
-//! shape `(frames,)` for one quantity and `(frames, k)` for more; the number of frames, unknown until the end, is put
-//! into a header of fixed length. CSV is `time,name…`, a gesture that can be played again, with the shortest digits
-//! which read back as the same number. A structured NPY with the names in it was the alternative; plotting wants a
-//! plain array, and whoever wants names has CSV. The file takes its place when finished (`atomic_file.rs`).
+//! A probe is written as it is computed, in constant memory, at full precision and without clipping. `nan` and `inf`
+//! are written as they are, because a probe is how one finds where a model broke.
+//!
+//! NPY is `float64` of shape `(frames,)` for one quantity and `(frames, k)` for more. The number of frames, unknown
+//! until the end, is written into a header of fixed length. A structured NPY with names is not used, because plotting
+//! needs a plain array, and CSV has the names.
+//!
+//! CSV is `time,name…`, a gesture that can be played again, with the shortest digits that read back as the same number.
+//! The file is put in place when it is finished (`atomic_file.rs`).
 
 use crate::atomic_file::AtomicFile;
 use crate::error::{FileError, FileErrorKind};
@@ -13,7 +16,7 @@ use std::fs::File;
 use std::io::{BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// Length of an NPY header \[bytes\], a multiple of 64 as the format wants it.
+/// Length of an NPY header \[bytes\], a multiple of 64 as the format requires.
 const HEADER: usize = 128;
 
 enum Kind {
@@ -21,9 +24,9 @@ enum Kind {
     Csv,
 }
 
-/// A probe file under way.
+/// A probe file being written.
 pub struct ProbeOut {
-    // before `staged`, so that it is closed when the sibling is removed
+    // before `staged`, so that it is closed before the hidden file is removed
     out: BufWriter<File>,
     staged: AtomicFile,
     path: PathBuf,
@@ -34,10 +37,10 @@ pub struct ProbeOut {
 }
 
 impl ProbeOut {
-    /// Begins a `.npy` or `.csv` file of these quantities, `rate` \[Hz\] frames a second from time 0.
+    /// Begins a `.npy` or `.csv` file of these quantities, with `rate` \[Hz\] frames a second from time 0.
     ///
     /// # Errors
-    /// Where the file cannot be written.
+    /// If the file cannot be written.
     pub fn create(path: impl AsRef<Path>, names: &[&str], rate: f64) -> Result<ProbeOut, FileError> {
         let path = path.as_ref();
         let ext = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
@@ -67,7 +70,7 @@ impl ProbeOut {
     /// Appends whole frames, one value of each quantity per frame.
     ///
     /// # Errors
-    /// Where the disk takes no more.
+    /// If the disk is full.
     pub fn write(&mut self, frames: &[f64]) -> Result<(), FileError> {
         if !frames.len().is_multiple_of(self.columns) {
             let what = format!("{} values are no whole frames of {}", frames.len(), self.columns);
@@ -84,10 +87,10 @@ impl ProbeOut {
         Ok(())
     }
 
-    /// Completes the file, puts it in its place and says how many frames it has.
+    /// Completes the file, puts it in its place and returns its number of frames.
     ///
     /// # Errors
-    /// Where the disk takes no more; the file is then removed.
+    /// If the disk is full; the file is then removed.
     pub fn finish(mut self) -> Result<u64, FileError> {
         let mut done = self.out.flush();
         if matches!(self.kind, Kind::Npy) {
@@ -118,7 +121,7 @@ fn csv_line<T: std::fmt::Display>(
     writeln!(out)
 }
 
-/// A name as a CSV cell.
+/// Returns a name as a CSV cell.
 fn quoted(name: &str) -> String {
     if name.contains([',', '"', '\n', '\r', '#']) || name.trim() != name {
         format!("\"{}\"", name.replace('"', "\"\""))
@@ -127,7 +130,7 @@ fn quoted(name: &str) -> String {
     }
 }
 
-/// An NPY header of version 1.0 and of always the same length.
+/// Makes an NPY header of version 1.0, always of the same length.
 fn header(frames: u64, columns: usize) -> Vec<u8> {
     let shape = if columns == 1 { format!("({frames},)") } else { format!("({frames}, {columns})") };
     let dict = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");

@@ -1,22 +1,22 @@
-//! Files that are read whole, up to a limit.
+//! Reads whole files, up to a size limit.
 //!
-//! Decides that nothing is read without end: a file that is too large is refused by its size, and what has none (a pipe,
-//! `/dev/zero`) where the limit is passed. What should be text is refused at its first NUL, before more is read.
+//! A file above the limit is refused by its size. A source without a size (a pipe, `/dev/zero`) is refused once it
+//! exceeds the limit. Text is refused at its first NUL, before more is read.
 
 use crate::error::FileError;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-/// What is read between two looks at it \[bytes\].
+/// Bytes read between two checks.
 const CHUNK: u64 = 1 << 20;
 
-/// How much is read of one kind of file.
+/// Size limit of one kind of file.
 #[derive(Clone, Copy, Debug)]
 pub struct Limit {
-    /// \[MB\]
+    /// Limit \[MB\].
     pub megabytes: u64,
-    /// what to do about more
+    /// Advice for a file that exceeds it.
     pub fix: &'static str,
 }
 
@@ -26,31 +26,31 @@ impl Limit {
     }
 }
 
-/// Models, and whatever else people write: plans, profiles, calibrations.
+/// Limit of models and of other files written by hand: plans, profiles, calibrations.
 pub const MODEL: Limit =
     Limit { megabytes: 256, fix: "name a model; what repeats in it is better made by `STRING`, `MESH` and the like" };
-/// Gestures.
+/// Limit of gestures.
 pub const GESTURE: Limit = Limit { megabytes: 1000, fix: "cut it into parts, or lower its rate" };
-/// Bodies of drawing programs.
+/// Limit of bodies from drawing programs.
 pub const CLOUD: Limit = Limit { megabytes: 1000, fix: "simplify it" };
 
-/// A file of text, not decoded.
+/// Reads a text file without decoding it.
 ///
 /// # Errors
-/// Where it cannot be read, is larger than the limit, or holds a NUL, as no text does.
+/// If the file cannot be read, exceeds the limit, or contains a NUL.
 pub fn text(path: &Path, limit: Limit) -> Result<Vec<u8>, FileError> {
     read(path, limit, true)
 }
 
-/// A file of any bytes.
+/// Reads a file of any bytes.
 ///
 /// # Errors
-/// Where it cannot be read, and where it is larger than the limit.
+/// If the file cannot be read or exceeds the limit.
 pub fn bytes(path: &Path, limit: Limit) -> Result<Vec<u8>, FileError> {
     read(path, limit, false)
 }
 
-/// A text that comes from elsewhere than a file, which messages call `name`, not decoded.
+/// Reads text from another source than a file, without decoding it. Messages call the source `name`.
 ///
 /// # Errors
 /// As [`text`].
@@ -104,7 +104,7 @@ mod tests {
         std::fs::write(&path, vec![b'7'; 3_000_001]).unwrap();
         let e = bytes(&path, SMALL).unwrap_err().to_string();
         assert!(e.contains("larger than the 3 MB") && e.ends_with("; use less"), "{e}");
-        // as large as it says and nothing in it
+        // a file of the size it reports, all of it zeros
         File::create(&path).unwrap().set_len(2_000_000).unwrap();
         let e = text(&path, SMALL).unwrap_err().to_string();
         assert!(e.contains("byte 0 is NUL") && e.contains("UTF-8"), "{e}");

@@ -1,11 +1,14 @@
-//! What of a sound is too slow to be heard: a body that drifts fills an output, and nothing of it sounds.
+//! Finds outputs dominated by inaudibly low frequencies, as from a drifting body.
 
-/// Below this nothing is heard \[Hz\].
+/// Lower edge of audible frequencies \[Hz\].
 pub const EDGE: f64 = 5.0;
-/// A sound of less power has no slow part worth a word.
+/// Power below which a sound is not examined.
 const NOTHING: f64 = 1e-20;
 
-/// Of a sound that is heard block by block: the power of each channel, and that of what two low-passes of one pole, 3 dB down together at [`EDGE`], leave of it.
+/// Power of each channel, in total and below [`EDGE`].
+///
+/// Two one-pole low-passes in series, together 3 dB down at [`EDGE`], extract the slow part. Samples arrive block by
+/// block.
 #[derive(Clone, Debug)]
 pub struct Slow {
     pole: f64,
@@ -21,7 +24,7 @@ struct Channel {
 }
 
 impl Slow {
-    /// Of so many channels at `rate` \[Hz\].
+    /// Takes the number of channels and the rate \[Hz\].
     pub fn new(channels: usize, rate: f64) -> Slow {
         // two poles at w are 3 dB down at w·sqrt(sqrt 2 − 1)
         let corner = EDGE / (2.0_f64.sqrt() - 1.0).sqrt();
@@ -29,7 +32,7 @@ impl Slow {
         Slow { pole, channels: vec![Channel::default(); channels] }
     }
 
-    /// Hears whole frames, interleaved.
+    /// Adds whole frames, interleaved.
     pub fn hear(&mut self, frames: &[f64]) {
         let pole = self.pole;
         for frame in frames.chunks_exact(self.channels.len().max(1)) {
@@ -42,7 +45,7 @@ impl Slow {
         }
     }
 
-    /// The channels of which more than half of the power is too slow, with its share.
+    /// Returns the channels with more than half of their power in the slow part, each with that share.
     pub fn found(&self) -> impl Iterator<Item = (usize, f64)> {
         let share = |c: &Channel| if c.all > NOTHING { c.slow / c.all } else { 0.0 };
         self.channels.iter().map(share).enumerate().filter(|(_, share)| *share > 0.5)

@@ -1,20 +1,20 @@
 //! Sound out: WAV files of renders.
 //!
-//! Decides that ±1 is a hard ceiling, of integers always and of floats unless they are [`WavOut::unlimited`];
-//! every sample that hits it is counted, and the peak *before* the ceiling says which gain would have been right. A
-//! sample without a value (NaN, infinite) becomes silence and is counted apart: the one is loud, the other is broken.
+//! Samples are clipped at ±1, integers always and floats unless the file is [`WavOut::unlimited`]. Every clipped sample
+//! is counted, and the peak *before* clipping shows the right gain. A sample without a value (NaN, infinite) becomes
+//! silence and is counted separately: clipping means too loud, NaN means a broken model.
 //!
-//! Integers are `round(x · 2ⁿ⁻¹)`, ties to even, at most 2ⁿ⁻¹ − 1: the inverse of how gestures are read, so −1 and all
+//! Integers are `round(x · 2ⁿ⁻¹)`, ties to even, at most 2ⁿ⁻¹ − 1. This is the inverse of reading gestures: −1 and all
 //! dyadic values return to the bit, and +1 is one step short. There is no dither: the same model gives the same bytes,
-//! and the noise of a render is then the model's. Its price is distortion where sound fades below −90 dB in 16 bits;
-//! 24 bits, the answer to that, cost half as much again.
+//! and all noise in a render comes from the model. The price is distortion in 16 bits where sound fades below −90 dB;
+//! 24 bits avoid it at one and a half times the size.
 //!
-//! The header is ours (`wav_header.rs`): hound knows no `RF64`, no `fact` and no pad byte. Samples go to the file as bytes, since
-//! sample by sample through its writer took longer than the sound of a short string.
+//! `wav_header.rs` writes the header, because hound knows no `RF64`, `fact` or pad byte. Samples are written as bytes,
+//! because hound's writer took longer per sample than computing a short string.
 //!
-//! The file takes its place only when it is finished (`atomic_file.rs`). Beyond two channels the header assigns no
-//! loudspeakers: outputs of a model are not left, right, centre and subwoofer, and players that mix down would drop
-//! the fourth one.
+//! The file is put in place only when it is finished (`atomic_file.rs`). Beyond two channels the header assigns no
+//! loudspeakers: outputs of a model are not left, right, centre and subwoofer, and players that mix down would drop the
+//! fourth channel.
 
 use crate::atomic_file::AtomicFile;
 use crate::error::FileError;
@@ -25,56 +25,56 @@ use std::fs::File;
 use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// Most channels of one file.
+/// Largest number of channels in a file.
 pub const MAX_CHANNELS: usize = 256;
 
-/// Bytes that go to the file at once.
+/// Bytes written to the file at a time.
 const ROOM: usize = 1 << 16;
 
-/// What became of a sound.
+/// Result of writing a sound.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Written {
-    /// the file, as the caller named it
+    /// File, as the caller named it.
     pub path: PathBuf,
-    /// samples per channel
+    /// Samples per channel.
     pub frames: u64,
-    /// \[Hz\]
+    /// Sample rate \[Hz\].
     pub rate: u32,
-    /// how loud it was
+    /// Level before clipping.
     pub level: Level,
 }
 
 impl Written {
-    /// Length \[s\].
+    /// Returns the length \[s\].
     pub fn duration(&self) -> f64 {
         self.frames as f64 / f64::from(self.rate)
     }
-    /// Whether every sample is what the model meant.
+    /// Returns true if no sample was clipped or without a value.
     pub fn is_faithful(&self) -> bool {
         self.level.clipped == 0 && self.level.non_finite == 0
     }
 }
 
-/// How loud a sound was, before it was kept within full scale.
+/// Level of a sound before clipping.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Level {
-    /// greatest |sample| of each channel before the ceiling, 1 = full scale
+    /// Greatest |sample| of each channel before clipping, 1 = full scale.
     pub peak: Vec<f64>,
-    /// samples cut off at ±1
+    /// Number of samples clipped at ±1.
     pub clipped: u64,
-    /// samples beyond ±1 that stayed as they are
+    /// Number of samples beyond ±1 that were kept.
     pub beyond: u64,
-    /// samples without a value, which became 0
+    /// Number of samples without a value, which became 0.
     pub non_finite: u64,
 }
 
 impl Level {
-    /// Of a sound of so many channels.
+    /// Takes the number of channels.
     pub fn new(channels: usize) -> Level {
         Level { peak: vec![0.0; channels], ..Level::default() }
     }
 
-    /// Counts a sample of this channel, and returns it within full scale.
+    /// Counts a sample of a channel and returns it clipped at full scale.
     #[inline]
     pub fn keep(&mut self, channel: usize, x: f64) -> f64 {
         if !x.is_finite() {
@@ -86,7 +86,8 @@ impl Level {
         x.clamp(-1.0, 1.0)
     }
 
-    /// As [`Level::keep`] of the channels in rows of `width` numbers, which are the first of each row: into `sound`, row by row.
+    /// Applies [`Level::keep`] to the first numbers of each row of `width` numbers, one for each channel, and writes
+    /// them to `sound`.
     pub fn keep_rows<S: Sample>(&mut self, rows: &[f64], width: usize, sound: &mut [S]) {
         let channels = self.peak.len();
         if channels == 0 {
@@ -100,12 +101,12 @@ impl Level {
         }
     }
 
-    /// Whether all of them are finite and within full scale, as they nearly always are; if so, their peaks are entered. One
-    /// loop of comparisons, where to keep each sample takes several of them.
+    /// Returns true if all samples are finite and within full scale, which is nearly always so, and then enters their
+    /// peaks. One loop of comparisons is cheaper than [`Level::keep`] for each sample.
     fn all_within(&mut self, rows: &[f64], width: usize) -> bool {
         let within = |most: f64, x: &f64| if x.abs() <= most { most } else { x.abs() };
         let channels = self.peak.len();
-        // false for a NaN, too
+        // also false for NaN
         let fits = if channels == width {
             rows.iter().fold(true, |all, x| all & (x.abs() <= 1.0))
         } else {
@@ -119,7 +120,7 @@ impl Level {
         fits
     }
 
-    /// As [`Level::keep`], but what is beyond full scale stays, as far as 32-bit floats go.
+    /// As [`Level::keep`], but values beyond full scale are kept, within the range of 32-bit floats.
     #[inline]
     fn pass(&mut self, channel: usize, x: f64) -> f64 {
         if !x.is_finite() {
@@ -132,9 +133,9 @@ impl Level {
     }
 }
 
-/// A sample as it is kept.
+/// Number type in which samples are stored.
 pub trait Sample: Copy + Default + Send {
-    /// Of a value.
+    /// Converts a value.
     fn of(value: f64) -> Self;
 }
 
@@ -150,32 +151,32 @@ impl Sample for f64 {
     }
 }
 
-/// A WAV file under way.
+/// A WAV file being written.
 pub struct WavOut {
-    // before `staged`, so that it is closed when the sibling is removed
+    // before `staged`, so that it is closed before the hidden file is removed
     file: File,
     staged: AtomicFile,
     format: Format,
-    /// whether floats may be beyond full scale
+    /// Keeps floats beyond full scale.
     unlimited: bool,
-    /// the header, whose sizes are open
+    /// Header with open sizes.
     header: Vec<u8>,
-    /// bytes under way to the file
+    /// Bytes not yet written to the file.
     bytes: Vec<u8>,
     written: Written,
 }
 
 impl WavOut {
-    /// Begins the file at `path`: `rate` \[Hz\], a whole number; 1 to [`MAX_CHANNELS`] channels.
+    /// Begins the file at `path`, with a whole-number `rate` \[Hz\] and 1 to [`MAX_CHANNELS`] channels.
     ///
     /// # Errors
-    /// Where the file cannot be made, or a WAV cannot have this rate or so many channels.
+    /// If the file cannot be created, or a WAV cannot have this rate or number of channels.
     pub fn create(path: impl AsRef<Path>, rate: f64, channels: usize, format: Format) -> Result<WavOut, FileError> {
         let path = path.as_ref();
         WavOut::over(AtomicFile::create(path)?, path, rate, channels, format)
     }
 
-    /// The same over a file that was begun, which messages call `path`.
+    /// As [`WavOut::create`], over a file already begun, which messages call `path`.
     ///
     /// # Errors
     /// As [`WavOut::create`].
@@ -202,7 +203,7 @@ impl WavOut {
         Ok(WavOut { file, staged, format, unlimited: false, header, bytes, written })
     }
 
-    /// The same, where floats beyond full scale stay as they are.
+    /// Returns the file with floats beyond full scale kept.
     #[must_use]
     pub fn unlimited(self) -> WavOut {
         WavOut { unlimited: self.format == Format::F32, ..self }
@@ -211,7 +212,7 @@ impl WavOut {
     /// Appends whole frames of interleaved samples.
     ///
     /// # Errors
-    /// When the disk is full.
+    /// If the disk is full.
     pub fn write(&mut self, frames: &[f64]) -> Result<(), FileError> {
         let n = self.written.level.peak.len();
         if !frames.len().is_multiple_of(n) {
@@ -221,7 +222,7 @@ impl WavOut {
         let from = self.bytes.len();
         self.bytes.resize(from + frames.len() * usize::from(self.format.bits() / 8), 0);
         let (level, to) = (&mut self.written.level, &mut self.bytes[from..]);
-        // one loop for each format: which it is is not asked for every sample
+        // one loop for each format, so that samples do not branch on the format
         match self.format {
             Format::F32 if self.unlimited => each(frames, level, to, Level::pass, |x| (x as f32).to_le_bytes()),
             Format::F32 => each(frames, level, to, Level::keep, |x| (x as f32).to_le_bytes()),
@@ -235,14 +236,13 @@ impl WavOut {
         if self.bytes.len() >= ROOM { self.flush() } else { Ok(()) }
     }
 
-    /// Hands what is under way to the file.
     fn flush(&mut self) -> Result<(), FileError> {
         let done = self.file.write_all(&self.bytes);
         self.bytes.clear();
         done.map_err(|e| FileError::io(&self.written.path, "it cannot be written", &e))
     }
 
-    /// What has been written so far; the numbers of [`WavOut::finish`], while it goes on.
+    /// Returns the numbers of [`WavOut::finish`], so far.
     pub fn so_far(&self) -> &Written {
         &self.written
     }
@@ -250,24 +250,24 @@ impl WavOut {
     /// Completes the file and puts it in its place.
     ///
     /// # Errors
-    /// Where the disk takes no more; the file is then removed.
+    /// If the disk is full; the file is then removed.
     pub fn finish(mut self) -> Result<Written, FileError> {
         self.flush()?;
         self.complete()
     }
 
-    /// Completes the file where a disk took no more, with the whole frames that it took: what was played once is kept. Levels are
-    /// of all that was written.
+    /// Completes the file after the disk became full, with the whole frames that were written, because a performance
+    /// cannot be repeated. Levels include all samples given.
     ///
     /// # Errors
-    /// Where it took none, or not even this; the file is then removed.
+    /// If no frame was written, or the file cannot be completed; the file is then removed.
     pub fn finish_short(mut self) -> Result<Written, FileError> {
         let _ = self.flush();
         let (frame, header) = (self.frame(), self.header.len() as u64);
         let failed = |e: &std::io::Error| FileError::io(&self.written.path, "it cannot be written", e);
         let length = self.file.metadata().map_err(|e| failed(&e))?.len();
         let frames = length.saturating_sub(header) / frame;
-        // an even number of bytes: a full disk does not take a pad byte
+        // an even number of bytes, because a full disk cannot take a pad byte
         let frames = frames - frames * frame % 2;
         if frames == 0 {
             return Err(FileError::content("nothing of it is on the disk").file(self.written.path.display()));
@@ -277,7 +277,7 @@ impl WavOut {
         self.complete()
     }
 
-    /// Bytes of a frame.
+    /// Returns the bytes of a frame.
     fn frame(&self) -> u64 {
         (self.written.level.peak.len() * usize::from(self.format.bits() / 8)) as u64
     }
@@ -286,7 +286,7 @@ impl WavOut {
         let data = self.written.frames * self.frame();
         let WavOut { mut file, staged, format, mut header, written, .. } = self;
         wav_header::close(&mut header, format, written.frames, data);
-        // chunks begin at even places
+        // chunks begin at even offsets
         let pad = &[0][..(data % 2) as usize];
         let end = SeekFrom::Start(header.len() as u64 + data);
         let put = file.seek(end).and_then(|_| file.write_all(pad));
@@ -298,7 +298,7 @@ impl WavOut {
     }
 }
 
-/// The bytes of a WAV file of 32-bit floats: interleaved samples, whole frames.
+/// Returns the bytes of a WAV file of 32-bit floats from whole frames of interleaved samples.
 pub fn floats(samples: &[f32], channels: usize, rate: u32) -> Vec<u8> {
     let mut bytes = wav_header::open(Format::F32, rate, channels as u16);
     let frames = samples.len() / channels.max(1);
@@ -311,7 +311,7 @@ pub(crate) fn integer(x: f64, full: f64) -> i32 {
     (x * full).round_ties_even().min(full - 1.0) as i32
 }
 
-/// Every sample, as `keep` counts and returns it, as bytes.
+/// Passes every sample through `keep`, which counts it, and writes it as bytes.
 #[inline]
 fn each<const N: usize>(
     frames: &[f64],
@@ -322,7 +322,7 @@ fn each<const N: usize>(
 ) {
     let n = level.peak.len();
     let to = to.as_chunks_mut::<N>().0;
-    // most blocks are within it: loops without a question, which also go by vectors
+    // most blocks are within full scale: loops without branches, which are vectorised
     if frames.iter().fold(true, |all, x| all & (x.abs() <= 1.0)) {
         for (channel, peak) in level.peak.iter_mut().enumerate() {
             *peak = frames

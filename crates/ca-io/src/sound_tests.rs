@@ -40,7 +40,7 @@ fn what_a_disk_took_before_it_was_full_is_kept() {
     let create = || WavOut::create(&path, 48_000.0, 2, Format::F32).unwrap();
     let mut out = create();
     out.write(&[0.25, -0.5].repeat(1000)).unwrap();
-    // half a frame more, as a disk leaves it
+    // half a frame more, as left by a full disk
     out.flush().unwrap();
     out.file.write_all(&[1, 2, 3, 4]).unwrap();
     let written = out.finish_short().unwrap();
@@ -113,7 +113,6 @@ fn refuses_what_a_wav_file_cannot_be() {
     assert_eq!(std::fs::read_dir(&dir).unwrap().count(), 0, "an unfinished file leaves nothing");
 }
 
-/// The offset of a chunk.
 fn at(file: &[u8], chunk: &[u8]) -> usize {
     file.windows(4).position(|w| w == chunk).unwrap_or_else(|| panic!("{chunk:?}"))
 }
@@ -131,7 +130,7 @@ fn samples_of_an_odd_number_of_bytes_are_padded() {
         assert_eq!((number(&bytes, data + 4) as usize, bytes.len()), (3 * frames, data + 8 + 3 * frames + pad));
         assert_eq!((number(&bytes, 4) as usize, bytes.len() % 2), (bytes.len() - 8, 0));
     }
-    // a full disk does not take the pad byte
+    // a full disk cannot take the pad byte
     let dir = tempfile::tempdir().unwrap();
     let mut out = WavOut::create(dir.path().join("a.wav"), 48_000.0, 1, Format::I24).unwrap();
     out.write(&[0.5; 5]).unwrap();
@@ -161,13 +160,13 @@ fn a_file_in_memory_is_that_on_disk() {
 fn beyond_4_gib_the_sizes_have_64_bits() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a.wav");
-    // the largest with sizes of 32 bits, and the next one
+    // the largest file with 32-bit sizes, and the next one
     let header = wav_header::open(Format::F32, 48_000, 2).len() as u64;
     let most = (u64::from(u32::MAX) + 8 - header) / 8;
     for frames in [most, most + 1] {
         let mut out = WavOut::create(&path, 48_000.0, 2, Format::F32).unwrap();
         out.flush().unwrap();
-        // a file with a hole, which takes no room
+        // a sparse file, which uses no disk space
         out.file.set_len(header + 8 * frames).unwrap();
         out.written.frames = frames;
         out.complete().unwrap();

@@ -1,21 +1,22 @@
-//! The header of a WAV file that is written.
+//! Header of the WAV files written here.
 //!
-//! A chunk `JUNK` stands first. In a file beyond 4 GiB it becomes `ds64`, with sizes of 64 bits, and the file is `RF64`, as EBU
-//! Tech 3306 proposes; other programs skip it. More than two channels or 16 bits make the format extensible; floats have a
-//! `fact`, which the format asks of all but integers. An unfinished file has open sizes.
+//! The header begins with a chunk `JUNK`, which other programs skip. In a file beyond 4 GiB it becomes `ds64`, with
+//! 64-bit sizes, and the file becomes `RF64`, as EBU Tech 3306 proposes. The format is extensible for more than two
+//! channels or 16 bits. Floats have a `fact` chunk, which the format requires for all but integers. An unfinished file
+//! has open sizes.
 
 use crate::format::Format;
 
-/// Sizes that are not known, or stand in `ds64`.
+/// Size that is unknown or stored in `ds64`.
 const OPEN: u32 = u32::MAX;
 /// Bytes of `JUNK` and of `ds64`.
 const SIZES: u32 = 28;
 /// Distance of the body of `fact` from the end of the header.
 const FACT_FROM_END: usize = 12;
-/// The end of the GUID of a format that has a number too.
+/// End of the GUID of a format that also has a number.
 const GUID: [u8; 14] = [0, 0, 0, 0, 0x10, 0, 0x80, 0, 0, 0xaa, 0, 0x38, 0x9b, 0x71];
 
-/// A header whose sizes are open. The last four bytes are the size of the samples.
+/// Makes a header with open sizes. Its last four bytes are the size of the samples.
 pub(crate) fn open(format: Format, rate: u32, channels: u16) -> Vec<u8> {
     let (kind, bits) = (if format == Format::F32 { 3_u16 } else { 1 }, format.bits());
     let extensible = channels > 2 || bits > 16;
@@ -37,7 +38,7 @@ pub(crate) fn open(format: Format, rate: u32, channels: u16) -> Vec<u8> {
     if extensible {
         out.extend(22_u16.to_le_bytes());
         out.extend(bits.to_le_bytes());
-        // front left and right, or front centre; more channels belong to no loudspeakers
+        // front centre, or front left and right; more channels are not assigned to loudspeakers
         out.extend(
             match channels {
                 1 => 4_u32,
@@ -59,7 +60,7 @@ pub(crate) fn open(format: Format, rate: u32, channels: u16) -> Vec<u8> {
     out
 }
 
-/// Enters the sizes of `frames` frames and `data` bytes of samples into a header by [`open`].
+/// Enters the sizes of `frames` frames and `data` bytes of samples into a header made by [`open`].
 pub(crate) fn close(header: &mut [u8], format: Format, frames: u64, data: u64) {
     let whole = header.len() as u64 - 8 + data + data % 2;
     let end = header.len();

@@ -1,8 +1,8 @@
-//! A model as bytes: what it means, in one order, whatever comments and blanks its file has.
+//! Canonical bytes of a model, independent of comments and blanks in its file.
 //!
-//! Decides for the text of the model as it is written here, so that bytes are read by the same reader as any file, with two
-//! things added that a text does not keep: the order of modules, which is the order in which forces are summed, and what
-//! the files hold that it names. Two models of the same bytes give the same sound to the bit, on any machine.
+//! They hold the text of the model as written by this program, so that the usual reader reads them, and two things that
+//! the text lacks: the order of modules, in which forces are summed, and the contents of the files that the model
+//! names. Models with equal bytes give the same sound to the bit, on any machine.
 
 use crate::load::Loaded;
 use crate::{Failure, Found};
@@ -13,17 +13,17 @@ use ca_model::{read, write};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// What bytes of a model begin with.
+/// Prefix of the bytes of a model.
 const MAGIC: &[u8] = b"ca model 1\n";
 
-/// The bytes of a model. Its file and comments are not in them.
+/// Returns the bytes of a model, without its file name and comments.
 ///
 /// # Errors
-/// [`Failure::Found`] of a model whose text has errors: what could not be read has no bytes.
+/// [`Failure::Found`] where the text has errors, since its bytes would lack the unread part.
 pub fn bytes(loaded: &Loaded) -> Result<Vec<u8>, Failure> {
     let model = Model { header: String::new(), ..loaded.model.clone() };
     let text = write::write(&model);
-    // the reader gives names in the order of the text
+    // the reader returns modules in the order of the text
     let (again, found) = read::read(&text, "", &crate::catalog());
     let place: BTreeMap<&str, u64> = again.items.iter().zip(0..).map(|(i, k)| (i.name.as_str(), k)).collect();
     let order: Vec<u64> = model.items.iter().filter_map(|i| place.get(i.name.as_str()).copied()).collect();
@@ -61,20 +61,20 @@ fn put(to: &mut Vec<u8>, part: &[u8]) {
     to.extend(part);
 }
 
-/// What names a scene among machines: the hash of its model's bytes and of its sound rate \[Hz\].
+/// Returns the hash of a model and its sound rate \[Hz\], which identifies a scene on all machines.
 ///
 /// # Errors
-/// Those of [`bytes`].
+/// As [`bytes`].
 pub fn named(loaded: &Loaded, rate: f64) -> Result<blake3::Hash, Failure> {
     let mut all = bytes(loaded)?;
     all.extend(rate.to_le_bytes());
     Ok(blake3::hash(&all))
 }
 
-/// The model of these bytes, called `name`. What is found in it stands in no file.
+/// Reads a model from bytes and calls it `name`. Its findings are not in a file.
 ///
 /// # Errors
-/// [`Failure::Failed`] where they are none of a model.
+/// [`Failure::Failed`] where the bytes are not a model.
 pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Loaded, Failure> {
     parse(bytes, name).ok_or_else(|| Failure::Failed("these bytes are no model of this version".into()))
 }

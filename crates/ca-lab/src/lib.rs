@@ -1,10 +1,9 @@
-//! The work that every program does with a model: find it, play it, judge the sound.
+//! Finds, plays and judges any model: the work that all front ends share.
 //!
-//! The front ends share more than the engine: which word means which model, how long it is played, and when it has diverged. A front end
-//! adds its arguments and its output.
+//! They agree on which word means which model, how long it plays and when it has diverged.
 //!
-//! Begin with [`load`], which finds a model, and [`play`]; `ca-fit`, `ca-sweep`, `ca-accuracy`, `ca-take`, `ca-film`, `ca-pages` and `ca-live` stand on
-//! them. Derivatives are in `ca-gradient`. A program that plays scenes needs `cordis-anima` alone.
+//! [`load`] finds a model, and [`play`] plays it. `ca-fit`, `ca-sweep`, `ca-accuracy`, `ca-take`, `ca-film`, `ca-pages`
+//! and `ca-live` build on them. Derivatives are in `ca-gradient`. To play scenes, a program needs only `cordis-anima`.
 #![forbid(unsafe_code)]
 
 pub mod bytes;
@@ -16,21 +15,21 @@ pub mod watch;
 
 pub use cordis_anima::{Found, Loaded, catalog};
 
-/// Why something could not be done.
+/// Reason why a request failed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Failure {
-    /// the request makes no sense
+    /// The request is invalid.
     Usage(String),
-    /// the request could not be done
+    /// The request could not be carried out.
     Failed(String),
-    /// the model has errors
+    /// The model has errors.
     Found(Box<Found>),
-    /// whoever asked wants no more of it
+    /// The caller stopped it.
     Stopped,
 }
 
 impl Failure {
-    /// In a line: of a model, its first error.
+    /// Returns the message in one line; for a model, its first error.
     pub fn line(self) -> String {
         match self {
             Failure::Usage(what) | Failure::Failed(what) => what,

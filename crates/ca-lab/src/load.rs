@@ -1,7 +1,7 @@
-//! From a word to a model and a scene.
+//! Finds a model by a word, and sets its parameters.
 //!
-//! Decides how the word for a model is understood: a file if there is one of that name, else a bundled model; and that a
-//! word which names nothing gets the nearest name as an answer.
+//! A word for a model is the name of a file or, without such a file, of a bundled model. The message for an unknown
+//! word suggests the nearest name.
 
 use crate::Failure;
 use ca_compile::{Compiled, Options};
@@ -21,24 +21,24 @@ use std::path::Path;
 
 include!(concat!(env!("OUT_DIR"), "/bundled.rs"));
 
-/// Text of a bundled model.
+/// Returns the text of a bundled model.
 pub fn bundled(name: &str) -> Option<&'static str> {
     BUNDLED.iter().find(|m| m.0 == name).map(|m| m.1)
 }
 
-/// Whether a path has this extension, whatever its case.
+/// Returns whether a path has this extension, ignoring case.
 pub fn has_extension(path: &Path, ext: &str) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ext))
 }
 
-/// The model that a word means, without changes.
+/// Loads the model that a word means.
 ///
 /// # Errors
-/// [`Failure::Usage`] where there is none of that name, [`Failure::Failed`] where its file cannot be read. What is wrong
-/// with its text is in [`Loaded::diags`].
+/// [`Failure::Usage`] where there is none of that name; [`Failure::Failed`] where its file cannot be read. Errors in
+/// its text are in [`Loaded::diags`].
 pub fn load(word: &str) -> Result<Loaded, Failure> {
     let path = Path::new(word);
-    // a folder that is called like a bundled model hides none
+    // a folder does not hide a bundled model of the same name
     if path.exists() && !(path.is_dir() && bundled(word).is_some()) {
         Ok(Loaded::open(path)?)
     } else if let Some(text) = bundled(word) {
@@ -48,12 +48,12 @@ pub fn load(word: &str) -> Result<Loaded, Failure> {
     }
 }
 
-/// The model as its author wrote it, with the files it takes parts from as they were read.
+/// Reads a model again as its author wrote it, with the stored texts of the files it takes parts from.
 pub fn read_again(model: &Model) -> Loaded {
     read_other(model, &model.text)
 }
 
-/// The files on disk that a model takes parts from, those too that could not be read, by their paths from its folder.
+/// Returns the paths, from the folder of the model, of the files it takes parts from, including unreadable ones.
 pub fn part_files(model: &Model) -> Vec<String> {
     let asked = model.uses.iter().filter_map(|u| match &u.file.as_ref()?.value {
         Value::Text(t) => Some(t.trim().to_owned()),
@@ -66,7 +66,7 @@ pub fn part_files(model: &Model) -> Vec<String> {
     all
 }
 
-/// The same of a text that was changed.
+/// Reads a changed text with the stored texts of the part files.
 fn read_other(model: &Model, text: &str) -> Loaded {
     Loaded::read_with(text, &model.file, &mut |name| {
         let known = model.files.iter().find(|f| f.name == name);
@@ -75,7 +75,7 @@ fn read_other(model: &Model, text: &str) -> Loaded {
     })
 }
 
-/// A model whose text was changed, with its files as they were read.
+/// Returns a model with a changed text and the stored texts of its files.
 #[must_use]
 pub fn reread(loaded: &Loaded, text: &str) -> Loaded {
     let Loaded { model, diags, .. } = read_other(&loaded.model, text);
@@ -114,10 +114,10 @@ fn no_model(word: &str) -> String {
     }
 }
 
-/// Sets a parameter as [`Model::put`] does, and reads what files it names then; `key[*].f` is that of each instance.
+/// Sets a parameter as [`Model::put`] does, and reads the files it then names; `key[*].f` sets it for each instance.
 ///
 /// # Errors
-/// [`Failure::Usage`] with the nearest name where there is none such.
+/// [`Failure::Usage`] with the nearest name where the parameter does not exist.
 pub fn set(loaded: &mut Loaded, name: &str, value: Value) -> Result<(), Failure> {
     if let Some(each) = instances(&loaded.model, name) {
         return each.iter().try_for_each(|name| set(loaded, name, value.clone()));
@@ -161,14 +161,14 @@ pub fn set(loaded: &mut Loaded, name: &str, value: Value) -> Result<(), Failure>
     Err(Failure::Usage(format!("the model has no `{name}`; {hint}")))
 }
 
-/// Where something stands in the text of a model, in words; nothing for one that was built.
+/// Returns the file and line of a place in the text of a model; `None` for a model without text.
 fn place(model: &Model, span: Span) -> Option<String> {
     let source = model.source(span);
     let known = span.is_some() && !source.text.is_empty();
     known.then(|| format!("{}:{}", source.file, line_column(source.text, source.within(span).start).0))
 }
 
-/// What to say of one module of those that a line makes.
+/// Message for an attempt to set one of the modules that come from one line.
 fn of_member(model: &Model, name: &str) -> Option<String> {
     let (line, rest) = name.split_once('[')?;
     let item = model.items.iter().find(|i| i.name == line)?;
@@ -178,7 +178,7 @@ fn of_member(model: &Model, name: &str) -> Option<String> {
     Some(format!("`{name}`: the modules of `{line}` come from one line and have no numbers of their own to set{fix}"))
 }
 
-/// What to say of a property of a group, which is no parameter.
+/// Message for an attempt to set a property of a group, which is not a parameter.
 fn of_group(model: &Model, name: &str) -> Option<String> {
     let (owner, key) = name.rsplit_once('.')?;
     let group = model.groups.iter().find(|g| g.name == owner && read::GROUP.contains(&key))?;
@@ -192,17 +192,17 @@ fn of_group(model: &Model, name: &str) -> Option<String> {
     })
 }
 
-/// As [`set`], from what was typed: a number, a quantity, a flag or a word.
+/// As [`set`], from typed text: a number, a quantity, a flag or a word.
 ///
 /// # Errors
-/// Those of [`set`], and [`Failure::Usage`] for a list, with the place where it is to be written.
+/// As [`set`], and [`Failure::Usage`] for a list, with the place where it can be written.
 pub fn set_typed(loaded: &mut Loaded, name: &str, text: &str) -> Result<(), Failure> {
     if let Some(each) = instances(&loaded.model, name) {
         return each.iter().try_for_each(|name| set_typed(loaded, name, text));
     }
     let model = &loaded.model;
     let (owner, key) = name.rsplit_once('.').unwrap_or(("", name));
-    // titles and the like are free text
+    // a title may begin with a bracket
     if text.trim_start().starts_with('[') && owner != "model" {
         let item = model.items.iter().find(|i| i.name == owner);
         let args: &[Entry] = item.map_or(&model.params, |i| &i.args);
@@ -220,7 +220,7 @@ fn keys(item: &Item) -> Option<Vec<&'static str>> {
     Some(catalog().get(&item.kind)?.params.iter().map(|p| p.name).collect())
 }
 
-/// Compiles. Findings of reader and compiler together, in order of place; one is not said twice.
+/// Compiles a model and returns the findings of reader and compiler, in order of place and without duplicates.
 pub fn compiled(loaded: &Loaded, options: &Options) -> (Option<Scene>, Diags) {
     match loaded.compile(options) {
         Ok(Compiled { scene, findings, .. }) => (Some(scene), findings),
@@ -228,7 +228,7 @@ pub fn compiled(loaded: &Loaded, options: &Options) -> (Option<Scene>, Diags) {
     }
 }
 
-/// Warnings among findings.
+/// Number of warnings among the findings.
 pub fn warnings(diags: &Diags) -> usize {
     diags.count(Severity::Warning)
 }

@@ -1,7 +1,7 @@
-//! Outcome: whether what was played is as it should be, in a word and a line.
+//! Outcome of a play, as a word and a line.
 //!
-//! Decides the order of what can be wrong: what diverged is not also called too loud, and an input without a value is reported
-//! where nothing is worse.
+//! The worst failure is reported: a diverged sound is not also called too loud, and inputs without a value are reported
+//! only where nothing is worse.
 
 use crate::load::{Loaded, compiled};
 use crate::play::{Divergence, Played, gained};
@@ -11,29 +11,28 @@ use ca_io::gesture::Gesture;
 use ca_io::sound::Level;
 use ca_model::diag::Diags;
 
-/// Message of a scene without outputs.
 const MUTE: &str = "nothing is heard: the model lacks an output, `[SOX]`";
 
-/// What became of a scene that was played.
+/// Outcome of a play.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// `ok`, `clipped`, `unstable`, `refused` (an input lacked a value), `mute` (neither outputs nor probes), `gained` (with the
-    /// energy ledger: its scheme made more than it received) or `invalid` (it does not compile)
+    /// One of `ok`, `clipped`, `unstable`, `refused` (an input lacked a value), `mute` (neither outputs nor probes),
+    /// `gained` (by the energy ledger, the scheme made more than it received) or `invalid` (does not compile).
     pub status: &'static str,
-    /// what went wrong; empty where nothing did
+    /// Description of the failure; empty without one.
     pub message: String,
-    /// when it diverged \[s\], and the module to blame
+    /// Time of divergence \[s\] and the module that caused it.
     pub failed: Option<(f64, String)>,
 }
 
 impl Outcome {
-    /// Of a scene that cannot be compiled, or not played.
+    /// Outcome of a scene that cannot be compiled or played.
     pub fn invalid(message: String) -> Outcome {
         Outcome { status: "invalid", message, failed: None }
     }
 
-    /// Of a scene that was played, with the findings of its compiler. It is compiled again, from `loaded` by `options` with the energy
-    /// ledger, where it diverged: that tells the module to blame.
+    /// Judges a play, with the findings of the compiler. A scene that diverged is compiled again from `loaded` and
+    /// `options`, with the energy ledger, to find the module that caused it.
     pub fn of(
         played: &Played,
         level: &Level,
@@ -56,7 +55,7 @@ impl Outcome {
         }
     }
 
-    /// Of a scene that did not diverge, by its levels, its refused inputs, and whether it has outputs or probes.
+    /// Judges a play without divergence, by its levels, its refused inputs, and whether it has outputs or probes.
     pub fn heard(level: &Level, refused: u64, listened: bool) -> Outcome {
         let ended = |status, message| Outcome { status, message, failed: None };
         if level.clipped + level.non_finite > 0 {

@@ -1,4 +1,4 @@
-//! A play by [`ca_io::play`] and its judgement: its ledger, the cause of its divergence, the time that it lasted.
+//! Judges a play by [`ca_io::play`]: its ledger, the cause of its divergence, its duration.
 
 use ca_core::{Balance, Ledger, LiveParam, Scene};
 use ca_io::gesture::Gesture;
@@ -10,30 +10,30 @@ pub use ca_io::sound::Sample;
 use ca_model::diag::Diags;
 use ca_model::quantity;
 
-/// An energy ledger, and how much time it covers.
+/// Energy ledger and the time it covers.
 pub struct Audit {
-    /// at its end
+    /// Ledger at the end.
     pub ledger: Ledger,
-    /// ticks it covers
+    /// Ticks it covers.
     pub ticks: u64,
-    /// whether it was kept all the time
+    /// True if it covers the whole play.
     pub whole: bool,
-    /// whether the scene diverged at its end
+    /// True if the scene diverged at the end.
     pub diverged: bool,
 }
 
-/// What is audited without being asked \[s\]: long enough for a stroke and what follows it. A whole second of a ledger costs
-/// more than the sound of some models (`benches/render.rs`).
+/// Default time to audit \[s\]: long enough for a stroke and its decay. A whole second of a ledger takes longer than
+/// the sound of some models (`benches/render.rs`).
 const SECONDS: f64 = 0.5;
 
-/// Modules times ticks the audited scene may take: a second of a thousand-mass string. Larger scenes are audited for
-/// less, and the summary says for how long.
+/// Limit of modules times ticks in an audit: a second of a string with a thousand masses. Larger scenes are audited for
+/// less time, which the summary states.
 const AUDITED: u64 = 100_000_000;
 
-/// Ticks between two looks at whether an audited scene has left its range: at every tick a look takes as long as half of it.
+/// Ticks between two checks for divergence in an audit; a check takes half as long as a tick.
 const LOOK: u64 = 64;
 
-/// Plays the first half second once more with the ledger kept, up to the last tick before any divergence.
+/// Plays the first half second again with the ledger, up to the last tick before any divergence.
 pub fn audit(audited: &Scene, gesture: Option<&Gesture>, frames: u64) -> Option<Audit> {
     let afford = AUDITED / (audited.counts.n_mat + audited.counts.n_lia).max(1) as u64;
     let ticks = frames.min((SECONDS * audited.rate) as u64).min(afford).max(1);
@@ -44,7 +44,7 @@ pub fn audit(audited: &Scene, gesture: Option<&Gesture>, frames: u64) -> Option<
     };
     let mut p = bounded(LOOK)?;
     if !p.state.is_bounded(DIVERGED) {
-        // it left its range since the last look: the same up to the very tick
+        // it diverged since the last check: play again up to the exact tick
         p = bounded(1)?;
     }
     let entered = p.state.tick.saturating_sub(1);
@@ -52,21 +52,21 @@ pub fn audit(audited: &Scene, gesture: Option<&Gesture>, frames: u64) -> Option<
     p.player.state.ledger.map(|ledger| Audit { ledger: *ledger, ticks: entered, whole: false, diverged })
 }
 
-/// Why a scene left every range.
+/// Divergence of a scene, with its cause.
 pub struct Divergence {
-    /// \[s\]
+    /// Time \[s\].
     pub time: f64,
-    /// to blame
+    /// Module that caused it.
     pub module: String,
-    /// why it
+    /// Reason.
     pub why: String,
-    /// what to do, where the certificate knows
+    /// Remedy, if the certificate offers one.
     pub fix: Option<String>,
 }
 
 impl Divergence {
-    /// What is to blame, where `played` diverged; `audited` is its scene, with the ledger kept if there is one,
-    /// `findings` those of the compiler.
+    /// Finds the cause where `played` diverged. `audited` is its scene, with the ledger if there is one; `findings` are
+    /// the findings of the compiler.
     pub fn of(played: &Played, audited: &Scene, findings: &Diags, gesture: Option<&Gesture>) -> Option<Divergence> {
         let time = played.diverged_at? as f64 * audited.rates.sample_dt;
         let (module, why) = played.performance.blame(Some(audited), gesture);
@@ -82,7 +82,7 @@ impl std::fmt::Display for Divergence {
     }
 }
 
-/// What the warnings of the compiler offer against the divergence of `module`: those that name it come first.
+/// Returns the remedy that a warning of the compiler offers; warnings that name `module` come first.
 fn fix(findings: &Diags, module: &str) -> Option<String> {
     let list = || findings.list.iter();
     let about = |d: &&ca_model::diag::Diag| matches!(d.code, "W103" | "W104" | "W107" | "W110" | "W105" | "W117");
@@ -91,12 +91,12 @@ fn fix(findings: &Diags, module: &str) -> Option<String> {
     d.help.clone()
 }
 
-/// The time that it was played \[s\]: `seconds`, or less, to the millisecond, if fewer than `frames` were played.
+/// Duration of a play \[s\]: `seconds`, or to the millisecond what was played if it has fewer than `frames`.
 pub fn lasted(scene: &Scene, played: &Played, frames: u64, seconds: f64) -> f64 {
     if played.frames < frames { (played.frames as f64 * scene.rates.sample_dt * 1e3).round() / 1e3 } else { seconds }
 }
 
-/// What to say of each live parameter that stayed at the end of its range, since its gesture went beyond.
+/// Messages about live parameters held at an end of their range because the gesture went beyond.
 pub fn clamped(p: &Performance) -> Vec<String> {
     let one = |(param, v): (&LiveParam, f64)| {
         let show = |v: f64| quantity::show(v, param.unit).trim_end().to_owned();
@@ -108,41 +108,40 @@ pub fn clamped(p: &Performance) -> Vec<String> {
     p.clamped().map(one).collect()
 }
 
-/// The residual of a ledger, as a part of its peak.
+/// Residual of a ledger, relative to its peak.
 pub fn relative(b: &Balance) -> f64 {
     if b.peak > 0.0 { b.residual.abs() / b.peak } else { 0.0 }
 }
 
-/// A residual of the ledger beyond this part of what went through it is none of rounding, which leaves bundled models
-/// below 1e-12.
+/// Residual, relative to the energy through the ledger, that exceeds rounding. Bundled models stay below 1e-12.
 const UNBALANCED: f64 = 1e-6;
 
-/// A residual that nobody asks about \[J\]: what rounding of places leaves of a motion of nanometres.
+/// Residual that is always ignored \[J\]: the rounding of positions in motions of nanometres.
 const NOTHING: f64 = 1e-24;
 
-/// The residual of a ledger, where that is more than rounding makes of what went through it \[J\].
+/// Returns the residual of the ledger where it exceeds rounding \[J\].
 pub fn unbalanced(b: &Balance) -> Option<f64> {
     let through = [b.h0, b.h, b.work, b.lost, b.scheme_error, b.changed].map(f64::abs);
     let scale = through.into_iter().fold(b.peak, f64::max);
-    // a residual that is not a number is none that rounding makes
+    // also true of a residual that is not a number
     let balances = b.residual.abs() <= (UNBALANCED * scale).max(NOTHING);
     (!balances).then_some(b.residual)
 }
 
-/// The energy made by the scheme, if it exceeds the energy received from load, ports, changes and weight \[J\]. The sound is then
-/// an error of the scheme.
+/// Returns the energy made by the scheme \[J\] if it exceeds the energy received from load, ports, changes and weight.
+/// The sound is then an error of the scheme.
 pub fn made(b: &Balance) -> Option<f64> {
     (b.scheme_error > b.received.max(NOTHING)).then_some(b.scheme_error)
 }
 
-/// A message if the scheme made more energy than it received.
+/// Returns a message if the scheme made more energy than it received.
 pub fn gained(b: &Balance) -> Option<String> {
     let made = made(b)?;
     let mend = "use `method = \"stable\"` for its contacts, or raise the sound rate";
     Some(format!("its scheme made {made:.3e} J, more than the {:.3e} J that it received: {mend}", b.received))
 }
 
-/// The gain that would just fit, three digits, towards zero.
+/// Largest gain at which the sound fits, rounded down to three digits.
 pub fn gain(peak: f64) -> f64 {
     let ten = (1.0 / peak).log10().floor() - 2.0;
     let n = (1.0 / peak / 10f64.powf(ten)).floor();
@@ -160,7 +159,7 @@ mod tests {
         assert_eq!(unbalanced(&Balance { residual: 1e-12, ..b }), None);
         assert_eq!(unbalanced(&Balance { residual: -3e-4, ..b }), Some(-3e-4));
         assert!(unbalanced(&Balance { residual: f64::NAN, ..b }).is_some_and(f64::is_nan));
-        // a scene that never had energy to speak of, through which much went
+        // a scene whose energy is always small although much passes through it
         assert_eq!(
             unbalanced(&Balance { residual: 1e-9, work: 5e-3, lost: 5e-3, peak: 1e-8, ..Balance::default() }),
             None

@@ -1,21 +1,21 @@
-//! A file that somebody edits.
+//! Detects changes of a file that is being edited.
 //!
-//! Decides that it is looked at a few times a second, by when it was written and how long it is: that is portable, holds for
-//! editors that write a new file in place of the old and for disks of other machines, and needs no library.
+//! It polls the modification time and the length. This is portable, works with editors that replace the file and with
+//! network disks, and needs no library.
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime};
 
-/// Between two looks: half of what is taken for finished.
+/// Poll interval; a change counts once two polls see the same file.
 pub const LOOK: Duration = Duration::from_millis(60);
 
-/// How long a file is missed before it is gone.
+/// Time for which a file must be missing to be gone.
 const GONE: Duration = Duration::from_secs(1);
 
-/// When a file was written, and how long it is.
+/// Modification time and length.
 type Stamp = (SystemTime, u64);
 
-/// A file as it was read, and as it was last seen.
+/// File as it was read, and as it was last seen.
 struct Watched {
     path: PathBuf,
     read: Option<Stamp>,
@@ -28,8 +28,8 @@ impl Watched {
         Watched { path, read, seen: read }
     }
 
-    /// Whether it is as at the last look, and other than it was read; it counts as read then. One without a byte is being
-    /// written.
+    /// Returns whether the file is unchanged since the last poll but not since it was read, and marks it as read then.
+    /// An empty file is still being written.
     fn look(&mut self) -> bool {
         let stamp = stamp(&self.path);
         let new = stamp.is_some_and(|(_, bytes)| bytes > 0) && stamp == self.seen && stamp != self.read;
@@ -41,24 +41,24 @@ impl Watched {
     }
 }
 
-/// One file, and those it takes parts from.
+/// A model file, and the files it takes parts from.
 pub struct Watch {
     file: Watched,
     beside: Vec<Watched>,
     looked: Instant,
-    /// when it was there, and whether it is known that it is not any more
+    /// When the file was last seen, and whether its absence has been reported.
     there: Instant,
     missed: bool,
 }
 
-/// `None` of what is no file: a pipe would be waited for.
+/// Returns `None` for anything but a regular file: reading a pipe would block.
 fn stamp(path: &Path) -> Option<Stamp> {
     let m = std::fs::metadata(path).ok().filter(std::fs::Metadata::is_file)?;
     Some((m.modified().ok()?, m.len()))
 }
 
 impl Watch {
-    /// The file that a word for a model means; `None` where it means a bundled one.
+    /// Watches the file that a word for a model means; `None` where it means a bundled model.
     pub fn of(model: &str) -> Option<Watch> {
         let file = Watched::new(PathBuf::from(model));
         file.read?;
@@ -66,7 +66,7 @@ impl Watch {
         Some(Watch { file, beside: Vec::new(), looked: now, there: now, missed: false })
     }
 
-    /// Looks at these files too, named from the folder of the model; those that it looked at before are as they were read then.
+    /// Watches these files too, by paths from the folder of the model. Files that were watched before keep their state.
     pub fn also(&mut self, names: &[String]) {
         let folder = self.file.path.parent().unwrap_or(Path::new("")).to_owned();
         let mut before = std::mem::take(&mut self.beside);
@@ -76,8 +76,7 @@ impl Watch {
         }
     }
 
-    /// Whether it or a file beside was written since it was read, and is as it was at the last look; it counts as read then. To
-    /// be asked again and again.
+    /// Polls the files. Returns whether one was written since it was read and is complete, and marks it as read then.
     pub fn is_new(&mut self) -> bool {
         let now = Instant::now();
         if now < self.looked + LOOK {
@@ -94,7 +93,7 @@ impl Watch {
         new
     }
 
-    /// Whether it has not been there for a while; once each time. Editors that write a new file may remove the old one before.
+    /// Returns true once when the file has been missing for a while: some editors remove a file before they replace it.
     pub fn is_gone(&mut self) -> bool {
         let gone = !self.missed && self.looked > self.there + GONE;
         self.missed |= gone;

@@ -1,4 +1,4 @@
-//! Edit and hear: a separate thread reads and compiles a model that was saved or changed.
+//! Edit and hear: reads and compiles a saved or changed model on a separate thread.
 
 use crate::request::ModelSource;
 use ca_compile::Options;
@@ -14,16 +14,16 @@ use ca_view::Drawing;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
-/// The files that a model takes parts from, and the result.
+/// Files from which the model takes parts, and the result.
 type Making = (Vec<String>, Result<Box<Made>, session::Refused>);
 
 /// Compiles versions of a model, each on a separate thread, and watches the file of the model.
 pub(crate) struct Compiler {
     source: ModelSource,
     options: Options,
-    /// the file, where the model is one
+    /// Watched file, if the model comes from one.
     file: Option<Watch>,
-    /// the compilation under way
+    /// Receiver of the running compilation.
     making: Option<Receiver<Making>>,
 }
 
@@ -82,7 +82,6 @@ impl Maker for Compiler {
     }
 }
 
-/// Reads and compiles.
 fn make(
     source: &ModelSource,
     changes: &[(String, String)],

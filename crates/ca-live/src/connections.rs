@@ -1,4 +1,5 @@
-//! Connections to other processes: devices by the gateway, `ca set`, `ca disarm` and the like by the control.
+//! Connections to other processes: devices through the gateway, commands such as `ca set` and `ca disarm` through the
+//! control.
 
 use crate::language::ModelLanguage;
 use crate::report::Traffic;
@@ -19,16 +20,17 @@ use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
-/// Delay of claims by a server without the control, so that the server with the control is first.
+/// Delay of claims by a server without the control, so that the server with the control claims first.
 const SECOND: Duration = Duration::from_millis(300);
 
-/// Open lines. A scene without devices, live parameters and page needs none; the control also ends and sets a page.
+/// Open connections. A scene without devices, live parameters and a page needs none. The control also serves to stop a
+/// page and to set its parameters.
 pub(crate) struct Connections {
     names: Vec<String>,
     setups: Vec<Setup>,
-    /// what the scene wants of devices that nobody has described, and what they may do at most
+    /// Degrees of freedom used and upper limits, for each device without a description.
     unknown: Vec<Option<Undescribed>>,
-    /// devices that said what they are, and the engine does not know it yet
+    /// Devices whose description the engine has not received yet.
     refits: Vec<u32>,
     site: Option<Site>,
     control: Option<ControlServer>,
@@ -37,8 +39,10 @@ pub(crate) struct Connections {
 }
 
 impl Connections {
-    /// Opens what the scene needs. Beside another server, which has the control of this user, a scene with a `page` goes without: it
-    /// is set and armed in its page. The other server has a device first that both name.
+    /// Opens the connections that the scene needs.
+    ///
+    /// If another server holds the control of this user, a scene with a `page` runs without the control and is set and
+    /// armed in its page. A device named by both servers goes to the other one first.
     pub(crate) fn open(
         (setups, unknown): (&[Setup], Vec<Option<Profile>>),
         scene: &Scene,
@@ -91,8 +95,7 @@ impl Connections {
         Ok(talk)
     }
 
-    /// Closes the lines once the last force is sent. What went over those of all devices: received, of these foreign,
-    /// never seen, no room; sent, not sent.
+    /// Closes the connections after the last force was sent. Returns the frame counts summed over all devices.
     pub(crate) fn end(self) -> Option<Traffic> {
         let gateway = self.gateway?;
         let t = gateway.traffic.clone();
@@ -114,13 +117,14 @@ impl Connections {
         self.gateway.as_ref().map(|g| g.granted.to_string())
     }
 
-    /// What each device is, as far as is known.
+    /// Returns the setups of the devices, or `None` while the engine has not received all descriptions.
     pub(crate) fn setups(&self) -> Option<&[Setup]> {
         self.refits.is_empty().then_some(&self.setups)
     }
 
-    /// One turn: what devices do, what people ask. True where somebody asked to stop. `change` takes numbers of
-    /// the model that are not live, where it can be made anew.
+    /// Handles events of devices and requests of users. Returns true if a user requests a stop.
+    ///
+    /// `change` sets numbers of the model that are not live, if the model can be compiled again.
     pub(crate) fn turn(&mut self, recorder: &mut Recorder, sweep: bool, mut change: Option<Change<'_>>) -> bool {
         while let Ok((k, event)) = self.events.try_recv() {
             let name = self.names.get(k as usize).map_or("?", String::as_str);
@@ -154,7 +158,7 @@ impl Connections {
                 }
             }
         }
-        // an engine that has more to do than it can take is asked again
+        // a busy engine is asked again at the next iteration
         self.refits.retain(|k| recorder.refit(*k, self.setups[*k as usize].clone()).is_err());
         if let (true, Some(site), Some(_)) = (sweep, &self.site, &self.gateway) {
             site.sweep();
@@ -162,7 +166,7 @@ impl Connections {
         let mut leave = false;
         if let Some(control) = &mut self.control {
             control.poll(&mut |request| {
-                // a borrow for each request
+                // reborrows for each request
                 let change: Option<Change<'_>> = match &mut change {
                     Some(change) => Some(*change),
                     None => None,

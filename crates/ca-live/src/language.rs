@@ -1,11 +1,11 @@
-//! The language of models, for sessions.
+//! Model language, for sessions.
 
 use ca_core::{LiveParam, Scene};
 use ca_lab::facts::certificate;
 use ca_model::{quantity, suggest};
 use ca_session::Language;
 
-/// Quantities and names as models write them.
+/// Parses quantities and suggests names as models write them.
 pub struct ModelLanguage;
 
 impl Language for ModelLanguage {

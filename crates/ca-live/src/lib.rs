@@ -1,11 +1,12 @@
-//! A model played in real time: its engine, sound, MIDI, OSC, page, devices and files, as `ca serve`, `ca play` and Python use it.
+//! Plays a model in real time with its engine, sound, MIDI, OSC, page, devices and files. Used by `ca serve`, `ca play`
+//! and Python.
 //!
-//! [`play`] runs a whole performance on the calling thread: a [`Request`] says what is played and by what, a [`Listener`] gets
-//! the messages, and the result is a [`Report`]. Nothing is printed here, and nothing ends the process.
+//! [`play`] runs a whole performance on the calling thread. A [`Request`] describes the performance, a [`Listener`]
+//! receives the messages, and the result is a [`Report`]. This crate prints nothing and never ends the process.
 //!
-//! The engine thread computes, the gateway thread moves frames between shared memory and rings, and threads of files write. The
-//! calling thread does everything else that may take time. A model with devices alone gets a gateway and
-//! shared memory; a model with live parameters, or a page, gets a control.
+//! The engine thread computes, the gateway thread moves frames between shared memory and rings, and file threads write.
+//! The calling thread does everything else that may block. Only a model with devices gets a gateway and shared memory.
+//! Only a model with devices or live parameters, or a page, gets a control.
 #![forbid(unsafe_code)]
 
 mod compiler;

@@ -1,4 +1,4 @@
-//! The sinks of a performance: the messages, the sound file and the take, each on a separate thread.
+//! Sinks of a performance: the messages, the sound file and the take, each written on a separate thread.
 
 use crate::request::Listener;
 use ca_core::Scene;
@@ -14,20 +14,20 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Longest wait at the end for a terminal that stands still.
+/// Longest wait at the end for a blocked terminal.
 const TERMINAL: Duration = Duration::from_secs(1);
 
-/// Refuses to write the sound of a performance to a file with another ending than `.wav`, and to standard output, which has the
-/// summary.
+/// Checks the path for the sound of a performance. Refuses extensions other than `.wav`, and standard output, because
+/// the summary goes there.
 ///
 /// # Errors
-/// [`Failure::Usage`] with the reason.
+/// Returns [`Failure::Usage`] with the reason.
 pub fn check_wav_path(path: &Path) -> Result<(), Failure> {
     if atomic_file::is_stdout(path) {
         let what = format!("`{}`: the summary goes to standard output", path.display());
         return Err(Failure::Usage(format!("{what}; name a file `.wav` or a FIFO")));
     }
-    // a device such as /dev/null does not need an ending
+    // a device such as /dev/null does not need an extension
     let plain = !path.exists() || path.is_file();
     if plain && !has_extension(path, "wav") {
         let what = format!("`{}`: sound is written as WAV", path.display());
@@ -36,7 +36,6 @@ pub fn check_wav_path(path: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The messages of a performance.
 struct Words(Arc<dyn Listener>);
 
 impl Sink for Words {
@@ -60,11 +59,11 @@ pub(crate) struct Output {
     words: Option<AsyncSink<Words>>,
     sound: Option<AsyncSink<WavSink>>,
     take: Option<AsyncSink<TakeWriter>>,
-    /// dropped after `take`, so that its file is closed when it is removed
+    /// Dropped after `take`, so that the file is closed before it is removed.
     unplayed: Unplayed,
 }
 
-/// The file of a take without a frame yet, which is removed if the performance does not begin.
+/// Path of a take without frames. The file is removed if the performance does not begin.
 struct Unplayed(Option<PathBuf>);
 
 impl Drop for Unplayed {
@@ -76,7 +75,8 @@ impl Drop for Unplayed {
 }
 
 impl Output {
-    /// The messages alone; the recorder itself gives them to the listener if it `waits` for it.
+    /// Opens the sink for messages. If `waits` is true, the recorder calls the listener directly instead of through a
+    /// thread.
     pub(crate) fn open(listener: &Arc<dyn Listener>, waits: bool, capacity: BufferLimits) -> Result<Output, Failure> {
         let mut output = Output { sinks: Vec::new(), words: None, sound: None, take: None, unplayed: Unplayed(None) };
         let words = Words(listener.clone());
@@ -88,12 +88,10 @@ impl Output {
         Ok(output)
     }
 
-    /// The sinks that the recorder gets.
     pub(crate) fn sinks(&mut self) -> &mut Vec<Box<dyn Sink>> {
         &mut self.sinks
     }
 
-    /// Begins the sound file.
     pub(crate) fn sound(
         &mut self,
         path: Option<&Path>,
@@ -110,7 +108,6 @@ impl Output {
         Ok(())
     }
 
-    /// Begins the take.
     pub(crate) fn take(
         &mut self,
         path: Option<&Path>,
@@ -129,33 +126,33 @@ impl Output {
         self.take.is_some()
     }
 
-    /// The performance has begun: its take is kept.
+    /// Marks the performance as begun, so that its take is kept.
     pub(crate) fn begun(&mut self) {
         self.unplayed.0 = None;
     }
 
-    /// Names of the threads of files, with the grants of the system.
+    /// Returns the names of the file threads, with the scheduling granted by the system.
     pub(crate) fn granted(&self) -> Vec<(String, String)> {
         let sound = self.sound.as_ref().map(|w| ("sound file".to_string(), w.granted().to_string()));
         let take = self.take.as_ref().map(|t| ("take".to_string(), t.granted().to_string()));
         sound.into_iter().chain(take).collect()
     }
 
-    /// Waits for the messages, for a limited time.
+    /// Waits for pending messages, at most [`TERMINAL`].
     pub(crate) fn leave_terminal(&mut self) {
         if let Some(words) = self.words.take() {
             words.leave(TERMINAL);
         }
     }
 
-    /// Finishes the files, and adds failures to the summary.
+    /// Closes the files and adds failures to the summary.
     pub(crate) fn finish(
         mut self,
         shared: &Shared,
         summary: &mut Summary,
         listener: &dyn Listener,
     ) -> (Option<Written>, Option<Finished>) {
-        // records without a place in the rings, and those that waited for the take too long
+        // records lost because the rings were full, or because the take was written too slowly
         let waited = self.take.as_ref().map_or([0; 3], AsyncSink::lost);
         let lost = std::array::from_fn(|k| shared.lost()[k] + waited[k]);
         let mut broken = |e: FileError| {
@@ -172,7 +169,7 @@ impl Output {
         (written, finished)
     }
 
-    /// Adds a sink that a separate thread writes.
+    /// Adds a sink with a writer thread.
     fn aside<T: Sink + Send + 'static>(
         &mut self,
         name: &str,

@@ -1,4 +1,4 @@
-//! The page of a performance: gives its requests to the session.
+//! Page of a performance: passes its requests to the session.
 
 use crate::compiler::Compiler;
 use crate::inputs::Inputs;
@@ -17,19 +17,18 @@ use std::any::Any;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// The usual port of a page.
+/// Default TCP port of a page.
 const PORT: u16 = 8730;
 
-/// The performance for which a page opens.
+/// Performance for which a page opens.
 pub(crate) struct Opening<'a> {
     pub(crate) request: &'a Request,
     pub(crate) scene: &'a Arc<Scene>,
     pub(crate) options: &'a Options,
-    /// the header of a take, for a performance without devices that writes none
+    /// Header of a take, for a performance without devices that does not write a take itself.
     pub(crate) header: Option<Header>,
 }
 
-/// A page and its session.
 pub(crate) struct Desk {
     page: Page,
     session: Session,
@@ -39,7 +38,7 @@ impl Desk {
     /// Opens the page and adds its sinks.
     ///
     /// # Errors
-    /// If the port is taken.
+    /// Fails if the port is in use.
     pub(crate) fn open(
         options: PageOptions,
         opening: Opening<'_>,
@@ -88,28 +87,29 @@ impl Desk {
         self.page.address()
     }
 
-    /// The sound has another output.
+    /// Reports the output that plays the sound now.
     pub(crate) fn sounds_by(&mut self, host: &str) {
         self.session.sounds_by(host);
     }
 
-    /// Changes a number of the model, as by `--set`.
+    /// Changes a number of the model, as `--set` does.
     ///
     /// # Errors
-    /// In words, if the model cannot be compiled again.
+    /// Returns the reason if the model cannot be compiled again.
     pub(crate) fn change(&mut self, name: &str, value: &str) -> Result<(), Refused> {
         self.session.change(name, value)
     }
 
-    /// Closes the page and ends the session; its files are finished when the result is dropped.
+    /// Closes the page and ends the session. Its files are finished when the result is dropped.
     pub(crate) fn close(self) -> Box<dyn Any> {
         let Desk { page, session } = self;
         drop(page);
         Box::new(session.close())
     }
 
-    /// One turn: requests of pages, at least one and none after `end`, and messages to pages. The model is not replaced while
-    /// `setups` is `None`. True if a page asks to stop.
+    /// Handles requests of pages until `end`, but at least one, and sends messages to pages.
+    ///
+    /// The model is not replaced while `setups` is `None`. Returns true if a page requests a stop.
     pub(crate) fn turn(
         &mut self,
         recorder: &mut Recorder,

@@ -1,4 +1,4 @@
-//! A performance from its request to its report.
+//! Runs a performance from its request to its report.
 
 use crate::connections::Connections;
 use crate::inputs::Inputs;
@@ -27,33 +27,33 @@ use std::sync::mpsc::Receiver;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Between two turns of the recorder, and the most time that inputs, and then pages, take of one.
+/// Period of the recorder loop, and time limit per iteration for the inputs and again for the pages.
 const TURN: Duration = Duration::from_millis(2);
 
-/// Between two sweeps of dead processes, in turns.
+/// Iterations between two cleanups after dead processes.
 const SWEEP: u64 = 250;
-/// Pictures a second in a take.
+/// Pictures per second in a take.
 const PICTURES: u32 = 60;
-/// Places of the largest scene whose state is hashed every second.
+/// Limit on the masses of a scene whose state is hashed every second.
 const HASHED: usize = 10_000;
-/// Longest wait of the engine for a device that sets the pace \[ns\].
+/// Longest wait of the engine for a device that provides the clock \[ns\].
 const PATIENCE: u64 = 100_000_000;
-/// Nice value of this thread and the threads of files: they get twelve times the processor time of another program.
+/// Nice value of this thread and the file threads. It gives them twelve times the processor time of another program.
 const NICE: i8 = -11;
 
-/// A model that is compiled for the devices it meets.
+/// A model compiled for its devices.
 struct Compiled {
     options: Options,
     scene: Arc<Scene>,
-    /// the devices as described, and of those without a description the most they may do
+    /// Devices as described, and the limits of devices without a description.
     setups: Vec<Setup>,
     unknown: Vec<Option<Profile>>,
-    /// the same devices with softened couplings, and these in words
+    /// The same devices with softened couplings, and messages about these.
     played: Vec<Setup>,
     softened: Vec<String>,
 }
 
-/// All threads and lines of a performance besides the engine.
+/// Threads and connections of a performance, except the engine.
 struct Parts {
     recorder: Recorder,
     connections: Connections,
@@ -64,12 +64,12 @@ struct Parts {
     shared: Arc<Shared>,
 }
 
-/// Plays in real time until the length is over, or until it is stopped: by `shared` of [`Listener::begins`], `ca stop`, the page,
-/// or [`Request::asked`].
+/// Plays in real time until the length is reached or the performance is stopped. The `shared` of [`Listener::begins`],
+/// `ca stop`, the page and [`Request::asked`] can stop it.
 ///
 /// # Errors
-/// [`Failure::Found`] if the model has errors, [`Failure::Usage`] if the request does not fit the model, and
-/// [`Failure::Failed`] if something cannot be opened. Nothing was played then, and no file is left.
+/// Returns [`Failure::Found`] if the model has errors, [`Failure::Usage`] if the request does not fit the model, and
+/// [`Failure::Failed`] if something cannot be opened. In these cases nothing was played and no file is left.
 pub fn play(request: Request, listener: &Arc<dyn Listener>) -> Result<Report, Failure> {
     let Compiled { options, scene, setups, unknown, played, softened } = compile(&request, &**listener)?;
     let names = devices(&scene);
@@ -83,13 +83,13 @@ pub fn play(request: Request, listener: &Arc<dyn Listener>) -> Result<Report, Fa
     let session = ca_haptic::host::session();
     let engine = setup::engine(scene.clone(), &played, session);
 
-    // the rings must be emptied and people answered on a busy machine too; threads inherit it
+    // the rings must be drained, and users answered, on a busy machine too; threads inherit the value
     let busy = RtRequest { nice: (request.thread.priority > 0).then_some(NICE), ..RtRequest::default() };
     rt::ask(busy);
     let shared = Arc::new(Shared::default());
     listener.begins(&shared);
     let capacity = BufferLimits::of(&scene);
-    // a terminal may stand still: neither a hand nor a page waits for it
+    // a terminal may block, so devices and pages must not wait for it
     let waits = names.is_empty() && request.page.is_none();
     let mut output = Output::open(listener, waits, capacity)?;
     output.sound(request.files.sound.as_deref(), &scene, (capacity, busy))?;
@@ -133,7 +133,7 @@ pub fn play(request: Request, listener: &Arc<dyn Listener>) -> Result<Report, Fa
     }
 
     let clock = match request.devices.pace {
-        // the clock of the sound device, if there is one
+        // the clock of the sound device takes over if there is one
         Pace::Monotonic => Clock::Audio,
         Pace::Device => Clock::Device { patience: PATIENCE },
     };
@@ -142,7 +142,7 @@ pub fn play(request: Request, listener: &Arc<dyn Listener>) -> Result<Report, Fa
     let every = RecordIntervals {
         energy: each(100.0, request.energy),
         view: each(f64::from(PICTURES), looks),
-        // of a large state it would take longer than a frame has
+        // hashing a large state would take longer than a frame
         hash: each(1.0, looks && scene.counts.n_mat <= HASHED),
     };
     let frames = request.seconds.map(|s| (s * frame_rate).round().max(1.0) as u64);
@@ -166,7 +166,7 @@ pub fn play(request: Request, listener: &Arc<dyn Listener>) -> Result<Report, Fa
     }
 
     let engine = parts.attend(engine);
-    // files of the page are finished after all records have come
+    // the page can finish its files only after all records have arrived
     let files = parts.desk.map(Desk::close);
     parts.sound.end(scene.rate);
     let traffic = parts.connections.end();
@@ -203,14 +203,14 @@ fn compile(request: &Request, listener: &dyn Listener) -> Result<Compiled, Failu
     Ok(Compiled { options, scene, setups, unknown, played, softened })
 }
 
-/// The request of a thread, `lower` than the engine.
+/// Returns the scheduling request of a thread, with its priority changed by `lower` relative to the engine.
 fn thread(options: ThreadOptions, lower: i32) -> RtRequest {
     let priority = (options.priority > 0).then(|| (i32::from(options.priority) + lower).clamp(1, 99) as u8);
     let of_engine = lower == 0;
     RtRequest { priority, cpu: options.cpu.filter(|_| of_engine), lock: options.lock && of_engine, nice: None }
 }
 
-/// Starts the engine on its thread. The grants of the system are known before the first frame.
+/// Starts the engine on its thread. Also returns the scheduling granted by the system, known before the first frame.
 fn engine_thread(live: Live, request: RtRequest, frames: Option<u64>) -> Result<(JoinHandle<Engine>, String), Failure> {
     let (tell, reported) = std::sync::mpsc::channel();
     let thread = std::thread::Builder::new()
@@ -224,7 +224,7 @@ fn engine_thread(live: Live, request: RtRequest, frames: Option<u64>) -> Result<
 }
 
 impl Parts {
-    /// Reports what plays the sound.
+    /// Reports the output that plays the sound.
     fn say_sound(&mut self, channels: usize) {
         match self.recorder.heard() {
             Some((device, ms)) => self.recorder.say(false, format!("sound: {device}, {ms:.1} ms after the model")),
@@ -259,7 +259,7 @@ impl Parts {
         thread.join()
     }
 
-    /// One turn of all inputs. True if one of them asks to stop.
+    /// Handles all inputs once. Returns true if one of them requests a stop.
     fn turn(&mut self, sweep: bool) -> bool {
         let (recorder, desk) = (&mut self.recorder, &mut self.desk);
         let mut leave = match desk {
@@ -271,7 +271,7 @@ impl Parts {
             let change = change.as_mut().map(|change| change as ca_session::Change<'_>);
             let _ = reply.send(answer(recorder, &crate::ModelLanguage, request, &mut leave, change));
         }
-        // requests without end wait; an order to disarm came before
+        // an endless stream of requests has to wait, since orders to disarm were handled above
         let end = Instant::now() + TURN;
         self.inputs.turn(recorder, end);
         let end = Instant::now() + TURN;

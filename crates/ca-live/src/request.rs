@@ -1,4 +1,4 @@
-//! The options of a performance, and the receiver of its messages.
+//! Options of a performance, and the trait that receives its messages.
 
 use ca_haptic::control;
 use ca_haptic::serve::Shared;
@@ -10,149 +10,149 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender};
 
-/// Reads a model again, after its file was changed.
+/// Reads a model again after its file was changed.
 pub type Reader = Arc<dyn Fn() -> Result<Loaded, Failure> + Send + Sync>;
 
-/// A model, and how it is read again.
+/// A model, and how to read it again.
 #[derive(Clone)]
 pub struct ModelSource {
-    /// the word that means the model: a path, or a name
+    /// Word that names the model: a path or a name.
     pub word: String,
-    /// reads it, without `changes`
+    /// Reads the model without `changes`.
     pub read: Reader,
-    /// parameters that are set in it, as by `--set`
+    /// Parameters set in the model, as by `--set`.
     pub changes: Vec<(String, String)>,
-    /// sound rate \[Hz\]; the rate of the model if none
+    /// Sound rate \[Hz\]; if `None`, the rate of the model.
     pub rate: Option<f64>,
 }
 
-/// The page in a browser.
+/// Options of the page in a browser.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PageOptions {
-    /// TCP port; the usual one or a free one if none
+    /// TCP port; if `None`, the default port or a free one.
     pub port: Option<u16>,
-    /// other pages of this machine may show it in a frame
+    /// Lets other pages of this machine show the page in a frame.
     pub framed: bool,
-    /// it may arm the forces of devices
+    /// Lets the page arm the forces of devices.
     pub allow_arm: bool,
-    /// modules without influence on any output are left out
+    /// Omits modules without influence on any output.
     pub lean: bool,
 }
 
-/// The output of the sound.
+/// Options of the sound output.
 #[derive(Clone, Debug, Default)]
 pub struct SoundOptions {
-    /// a server, a device, the empty word for the default device, or `page`; with a page and no name, a server that runs
+    /// Server, device, `page`, or an empty string for the default device. If `None`, a page uses a running server.
     pub device: Option<String>,
-    /// frames at once; the output chooses if there is none
+    /// Frames per buffer; if `None`, the output chooses.
     pub buffer: Option<u32>,
 }
 
-/// MIDI and OSC.
+/// Options of MIDI and OSC.
 #[derive(Clone, Debug, Default)]
 pub struct InputOptions {
-    /// a device, a pipe or a file of raw MIDI; all devices of the machine for an empty path
+    /// Device, pipe or file of raw MIDI. An empty path means all devices of the machine.
     pub midi: Option<PathBuf>,
-    /// a UDP port for OSC; 0 takes a free one
+    /// UDP port for OSC; 0 takes a free one.
     pub osc: Option<u16>,
-    /// the file with the token of OSC; the one beside the profiles of the user if none
+    /// File with the OSC token; if `None`, the file beside the profiles of the user.
     pub osc_token: Option<PathBuf>,
 }
 
-/// Starts a gesture frame.
+/// Clock that starts the gesture frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Pace {
-    /// the clock of this machine, or of the sound device
+    /// Clock of this machine or of the sound device.
     #[default]
     Monotonic,
-    /// each frame of the first device
+    /// Each frame of the first device.
     Device,
 }
 
-/// Force devices.
+/// Options of force devices.
 #[derive(Clone, Debug, Default)]
 pub struct DeviceOptions {
-    /// profiles, as `[DEVICE=]PROFILE`
+    /// Profiles, as `[DEVICE=]PROFILE`.
     pub profiles: Vec<String>,
-    /// calibrations, as `DEVICE=FILE`
+    /// Calibrations, as `DEVICE=FILE`.
     pub calibrations: Vec<String>,
-    /// all are armed at the start
+    /// Arms all devices at the start.
     pub arm: bool,
-    /// starts gesture frames
+    /// Clock of the gesture frames.
     pub pace: Pace,
 }
 
-/// Files that are written.
+/// Output files.
 #[derive(Clone, Debug, Default)]
 pub struct FileOptions {
-    /// the sound, as WAV
+    /// Path of the sound file (WAV).
     pub sound: Option<PathBuf>,
-    /// the take, as MCAP
+    /// Path of the take (MCAP).
     pub take: Option<PathBuf>,
 }
 
-/// The engine thread.
+/// Options of the engine thread.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ThreadOptions {
-    /// priority (`SCHED_FIFO`), 0 to 99; 0 asks for none
+    /// `SCHED_FIFO` priority from 1 to 99; 0 requests none.
     pub priority: u8,
-    /// the core it stays on
+    /// Processor core to which the thread is bound.
     pub cpu: Option<usize>,
-    /// keeps the memory of the process in RAM
+    /// Locks the memory of the process in RAM.
     pub lock: bool,
 }
 
-/// A request of the program that plays, as of `ca set`, with the place for its answer.
+/// A request from the calling program, such as `ca set` makes, and the sender for its answer.
 pub type Asked = (control::Request, Sender<control::Reply>);
 
-/// A performance.
+/// Request of a performance.
 pub struct Request {
-    /// the model
+    /// The model.
     pub source: ModelSource,
-    /// the same, read and with its changes
+    /// The same model, read and with its changes.
     pub loaded: Loaded,
-    /// the page, if there is one
+    /// Page, if there is one.
     pub page: Option<PageOptions>,
-    /// output of the sound
+    /// Sound output.
     pub sound: SoundOptions,
-    /// MIDI and OSC
+    /// MIDI and OSC.
     pub inputs: InputOptions,
-    /// force devices
+    /// Force devices.
     pub devices: DeviceOptions,
-    /// files that are written
+    /// Output files.
     pub files: FileOptions,
-    /// the engine thread
+    /// Engine thread.
     pub thread: ThreadOptions,
-    /// length \[s\]; until stopped if none
+    /// Length \[s\]; if `None`, until stopped.
     pub seconds: Option<f64>,
-    /// plays the gesture of the model from the start
+    /// Plays the gesture of the model from the start.
     pub gesture: bool,
-    /// keeps the energy ledger
+    /// Computes the energy ledger.
     pub energy: bool,
-    /// requests of the program that plays
+    /// Requests from the calling program.
     pub asked: Option<Receiver<Asked>>,
 }
 
 /// Receives the messages of a performance, from several of its threads.
 pub trait Listener: Send + Sync {
-    /// For information.
+    /// Receives information.
     fn note(&self, text: &str);
 
-    /// Something is not as it should be.
+    /// Receives a warning.
     fn warning(&self, text: &str);
 
-    /// Something failed, and the performance goes on or ends.
+    /// Receives an error. The performance may go on.
     fn error(&self, text: &str);
 
-    /// The warnings about the model.
+    /// Receives the warnings about the model.
     fn findings(&self, findings: &Diags, model: &Model);
 
-    /// The course of the performance; a quiet program leaves this out.
+    /// Receives progress messages, which a quiet program omits.
     fn progress(&self, text: &str);
 
-    /// From here on `stop` of `shared` ends the performance. Files are written after this call.
+    /// Called before any file is written. From then on, `stop` of `shared` ends the performance.
     fn begins(&self, shared: &Arc<Shared>);
 
-    /// The performance runs, and its page has this address.
+    /// Called with the address of the page, once the performance runs.
     fn page_opened(&self, address: &str);
 }

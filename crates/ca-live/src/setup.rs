@@ -1,4 +1,4 @@
-//! From a scene and what was typed to an engine with its devices.
+//! Builds an engine with its devices from a scene and the device options.
 
 use crate::request::{DeviceOptions, Listener};
 use ca_core::Scene;
@@ -12,7 +12,7 @@ use ca_lab::load::ticked;
 use ca_take::{beyond, devices, dofs};
 use std::sync::Arc;
 
-/// Everything that belongs to each device; and of each that nobody has described, what it may do at most.
+/// Returns the setup of each device, and the limits of each device without a profile.
 pub(crate) fn setups(
     options: &DeviceOptions,
     scene: &Scene,
@@ -46,7 +46,7 @@ pub(crate) fn setups(
         }
         unknown.push(profile.is_unknown().then(|| profile.clone()));
         if profile.is_unknown() {
-            // what it is comes from the device, which may come later
+            // the description comes from the device, which may connect later
             profile = profile.undescribed(wanted);
         } else if wanted > profile.dof {
             if profile.axes > 1 {
@@ -73,7 +73,6 @@ fn failure(e: ToolError) -> Failure {
     }
 }
 
-/// The failure that an error of shared memory is.
 pub(crate) fn host_failure(e: &HostError) -> Failure {
     match e.kind {
         HostErrorKind::Site | HostErrorKind::Name => Failure::Usage(e.to_string()),
@@ -81,7 +80,6 @@ pub(crate) fn host_failure(e: &HostError) -> Failure {
     }
 }
 
-/// The engine.
 pub(crate) fn engine(scene: Arc<Scene>, setups: &[Setup], session: u64) -> Engine {
     let ports = setups.iter().map(|s| Port::new(&scene, s.clone())).collect();
     Engine::new(scene, ports, Options { session, ..Options::default() })

@@ -1,6 +1,7 @@
-//! The sound of a performance: an output of [`ca_audio`] by its name.
+//! Opens the sound output of a performance by its name, through [`ca_audio`].
 //!
-//! With a page and no name, the first server plays that runs and takes the model as it is; absent servers are not mentioned.
+//! With a page and without a name, the first running server that accepts the model plays the sound. Servers that do not
+//! run are not mentioned.
 
 use crate::request::{Listener, Pace, Request};
 use ca_audio::{AudioRequest, DEFAULT, Opened, PAGE, Switch, SwitchOptions};
@@ -12,11 +13,11 @@ use ca_io::gesture::port_maps;
 use ca_lab::Failure;
 use std::sync::Arc;
 
-/// Opens the output that is requested, or with a page a server that runs. Gives the end of the engine too, if an output can be
-/// chosen.
+/// Opens the requested output or, with a page, a running server. If outputs can be switched, also returns the engine's
+/// side of the connection.
 ///
 /// # Errors
-/// If the output does not open.
+/// Fails if the output does not open.
 pub(crate) fn open(
     request: &Request,
     scene: &Arc<Scene>,
@@ -26,7 +27,7 @@ pub(crate) fn open(
 ) -> Result<(Switch, Option<Outlet>), Failure> {
     let page = request.page.is_some();
     let named = request.sound.device.is_some();
-    // in a page a controller may be bound to a parameter of any model
+    // in a page, a controller may be bound to a parameter of any model
     let midi = page || !port_maps(scene).is_empty();
     let wants = AudioRequest { scene: scene.clone(), buffer: request.sound.buffer, midi, thread };
     let found = first(request, &wants, listener)?;
@@ -35,7 +36,7 @@ pub(crate) fn open(
     Ok((switch, (open || named).then_some(outlet)))
 }
 
-/// Opens the output that plays first, and gives its name.
+/// Opens the output that plays first, and returns it with its name.
 fn first(
     request: &Request,
     wants: &AudioRequest,

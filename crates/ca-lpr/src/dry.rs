@@ -1,9 +1,10 @@
-//! Set-valued Coulomb friction across two worlds: what sticks stands still in the sum of two motions (docs/numerics.md §3.5, §4.1).
+//! Set-valued Coulomb friction across two worlds (docs/numerics.md §3.5, §4.1).
 //!
-//! Decides for the law of the core ([`coulomb`]) over the gradient of both ports, b = (−u, u, −1, 1): r is what all other forces
-//! make of b·d, c = Σ b² T²/m is the mobility of all four ends, and F = r/c leaves none of it. A port in space has its direction at the tick; while
-//! it turns, what is left of the motion after a tick is of the second order, and so is the heat of what sticks. Alone on its places: no law
-//! is solved together with others over four ends, and the compiler refuses what shares a mass.
+//! While a link sticks, the sum of its two motions is zero. [`coulomb`] of the core acts on the gradient of both ports,
+//! b = (−u, u, −1, 1): r is the next change of b·x by all other forces, c = Σ b² T²/m the mobility of all four ends,
+//! and F = r/c cancels r. A port in space has its direction at the tick; if it turns, a motion of second order remains
+//! after the tick, and heat of that order. No method solves links of four ends together with others, so the compiler
+//! refuses a mass that two such links share.
 
 use ca_core::internal::method::coulomb::{self, MEM, hold};
 use ca_core::internal::method::{free_motion, mobility};
@@ -13,7 +14,7 @@ use ca_core::internal::op::{Form, Kernel, LawEntry, LawFns, MeasureKind, Op, Sol
 use ca_core::internal::phi;
 use ca_core::{Law, Real, State};
 
-/// With `curve = "coulomb"` and `method = "set-valued"`.
+/// Law for `curve = "coulomb"` with `method = "set-valued"`.
 pub static LAW: Law = Law {
     code: "LPR_BOW set-valued",
     stage: SolveStage::Single(Together::same(&LAW)),
@@ -21,7 +22,7 @@ pub static LAW: Law = Law {
     ..phi::bow::SET_VALUED
 };
 
-/// Its functions over `R`.
+/// Returns the functions of [`LAW`] over `R`.
 pub fn laws<R: Real>() -> [LawEntry<R>; 1] {
     [(LAW.code, LawFns { kernel, ..coulomb::fns(LawFns::of::<phi::bow::SetValued, 3, 0>()) })]
 }
@@ -34,7 +35,6 @@ fn kernel<R: Real>(form: Form) -> Kernel<R> {
     }
 }
 
-/// Applies the quadripoles of `op`, one by one.
 fn rub<R: Real, A: Measure, B: Measure>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some((_, onto, far)) = op.ports.onto else { return };
     for i in 0..op.n {
@@ -46,7 +46,7 @@ fn rub<R: Real, A: Measure, B: Measure>(op: &Op<R>, layout: &Layout<R>, s: &mut 
         let mem = op.mem + MEM * i;
         let stuck = s.links.mem[mem] != R::of(0.0);
         let (w, r, c) = (a.moves + b.moves, a.free + b.free, a.mobility + b.mobility);
-        // what stuck has no motion but that of rounding, and of a port that turned
+        // a stuck sum moves only by rounding and by a port that turns
         let (force, sticks) = hold([most, sliding], [if stuck { R::ZERO } else { w }, r], c, stuck);
         A::pull(&mut s.f, first, &a.measured, force);
         B::pull(&mut s.f, second, &b.measured, force);
@@ -58,14 +58,14 @@ fn rub<R: Real, A: Measure, B: Measure>(op: &Op<R>, layout: &Layout<R>, s: &mut 
     }
 }
 
-/// What a port adds to the motion of the sum.
+/// Contribution of one port to the motion of the sum.
 struct Port<R: Real> {
     measured: Elongation<R>,
-    /// the change of its elongation in the last tick, along its gradient \[m/tick\]
+    /// Change of its elongation in the last tick, along its gradient \[m/tick\].
     moves: R,
-    /// that which all other forces make
+    /// Change in the next tick by all other forces \[m/tick\].
     free: R,
-    /// \[m/N\]
+    /// Mobility of both ends \[m/N\].
     mobility: R,
 }
 

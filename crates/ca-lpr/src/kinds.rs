@@ -1,7 +1,7 @@
-//! The kinds: one for each law, made of the kind of the core at compile time.
+//! LPR kinds, one for each law, made from the kind of the core at compile time.
 //!
-//! Decides that titles, pages and examples are written here, a kind after the other, where a law deserves words of its own;
-//! what a kind has of its law stays as it is there, with the parameters that [`crate::params`] makes of those of the law.
+//! This file writes the titles, pages and examples that differ from the law. [`crate::params`] makes the parameters,
+//! and the rest is copied from the kind of the law.
 
 use crate::laws;
 use crate::params::{BOW, PAGE, count, params};
@@ -21,12 +21,12 @@ pub const KINDS: &[&Kind] = &{
     all
 };
 
-// To give a law of the core its LPR: one line here, `file: Phi;`. Those below have pages of their own.
+// A law of the core gets its LPR by one line here, `file: Phi;`. The kinds below have separate pages.
 quadripoles! {
     pow: Pow;
 }
 
-/// A body of two masses in space whose edge is the link, heard on a cell: `speed` along the edge.
+/// Example with a body of two masses in space whose edge is the link; a cell sounds. `$speed` is along the edge.
 macro_rules! edge {
     ($code:literal, $speed:literal, $args:literal, $gain:literal) => {
         concat!(
@@ -44,7 +44,7 @@ macro_rules! edge {
     };
 }
 
-/// Two cells and something that is led past them, all on lines: the link holds the first and sounds on both.
+/// Example with two cells and a port that is moved past them, all on lines. The link sounds on both cells.
 macro_rules! drawn {
     ($code:literal, $args:literal, $gain:literal, $gesture:literal) => {
         concat!(

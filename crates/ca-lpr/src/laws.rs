@@ -1,9 +1,8 @@
-//! The laws of the core with the kernels of quadripoles: law list × op.
+//! Laws of the core with the kernels of quadripoles.
 //!
-//! Decides that a record is that of the core, bounds, energy, table and all, with another kernel, so that no law is
-//! written twice. Here are those of `kind!`; the others are made by [`crate::quadripoles`]. Where the core knows
-//! a cheaper law for some parameters, its quadripole here takes the place; one that had no quadripole would not be
-//! taken, and the general law would run.
+//! A record is a copy of the record of the core (bounds, energy, tables) with another kernel, so each law is written
+//! once. Laws of `kind!` are here; [`crate::quadripoles`] makes the others. If the core has a cheaper law for some
+//! parameters, its quadripole is used; without one the general law runs.
 
 use crate::op::kernel;
 use crate::{dry, params};
@@ -11,7 +10,7 @@ use ca_core::internal::op::{Cheaper, LawEntry, LawFns};
 use ca_core::internal::phi;
 use ca_core::{Law, Phi, Real, Type};
 
-/// Records `name`, `code`, law of the core, its [`Phi`](ca_core::Phi), its cheaper laws here; and the list of pairs.
+/// Makes records and the list of pairs from name, code, law of the core, its [`Phi`](ca_core::Phi) and cheaper laws.
 macro_rules! laws {
     ($($name:ident $code:literal $of:path, $phi:ty $(: $($variant:ident)+)?;)*) => {
         $(
@@ -26,7 +25,7 @@ macro_rules! laws {
             };
         )*
 
-        /// Their functions over `R`.
+        /// Returns the functions of these laws over `R`.
         fn own<R: Real>() -> impl IntoIterator<Item = LawEntry<R>> {
             [$(($code, fns::<R, $phi, _, _>())),*]
         }
@@ -53,7 +52,7 @@ laws! {
     TABLE "LPR_BOW table" phi::bow::TABLE, phi::lnl::TableFriction;
 }
 
-/// That of LPR_BOW, by its words: the curve, and the method, which has fewer words than that of BOW.
+/// Law of LPR_BOW, chosen by curve and method. Its `method` has fewer choices than that in BOW.
 pub static BOW: Law = Law {
     code: "LPR_BOW smooth",
     fns: LawFns { kernel: kernel::<f64, phi::bow::Smooth, _, _>, ..phi::bow::SMOOTH.fns },
@@ -70,7 +69,7 @@ pub static BOW: Law = Law {
             if is("method", "set-valued") == Some(true) && is("curve", "coulomb") == Some(true) {
                 return Some(&dry::LAW);
             }
-            // the law of the core would take the method for one of its own
+            // the core would read this method as its choice of method
             let method = position("method")?;
             quadripole((phi::bow::SMOOTH.cheaper.simpler)(p.get(..method)?)?)
         },
@@ -79,18 +78,18 @@ pub static BOW: Law = Law {
     ..phi::bow::SMOOTH
 };
 
-/// The functions over `R` of the quadripole of a law.
+/// Returns the functions over `R` of the quadripole of a law.
 pub fn fns<R: Real, P: Phi<C, M> + 'static, const C: usize, const M: usize>() -> LawFns<R> {
     LawFns { kernel: kernel::<R, P, C, M>, ..LawFns::of::<P, C, M>() }
 }
 
-/// The functions over `R` of the laws of this file.
+/// Returns the functions over `R` of the laws of this file.
 pub fn laws<R: Real>() -> impl IntoIterator<Item = LawEntry<R>> {
     let bow = [(BOW.code, fns::<R, phi::bow::Smooth, _, _>())];
     own().into_iter().chain(bow)
 }
 
-/// The law of this crate that is the form of `law`.
+/// Returns the quadripole of `law`, if there is one here.
 pub fn quadripole(law: &'static Law) -> Option<&'static Law> {
     QUADRIPOLES.iter().find(|(of, _)| core::ptr::eq(*of, law)).map(|(_, own)| *own)
 }

@@ -1,4 +1,4 @@
-//! LPR, radial projection links: the laws of `ca-core` over the sum of two elongations, with one force at both.
+//! LPR, radial projection links: the laws of `ca-core` over the sum of two elongations, with the same force at both.
 //!
 //! ```text
 //!    between (a world in space)          onto (another world, on a line)
@@ -7,16 +7,13 @@
 //!              └──────────── e = sum ───────────┘
 //!                       F = φ(e, de/dt)
 //! ```
-//! A body that turns and flies in space deforms by microns at audio rate. An LPR in place of an edge of it hands that
-//! deformation to a world on a line, where sound spreads and is heard, and hands back what that world answers: the
-//! gradient of e spans both worlds, so what leaves one arrives in the other and nothing is created, whatever the law.
-//! Flying and turning do not change a distance and are not heard.
+//! A body that turns and flies in space deforms by microns at audio rate. An LPR that replaces one of its edges couples
+//! this deformation to a world on a line, where sound spreads and is picked up, and that world reacts on the body by
+//! the same force. The gradient of e spans both worlds, so all energy that leaves one enters the other, with any law.
+//! Translation and rotation do not change a distance and are not heard.
 //!
-//! The laws are in `ca-core`. To give a law its LPR, begin at [`KINDS`].
-//!
-//! Decides that an LPR is a form of a law and no law of its own ([`mod@op`]): every law of the core has one, with its
-//! parameters, its bounds and its energy. The kinds are `LPR` (spring and damper, as the REF) and `LPR_` with the code
-//! of the law. A tour:
+//! Each law of `ca-core` has an LPR form ([`mod@op`]) with its parameters, bounds and energy; [`KINDS`] is where a new
+//! law gets one. The kinds are `LPR` (spring and damper, as REF) and `LPR_` followed by the code of the law. Example:
 //! ```
 //! use ca_compile::{Options, load};
 //! use ca_core::{Catalog, tick};
@@ -44,7 +41,7 @@ use ca_core::Real;
 use ca_core::internal::op::LawEntry;
 pub use kinds::KINDS;
 
-/// The functions of all laws of this crate over `R`, for [`Scene::bind`](ca_core::Scene::bind).
+/// Returns the functions over `R` of all laws of this crate, for [`Scene::bind`](ca_core::Scene::bind).
 pub fn laws<R: Real>() -> impl IntoIterator<Item = LawEntry<R>> {
     laws::laws::<R>().into_iter().chain(dry::laws()).chain(kinds::quadripoles())
 }

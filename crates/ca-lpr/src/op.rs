@@ -1,25 +1,23 @@
-//! The op of an LPR: two ports measured, one law, one force pulled at both.
+//! Op of an LPR: measures two ports, applies one law to the sum and adds the force at both.
 //!
-//! Decides for the sum of two elongations rather than a law of four positions: the law sees an elongation and its change as
-//! everywhere, so energy and stability need nothing of their own, and a port that is held leaves the plain link. The
-//! kernel is made once for each law and each pair of worlds: space and a line, space and space, a line and a line.
-//! Contacts are not looked at before they are measured, as those of two ends in space are: the sign of a sum is known
-//! only with its square roots.
+//! The law gets the sum of two elongations, not four positions, as in any other link, so energy and stability need no
+//! code here. With one port held, a quadripole is the plain link. Each law has a kernel for each pair of worlds: space
+//! and a line, space and space, a line and a line. An open contact is measured too, unlike a contact of two ends in
+//! space: the sign of a sum needs its square roots.
 //!
-//! At zero length a port in space has no direction and pulls nothing, while the law and the other port go on
-//! (docs/numerics.md §4.4); `soften` keeps the direction where ends pass through each other.
+//! At zero length a port in space has force 0, since its direction is undefined; the law and the other port continue
+//! (docs/numerics.md §4.4). `soften` keeps the direction where ends pass through each other.
 
 use ca_core::internal::op::layout::Layout;
 use ca_core::internal::op::links::measure::{Line, Measure, Radial};
 use ca_core::internal::op::{Form, Kernel, MeasureKind, Op};
 use ca_core::{Phi, Real, State};
 
-/// What a port on a line needs beside its ends.
 fn nowhere<R: Real>() -> [R; 4] {
     [R::ZERO; 4]
 }
 
-/// Applies the law of `op` to each of its quadripoles, whose ports measure by `A` and `B`.
+/// Applies the law of `op` to each of its quadripoles, whose ports are measured by `A` and `B`.
 pub fn lpr<R: Real, P: Phi<C, M>, A: Measure, B: Measure, const C: usize, const M: usize, const TAP: bool>(
     op: &Op<R>,
     layout: &Layout<R>,
@@ -37,7 +35,6 @@ pub fn lpr<R: Real, P: Phi<C, M>, A: Measure, B: Measure, const C: usize, const 
     let nowhere = nowhere();
     for i in 0..n {
         let (first, second) = (between[i].map(|m| m as usize), onto[i].map(|m| m as usize));
-        // a port on a line keeps no length
         let mut none = R::ZERO;
         let last = if A::SPACE { &mut lengths[near_length + i] } else { &mut none };
         let a = A::follow(x, d, first, if A::SPACE { &near[i] } else { &nowhere }, last);
@@ -54,13 +51,12 @@ pub fn lpr<R: Real, P: Phi<C, M>, A: Measure, B: Measure, const C: usize, const 
     }
 }
 
-/// What ports in space need beside their ends; a line needs nothing and has no entries.
 fn reach<R: Real, G: Measure>(layout: &Layout<R>, first: usize, n: usize) -> &[[R; 4]] {
     if G::SPACE { &layout.links.reach[first..][..n] } else { &[] }
 }
 
-/// The kernel of a law for one form of a quadripole. The compiler puts a port in space first, and an LPR has no
-/// parameter that would give a port a fixed direction.
+/// Returns the kernel of a law for one form of a quadripole. The compiler puts a port in space first, and LPR lacks the
+/// parameter `along`, so that a fixed direction does not occur.
 pub fn kernel<R: Real, P: Phi<C, M> + 'static, const C: usize, const M: usize>(form: Form) -> Kernel<R> {
     match (form.measure, form.onto, form.tap) {
         (MeasureKind::Line, _, false) => lpr::<R, P, Line, Line, C, M, false>,

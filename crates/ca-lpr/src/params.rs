@@ -1,14 +1,14 @@
-//! What every LPR has in common: its parameters, made of those of its law at compile time, and the end of its page.
+//! Parameters of LPR kinds, made at compile time from the parameters of their law, and the end of their page.
 //!
-//! Decides that parameters, their docs and their alternatives are those of the law, copied as data, so that they cannot
-//! fall apart; what is taken away is `along`, since both ports measure what their world is made of, and `method`, of which
-//! only LPR_BOW has one; what is added is `onto`, behind the others, since a law knows its parameters by number. They stand
-//! here and not with the kinds, since the law of LPR_BOW looks up its own, and a kind holds its law.
+//! Parameters, docs and alternatives are copied from the law, so they cannot differ. `along` is removed, since each
+//! port measures in the dimensions of its world, and so is `method`, which only LPR_BOW has. `onto` follows, since a
+//! law knows its parameters by number. They are not in [`crate::kinds`], because the law of LPR_BOW looks up its
+//! parameters and a kind contains its law.
 
 use ca_core::internal::phi;
 use ca_core::{Kind, Need, Param, Type};
 
-/// What every LPR is, behind what its law is.
+/// End of each page: what all LPR have in common.
 pub const PAGE: &str = " Its elongation `e` is the sum of those of two pairs of ends, `between` and `onto`, each a distance \
                         in space or a difference on a line; the same force pulls at both, so energy crosses and none is made. \
                         The second port, or the one on a line where only one is in space, is slack at rest. For the law itself \
@@ -22,11 +22,11 @@ const ONTO: Param = Param::new(
 );
 
 const fn is_kept(p: &Param) -> bool {
-    // methods other than the explicit one know of one port
+    // methods other than the explicit one support one port only
     !matches!(p.ty, Type::Direction) && !matches!(p.name.as_bytes(), b"method" | b"theta")
 }
 
-/// How many parameters the LPR of `kind` has.
+/// Counts the parameters of the LPR of `kind`.
 pub const fn count(kind: &Kind) -> usize {
     let (mut n, mut i) = (1, 0);
     while i < kind.params.len() {
@@ -36,7 +36,7 @@ pub const fn count(kind: &Kind) -> usize {
     n
 }
 
-/// They.
+/// Makes the parameters of the LPR of `kind`.
 pub const fn params<const N: usize>(kind: &Kind) -> [Param; N] {
     let mut all = [ONTO; N];
     let (mut n, mut i) = (0, 0);
@@ -50,7 +50,7 @@ pub const fn params<const N: usize>(kind: &Kind) -> [Param; N] {
     all
 }
 
-/// They, the last of them from `more`.
+/// Replaces the last parameters of `all` by `more`.
 const fn with<const N: usize>(mut all: [Param; N], more: &[Param]) -> [Param; N] {
     let mut i = 0;
     while i < more.len() {
@@ -60,7 +60,6 @@ const fn with<const N: usize>(mut all: [Param; N], more: &[Param]) -> [Param; N]
     all
 }
 
-/// The methods of LPR_BOW.
 const DRY: Param = Param::new(
     "method",
     Type::Choice(&["ca", "set-valued"]),
@@ -68,7 +67,7 @@ const DRY: Param = Param::new(
     "ca: explicit; set-valued, of the curve coulomb: what sticks stands still in the sum of both",
 );
 
-/// The parameters of LPR_BOW.
+/// Parameters of LPR_BOW.
 pub const BOW: &[Param] = {
     const ALL: [Param; count(&phi::bow::KIND) + 1] = with(params(&phi::bow::KIND), &[DRY]);
     &ALL

@@ -1,12 +1,11 @@
-//! The LPR of a law that needs no words of its own: code, title, page and example made from the record of the law.
+//! Makes the LPR of most laws: code, title, page and example come from the record of the law, at compile time.
 //!
-//! Decides that a law of the core gets its quadripole by one line of [`quadripoles!`]: what differs from law to law is its
-//! [`Phi`](ca_core::Phi), since a kernel is made for a type, and a function pointer of the record would cost a call
-//! for each link and tick. All else is text that is put together at compile time. The example is a ball that meets two
-//! cells on a line, by the numbers that the law's own example has; where it does not sound, or a law deserves a better
-//! page, `kind!` of [`crate::kinds`] takes words of its own.
+//! One line of [`quadripoles!`] names the [`Phi`](ca_core::Phi) of the law, because a kernel is compiled for a type; a
+//! function pointer in the record would cost a call for each link and tick. The example is a ball that strikes two
+//! cells on a line, with the numbers of the law's own example. If it does not sound, or a law needs a better page,
+//! `kind!` of [`crate::kinds`] takes other texts.
 
-/// How many bytes these texts have.
+/// Counts the bytes of all parts.
 pub const fn length(parts: &[&str]) -> usize {
     let (mut n, mut i) = (0, 0);
     while i < parts.len() {
@@ -16,7 +15,7 @@ pub const fn length(parts: &[&str]) -> usize {
     n
 }
 
-/// Their bytes.
+/// Joins the bytes of all parts.
 pub const fn joined<const N: usize>(parts: &[&str]) -> [u8; N] {
     let mut all = [0; N];
     let (mut n, mut i) = (0, 0);
@@ -32,7 +31,7 @@ pub const fn joined<const N: usize>(parts: &[&str]) -> [u8; N] {
     all
 }
 
-/// Where `part` ends in `text`, from `from` on; the end of the text where it is not.
+/// Returns the index behind the first `part` in `text` from `from` on, or the length of `text` if there is none.
 const fn after(text: &[u8], part: &[u8], from: usize) -> usize {
     let mut i = from;
     while i + part.len() <= text.len() {
@@ -48,11 +47,11 @@ const fn after(text: &[u8], part: &[u8], from: usize) -> usize {
     text.len()
 }
 
-/// What the first module of the kind `code` in `example` says behind its ends: `k = "2 kN/m", …`.
+/// Returns the parameters behind the ends of the first module of kind `code` in `example`: `k = "2 kN/m", …`.
 pub const fn numbers(example: &'static str, code: &str) -> &'static str {
     let text = example.as_bytes();
     let mut section = after(text, code.as_bytes(), 0);
-    // the code stands in brackets: `[FELT]`
+    // the section is in brackets: `[FELT]`
     while section < text.len() && text[section] != b']' {
         section = after(text, code.as_bytes(), section);
     }
@@ -69,7 +68,6 @@ pub const fn numbers(example: &'static str, code: &str) -> &'static str {
     }
 }
 
-/// Texts joined at compile time.
 macro_rules! text {
     ($($part:expr),* $(,)?) => {{
         const PARTS: &[&str] = &[$($part),*];
@@ -81,7 +79,7 @@ macro_rules! text {
     }};
 }
 
-/// The quadripoles of laws, a line each: `file: Phi;`. Makes `QUADRIPOLES`, the list of their kinds.
+/// Makes the quadripoles of laws, one line each, `file: Phi;`, and `QUADRIPOLES`, the list of their kinds.
 macro_rules! quadripoles {
     ($($file:ident: $phi:ident;)*) => {
         $(
@@ -124,7 +122,7 @@ macro_rules! quadripoles {
         )*
         const QUADRIPOLES: &[&Kind] = &[$(&$file::KIND),*];
 
-        /// Their functions over `R`.
+        /// Returns the functions of these laws over `R`.
         pub fn quadripoles<R: Real>() -> impl IntoIterator<Item = LawEntry<R>> {
             [$(($file::LAW.code, laws::fns::<R, phi::$file::$phi, _, _>())),*]
         }

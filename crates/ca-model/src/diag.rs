@@ -1,62 +1,62 @@
-//! What is said to an author: a code, a title, the places, why, and a fix.
+//! Diagnostics for an author: a code, a title, places, a reason and a fix.
 //!
-//! Decides that the reader and the compiler never stop at the first error: they push into one [`Diags`], which is
-//! sorted by place and shown whole. Wording: lower case, names and commands in backticks, the value after a colon, one
-//! suggestion. Rendering with carets and as JSON lives in `render.rs` (feature `parse`); this file has no dependency,
-//! so that models built by programs get the same diagnostics without the parser.
+//! Reader and compiler do not stop at the first error. They add to one [`Diags`], which is sorted by place and shown as
+//! a whole. Wording: lower case, names and commands in backticks, the value after a colon, one suggestion. `render.rs`
+//! (feature `parse`) shows them with carets and as JSON. This file is free of dependencies, so models built by programs
+//! get the same diagnostics without the parser.
 
 use super::model::Span;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// How bad it is.
+/// Severity of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
-    /// the model cannot be compiled
+    /// The model cannot be compiled.
     Error,
-    /// it compiles, but probably does not do what was meant
+    /// It compiles, but probably differs from the intention.
     Warning,
-    /// worth knowing
+    /// Useful to know.
     Note,
 }
 
-/// A replacement of one span by a text, which would mend the finding.
+/// Replacement of a span by a text that would correct the finding.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Fix {
-    /// what is replaced; empty range for an insertion
+    /// Replaced range; empty for an insertion.
     pub span: Span,
-    /// the new text
+    /// New text.
     pub text: String,
 }
 
 /// One finding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Diag {
-    /// entry of [`CODES`]
+    /// Entry of [`CODES`].
     pub code: &'static str,
-    /// error, warning or note
+    /// Error, warning or note.
     pub severity: Severity,
-    /// one line that stands by itself, naming the module concerned
+    /// One line that is clear without context and names the module.
     pub title: String,
-    /// where, with a few words under the caret; the first is the main one
+    /// Places, with a few words for each; the first is the main place.
     pub labels: Vec<(Span, String)>,
-    /// what to do, in words
+    /// Remedy in words.
     pub help: Option<String>,
-    /// what to do, as an edit
+    /// Remedy as an edit.
     pub fix: Option<Fix>,
 }
 
 impl Diag {
-    /// An error.
+    /// Makes an error.
     pub fn error(code: &'static str, title: impl Into<String>) -> Diag {
         Diag::new(code, Severity::Error, title)
     }
-    /// A warning.
+    /// Makes a warning.
     pub fn warning(code: &'static str, title: impl Into<String>) -> Diag {
         Diag::new(code, Severity::Warning, title)
     }
-    /// A note.
+    /// Makes a note.
     pub fn note(code: &'static str, title: impl Into<String>) -> Diag {
         Diag::new(code, Severity::Note, title)
     }
@@ -64,19 +64,19 @@ impl Diag {
         debug_assert!(CODES.iter().any(|c| c.0 == code), "{code} is not in diag::CODES");
         Diag { code, severity, title: title.into(), labels: Vec::new(), help: None, fix: None }
     }
-    /// Adds a place and what to say there.
+    /// Adds a place and its label.
     #[must_use]
     pub fn at(mut self, span: Span, label: impl Into<String>) -> Diag {
         self.labels.push((span, label.into()));
         self
     }
-    /// Says what to do.
+    /// Sets the remedy in words.
     #[must_use]
     pub fn help(mut self, text: impl Into<String>) -> Diag {
         self.help = Some(text.into());
         self
     }
-    /// Offers an edit.
+    /// Sets the remedy as an edit.
     #[must_use]
     pub fn fix(mut self, span: Span, text: impl Into<String>) -> Diag {
         if span.is_some() {
@@ -84,32 +84,31 @@ impl Diag {
         }
         self
     }
-    /// Where it stands, for sorting.
+    /// Returns the main place, for sorting.
     pub fn span(&self) -> Span {
         self.labels.first().map_or(Span::NONE, |l| l.0)
     }
 }
 
-/// So many findings of one severity are kept. Nobody reads more, and a file of a million lines with a mistake in each
+/// Largest number of findings that are kept for each severity. Nobody reads more, and a file with a million wrong lines
 /// would otherwise need many times its size.
 pub const KEPT: usize = 100;
 
-/// All findings about one model, in order of place once [`Diags::sort`] has run.
+/// All findings about one model, in order of place after [`Diags::sort`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Diags {
-    /// the findings, at most [`KEPT`] of a severity, and one more that says where there were more errors
+    /// Findings: at most [`KEPT`] of a severity, and one more that reports further errors.
     pub list: Vec<Diag>,
-    /// how many more there are of each severity
+    /// Number of dropped findings of each severity.
     more: [usize; 3],
 }
 
 impl Diags {
-    /// No findings yet.
+    /// Returns an empty list.
     pub fn new() -> Diags {
         Diags::default()
     }
-    /// Adds one, unless [`KEPT`] of its severity are there; then it is counted. The first error too many is replaced by
-    /// one that says so.
+    /// Adds a finding, or only counts it after [`KEPT`] of its severity. The first error too many is replaced by E027.
     pub fn push(&mut self, d: Diag) {
         let severity = d.severity;
         if self.list.iter().filter(|o| o.severity == severity).count() < KEPT {
@@ -122,31 +121,31 @@ impl Diags {
         }
         self.more[severity as usize] += 1;
     }
-    /// Forgets warnings and notes.
+    /// Removes warnings and notes.
     pub fn keep_errors(&mut self) {
         self.list.retain(|d| d.severity == Severity::Error);
         self.more[1..].fill(0);
     }
-    /// Adds what was found elsewhere.
+    /// Adds all findings of another list.
     pub fn extend(&mut self, found: Diags) {
         found.list.into_iter().for_each(|d| self.push(d));
         self.more.iter_mut().zip(found.more).for_each(|(a, b)| *a += b);
     }
-    /// How many there are of a severity, with those that were not kept.
+    /// Counts the findings of a severity, including dropped ones.
     pub fn count(&self, severity: Severity) -> usize {
         self.list.iter().filter(|d| d.severity == severity).count() + self.more[severity as usize]
     }
-    /// True where there were more than [`KEPT`] errors: there is no use in looking for others.
+    /// Returns true after more than [`KEPT`] errors, when the search for others can stop.
     pub fn is_full(&self) -> bool {
         self.more[Severity::Error as usize] > 0
     }
-    /// True where an error is among them.
+    /// Returns true if there is an error.
     pub fn has_errors(&self) -> bool {
         self.list.iter().any(|d| d.severity == Severity::Error)
     }
-    /// Leaves one of the findings that instances of a part have in common, and says in how many others it is found.
+    /// Reduces equal findings in several instances of a part to one, which gives the number of the others.
     pub fn merge_instances(&mut self) {
-        // `note[3].hammer` and `note[4].hammer` are alike
+        // `note[3].hammer` and `note[4].hammer` are equal
         let alike = |title: &str| -> String {
             title.split(']').map(|t| t.trim_end_matches(|c: char| c.is_ascii_digit())).collect::<Vec<_>>().join("]")
         };
@@ -178,7 +177,7 @@ impl Diags {
         self.list = kept;
     }
 
-    /// Orders by place, keeping the order of findings at one place; findings without a place come last.
+    /// Sorts by place, stable at one place; findings without a place come last.
     pub fn sort(&mut self) {
         self.list.sort_by_key(|d| (d.span().start, d.severity));
     }
@@ -194,8 +193,8 @@ impl core::fmt::Display for Diags {
 }
 impl core::error::Error for Diags {}
 
-/// Every code with what it means in a few words. `E` errors, `W` warnings, `N` notes. `diagnostics/*.md` has a
-/// section for each (checked by a test).
+/// Every code with its meaning: `E` errors, `W` warnings, `N` notes. A test checks that `diagnostics/*.md` explains
+/// each.
 pub const CODES: &[(&str, &str)] = &[
     ("E001", "not TOML"),
     ("E002", "unknown section or kind"),

@@ -1,15 +1,15 @@
-//! The page of a diagnostic: what its code means, shown by models that have the finding and by the report of each.
+//! Page of a diagnostic: the meaning of its code, with example models and the report of each.
 //!
-//! Decides that the pages are files of this crate (`diagnostics/*.md`), compiled in, so that a program explains the codes
-//! of its own version without a network or a folder beside it. A file is about one subject and has a section
-//! `## E013 unknown name` for each code met there; the page of a code is all its sections. A test of the workspace checks
-//! that every code has one and that every report shown is the one that is made.
+//! The pages are files of this crate (`diagnostics/*.md`) and compiled in, so a program explains the codes of its
+//! version without a network or a folder. A file covers one subject and has a section `## E013 unknown name` for each
+//! code; the page of a code is all its sections. A test checks that every code has one and that the reports are
+//! current.
 
 use super::diag::{CODES, Severity};
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// In the order in which an author meets them.
+/// Files in the order in which an author meets them.
 const FILES: [&str; 8] = [
     include_str!("../diagnostics/reading.md"),
     include_str!("../diagnostics/values.md"),
@@ -21,24 +21,24 @@ const FILES: [&str; 8] = [
     include_str!("../diagnostics/mims.md"),
 ];
 
-/// All that is written about one code.
+/// Page of one code.
 #[derive(Clone, Debug)]
 pub struct Page {
-    /// the code, an entry of [`CODES`]
+    /// Code, an entry of [`CODES`].
     pub code: &'static str,
-    /// what it means in a few words
+    /// Meaning in a few words.
     pub title: &'static str,
-    /// its sections in Markdown, without headings
+    /// Sections in Markdown, without headings.
     pub sections: Vec<&'static str>,
 }
 
 impl Page {
-    /// The sections in one piece of Markdown.
+    /// Returns all sections in Markdown.
     pub fn text(&self) -> String {
         self.sections.join("\n\n") + "\n"
     }
 
-    /// The sections for a terminal: blocks of code are indented in place of their fences, prose is as it was written.
+    /// Returns all sections for a terminal. Code blocks are indented instead of fenced; prose is unchanged.
     pub fn plain(&self) -> String {
         let (mut out, mut fenced) = (String::new(), false);
         for line in self.text().lines() {
@@ -56,7 +56,7 @@ impl Page {
     }
 }
 
-/// The page of a code, in upper or lower case; `None` where there is no such code.
+/// Returns the page of a code, in upper or lower case; `None` for an unknown code.
 pub fn page(code: &str) -> Option<Page> {
     let &(code, title) = CODES.iter().find(|c| c.0.eq_ignore_ascii_case(code))?;
     let mut all = Vec::new();
@@ -66,7 +66,7 @@ pub fn page(code: &str) -> Option<Page> {
     Some(Page { code, title, sections: all })
 }
 
-/// How bad the findings of a code are, as its letter says.
+/// Returns the severity of a code, by its letter.
 pub fn severity(code: &str) -> Severity {
     match code.as_bytes().first() {
         Some(b'E') => Severity::Error,
@@ -75,7 +75,7 @@ pub fn severity(code: &str) -> Severity {
     }
 }
 
-/// The sections of a file about one code. What looks like a heading within a block of code is none.
+/// Finds the sections about one code in a file. Headings inside code blocks do not count.
 fn sections(file: &'static str, code: &str, found: &mut Vec<&'static str>) {
     let (mut at, mut start, mut fenced) = (0, None, false);
     for line in file.split_inclusive('\n') {

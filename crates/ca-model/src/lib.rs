@@ -1,15 +1,12 @@
-//! The language of models: what an author writes, before any number is converted, and how it is read, written, described
-//! and reported. Kinds, names, parameters, spans, [quantities](quantity), [diagnostics](diag), [generators](generate).
+//! The language of models: kinds, names, spans, [quantities](quantity), [diagnostics](diag), [generators](generate).
 //!
-//! Decides that text, the Python builder and importers all produce this one type, that it keeps values *as written*
-//! (`"20 g"` stays `"20 g"`), and that every piece carries the [`Span`] it came from, so that any later finding can
-//! point at it. Meaning (units, references, ranges) is given by the compiler, a crate above this one: two readers of
-//! meaning would disagree one day.
+//! A [`Model`] is what an author writes, before any number is converted. Text, the Python builder and importers all
+//! produce this type. Values stay *as written* (`"20 g"` stays `"20 g"`), and each has the [`Span`] it came from, so
+//! that any later finding can point at it. Only the compiler, `ca-compile`, gives meaning (units, references, ranges),
+//! because two interpreters would sooner or later differ.
 //!
-//! To read a text begin with `read`; what a model takes from other files is in [`part`].
-//!
-//! What is not here: a scene. `ca-compile` makes one of a [`Model`]; a program that plays models adds `cordis-anima`. To add a kind of
-//! module that is built of others, begin with [`generate`].
+//! `read` reads a text, and [`part`] has the parts that a model takes from other files. `ca-compile` makes a scene of a
+//! [`Model`], and `cordis-anima` plays it. A kind that expands to many modules is a generator, see [`generate`].
 
 #![no_std]
 #![forbid(unsafe_code)]
@@ -45,8 +42,7 @@ pub mod write;
 use ca_core::Catalog;
 pub use model::{Entry, Group, Item, LARGEST, Model, Span, Value, in_list};
 
-/// The kinds a model is written with: those of the run-time, and the generators. Kinds of other crates join them by
-/// [`Catalog::with`].
+/// Returns the kinds of the run-time and the generators. Kinds of other crates join them by [`Catalog::with`].
 pub fn catalog() -> Catalog {
     Catalog::core().with(generate::KINDS)
 }

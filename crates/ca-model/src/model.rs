@@ -1,73 +1,73 @@
 //! The model: what an author writes, as plain data.
 //!
-//! Decides that all of it stands in one file, parts included: a part holds a model of its own, and a model holds parts. What
-//! reads, writes or changes models stands above.
+//! All its types are in this file, because a part contains a model and a model contains parts. Modules that read, write
+//! or change models depend on this one.
 
 use crate::quantity;
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
-/// More modules (MATs and LIAs) than this are refused before any is made: a slip of a digit should not eat the machine,
-/// and no machine plays a tenth of them in real time.
+/// Largest number of modules (MATs and LIAs) of a model; more are refused before any is made. A wrong digit must not
+/// exhaust the machine, and a tenth of this is already too slow for real time on any machine.
 pub const LARGEST: usize = 1_000_000;
 
-/// Byte range in the source text; [`Span::NONE`] for models that were built, not read.
+/// Byte range in the source text, or [`Span::NONE`] in models built by a program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Span {
-    /// first byte
+    /// First byte.
     pub start: usize,
-    /// one past the last byte
+    /// One past the last byte.
     pub end: usize,
 }
 
 impl Span {
-    /// "nowhere": the model was built by a program.
+    /// Marks a missing place: the model was built by a program.
     pub const NONE: Span = Span { start: usize::MAX, end: usize::MAX };
 
-    /// True unless this is [`Span::NONE`].
+    /// Returns true unless this is [`Span::NONE`].
     pub fn is_some(self) -> bool {
         self != Span::NONE
     }
 }
 
-/// A value as written.
+/// Value as written.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// a bare number, in the model's units
+    /// Bare number, in the units of the model.
     Num(f64),
-    /// a quoted string: a quantity, a name, a choice or text, depending on where it stands
+    /// Quoted string: depending on its place a quantity, a name, a choice or text.
     Text(String),
-    /// `true`, `false`
+    /// `true` or `false`.
     Bool(bool),
-    /// `[ … ]`
+    /// `[ … ]`.
     List(Vec<Entry>),
-    /// `{ … }`; each entry has its key
+    /// `{ … }`; each entry has its key.
     Table(Vec<Entry>),
 }
 
-/// A value with its key and where both stand. Members of a list have an empty key.
+/// Value with its key and their places. Members of a list have an empty key.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// the key; empty in lists
+    /// Key; empty in lists.
     pub key: String,
-    /// where the key stands
+    /// Place of the key.
     pub key_span: Span,
-    /// the value as written
+    /// Value as written.
     pub value: Value,
-    /// where the value stands
+    /// Place of the value.
     pub span: Span,
 }
 
 impl Entry {
-    /// An entry built by a program.
+    /// Makes an entry without a place.
     pub fn new(key: &str, value: impl Into<Value>) -> Entry {
         Entry { key: key.into(), key_span: Span::NONE, value: value.into(), span: Span::NONE }
     }
 }
 
 impl Value {
-    /// What somebody means who types this: a number, a flag, or text such as a quantity.
+    /// Interprets typed text: a number, a flag, or text such as a quantity.
     pub fn typed(text: &str) -> Value {
         let text = text.trim();
         match (text.parse::<f64>(), text) {
@@ -78,7 +78,7 @@ impl Value {
         }
     }
 
-    /// As a number in SI units, if it is one.
+    /// Returns the number in SI units, if it is one.
     pub fn number(&self) -> Option<f64> {
         match self {
             Value::Num(v) => Some(*v),
@@ -87,7 +87,7 @@ impl Value {
         }
     }
 
-    /// The text that gives this value where it is typed.
+    /// Returns the text that would be typed for this value.
     pub fn shown(&self) -> String {
         match self {
             Value::Num(v) => v.to_string(),
@@ -128,72 +128,71 @@ impl<T: Into<Value>> From<Vec<T>> for Value {
     }
 }
 
-/// One named module: a MAT, a LIA, a port or a generator.
+/// Named module: a MAT, a LIA, a port or a generator.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Item {
-    /// the section it stands in, e.g. `MAS`
+    /// Section, e.g. `MAS`.
     pub kind: String,
-    /// where the kind is written
+    /// Place of the kind.
     pub kind_span: Span,
-    /// full name; members of a group carry its name and a dot
+    /// Full name; in a group it begins with the name of the group and a dot.
     pub name: String,
-    /// where the name is written
+    /// Place of the name.
     pub name_span: Span,
-    /// index into [`Model::groups`], if it is a member of one
+    /// Index into [`Model::groups`], for members of a group.
     pub group: Option<usize>,
-    /// the parameters written, in order
+    /// Parameters as written, in order.
     pub args: Vec<Entry>,
-    /// the whole value
+    /// Place of the whole value.
     pub span: Span,
 }
 
-/// A lower-case table: modules that share a medium (and later a dimension).
+/// Lower-case table: modules that share a medium, a dimension and other properties.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
-    /// its name
+    /// Name of the group.
     pub name: String,
-    /// where the name is written
+    /// Place of the name.
     pub span: Span,
-    /// its own properties, e.g. `gravity`
+    /// Properties, e.g. `gravity`.
     pub props: Vec<Entry>,
 }
 
-/// A model as its author wrote it. Root tables are kept as entries; the compiler gives them meaning.
+/// Model as its author wrote it. Root tables stay entries; the compiler gives them meaning.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Model {
-    /// name of the file it was read from, for reports; may be empty
+    /// File name for reports; may be empty.
     pub file: String,
-    /// the source text the spans point into; empty for built models
+    /// Source text of the spans; empty for built models.
     pub text: String,
-    /// the comment block at the head of the file, without its `#`
+    /// Comment block at the head of the file, without its `#`.
     pub header: String,
-    /// `[model]`: title, units, reference_rate, gravity, friction
+    /// `[model]`: title, units, gravity, friction and others.
     pub meta: Vec<Entry>,
-    /// `[rate]`: sound, oversample, gesture, border, latency, feedback, filter
+    /// `[rate]`: sound, oversample, gesture, border, latency, feedback, filter.
     pub rate: Vec<Entry>,
-    /// `[param]`: name = value or { value, unit, live, min, max, doc }
+    /// `[param]`: name = value or { value, unit, live, min, max, doc, port, span }.
     pub params: Vec<Entry>,
-    /// `[gesture]`: port or live parameter = list of [time, value]
+    /// `[gesture]`: port or live parameter = list of [time, value].
     pub gestures: Vec<Entry>,
-    /// `[equivalence]`: quantity = [real, simulated]
+    /// `[equivalence]`: quantity = [real, simulated].
     pub equivalence: Vec<Entry>,
-    /// `[part.NAME]`: pieces that are used many times, as written
+    /// `[part.NAME]`: reusable pieces, as written.
     pub parts: Vec<Part>,
-    /// `[use]`: instances of parts, as written; their modules are among the others
+    /// `[use]`: instances of parts, as written; their modules are in `items`.
     pub uses: Vec<Use>,
-    /// the other files that parts were taken from
+    /// Other files that parts were taken from.
     pub files: Vec<SourceFile>,
-    /// groups in document order
+    /// Groups in document order.
     pub groups: Vec<Group>,
-    /// modules in document order
+    /// Modules in document order.
     pub items: Vec<Item>,
-    /// names that stand in the text, but in a place or a form that could not be read; that has been reported, so a
-    /// reference to one of them is not reported again
+    /// Names in the text whose place or form is wrong. This was reported, so references to them are not reported again.
     pub lost: Vec<String>,
 }
 
 impl Model {
-    /// Adds a module; the builder's one entry point. `name` must be unique (the compiler reports it otherwise).
+    /// Adds a module, for models built by programs. `name` must be unique (the compiler reports duplicates).
     ///
     /// ```
     /// use ca_model::{Entry, Model, Value};
@@ -216,15 +215,15 @@ impl Model {
         self
     }
 
-    /// Sets a parameter from text, as `--set` does: `hammer.m` of a module, or the name of a `[param]`. Numbers and
-    /// quantities are taken as such, `true`/`false` as flags, anything else as text; the compiler checks them like any
-    /// other, but their findings point nowhere: what is set does not stand in the text. Returns false where there is
-    /// no such name.
+    /// Sets a parameter from text, as `--set` does: `hammer.m` of a module, or the name of a `[param]`.
+    ///
+    /// Numbers and quantities are read as such, `true` and `false` as flags, anything else as text. The compiler checks
+    /// them as usual, but findings lack a place, since the value is not in the text. Returns false for an unknown name.
     pub fn set(&mut self, name: &str, text: &str) -> bool {
         self.put(name, Value::typed(text))
     }
 
-    /// As [`Model::set`], with any value.
+    /// Sets a parameter as [`Model::set`] does, to any value.
     pub fn put(&mut self, name: &str, value: Value) -> bool {
         if let Some(e) = self.params.iter_mut().find(|e| e.key == name) {
             if let Value::Table(entries) = &mut e.value {
@@ -258,12 +257,12 @@ impl Model {
         true
     }
 
-    /// The value of `key` in `[model]`, if written.
+    /// Returns the entry `key` of `[model]`, if written.
     pub fn meta(&self, key: &str) -> Option<&Entry> {
         self.meta.iter().find(|e| e.key == key)
     }
 
-    /// The `title` of `[model]`, or an empty string.
+    /// Returns the `title` of `[model]`, or an empty string.
     pub fn title(&self) -> &str {
         match self.meta("title").map(|e| &e.value) {
             Some(Value::Text(t)) => t,
@@ -272,7 +271,7 @@ impl Model {
     }
 }
 
-/// `f[1]` → `f` and 1: one value of a list.
+/// Splits the key of a value in a list: `f[1]` → `f` and 1.
 pub fn in_list(key: &str) -> (&str, Option<usize>) {
     match key.strip_suffix(']').and_then(|k| k.split_once('[')) {
         Some((whole, at)) => at.parse().map_or((key, None), |at| (whole, Some(at))),
@@ -280,7 +279,7 @@ pub fn in_list(key: &str) -> (&str, Option<usize>) {
     }
 }
 
-/// A bare number for a parameter that is written in a unit is one of SI: its range has that unit, too.
+/// Adds the unit of a parameter to a bare number, which is in SI units: the range of the parameter has a unit, too.
 fn in_its_unit(written: &[Entry], value: Value) -> Value {
     let Value::Num(v) = value else { return value };
     let unit = |e: &Entry| match &e.value {
@@ -295,52 +294,52 @@ fn in_its_unit(written: &[Entry], value: Value) -> Value {
     written.iter().find_map(unit).map_or(value, |unit| Value::Text(format!("{v:e} {unit}")))
 }
 
-/// `[part.NAME]`, as written.
+/// `[part.NAME]` as written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// its name
+    /// Name of the part.
     pub name: String,
-    /// where the name is written
+    /// Place of the name.
     pub span: Span,
-    /// one line for people
+    /// Description of one line.
     pub doc: String,
-    /// properties of the group that each instance is
+    /// Properties of the group of each instance.
     pub props: Vec<Entry>,
-    /// its parameters, modules, groups, gestures and the parts it uses
+    /// Parameters, modules, groups, gestures and used parts.
     pub body: Model,
 }
 
-/// A line of `[use]`, as written.
+/// Line of `[use]` as written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Use {
-    /// name of the instance, or of all of them
+    /// Name of the instance, or of all instances.
     pub name: String,
-    /// where the name is written
+    /// Place of the name.
     pub span: Span,
-    /// name of the part; of a whole file there is none
+    /// Name of the part; `None` for a whole file.
     pub part: Option<Entry>,
-    /// the file it stands in, if it is another one, from the folder of this
+    /// File that contains it, if it is another file; the path starts from the folder of this one.
     pub file: Option<Entry>,
-    /// how many; without it there is one, whose modules have no index
+    /// Number of instances; without it there is one, whose modules have names without an index.
     pub n: Option<Entry>,
-    /// values of its parameters; where there are many, a list has one for each
+    /// Values of its parameters; for several instances a list has one value for each.
     pub with: Vec<Entry>,
 }
 
 impl Use {
-    /// One instance, called so, of a part that is handed over with it.
+    /// Makes one instance `name` of a part that is given separately.
     pub fn new(name: &str) -> Use {
         Use { name: name.into(), span: Span::NONE, part: None, file: None, n: None, with: Vec::new() }
     }
 }
 
-/// A file that a model takes parts from.
+/// File that a model takes parts from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SourceFile {
-    /// as it is named, from the folder of the model
+    /// Path from the folder of the model.
     pub name: String,
-    /// its text
+    /// Text of the file.
     pub text: String,
-    /// the place of its first byte among all spans of the model
+    /// Offset of its first byte among all spans of the model.
     pub start: usize,
 }

@@ -1,11 +1,11 @@
-//! Plain: text of a file as it may be shown on a terminal.
+//! Makes text of a file safe for a terminal.
 //!
-//! Decides that a title, a name and a path of somebody else's model are shown without control characters: escape sequences
-//! move the cursor, change the title of the window, or hide what stands before them.
+//! Titles, names and paths of foreign models are shown without control characters, since escape sequences move the
+//! cursor, change the title of the window or hide earlier text.
 
 use alloc::string::String;
 
-/// `text` with U+FFFD for each control character but the end of a line.
+/// Returns `text` with U+FFFD for each control character except line ends.
 ///
 /// ```
 /// assert_eq!(ca_model::plain::plain("a\x1b]0;x\x07b\nc\r"), "a\u{fffd}]0;x\u{fffd}b\nc\u{fffd}");

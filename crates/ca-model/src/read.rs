@@ -1,7 +1,7 @@
-//! Reading a model: its own file, and the parts it takes from others.
+//! Reads a model: its own file, and the parts it takes from others.
 //!
-//! Decides that parts are put in as a model is read, so that nobody behind the reader knows of them, and that a file is read
-//! alike whether a model or a part stands in it: that is one step below, and opens nothing.
+//! Parts are put in while a model is read, so later stages do not see them. A file is read in the same way whether it
+//! is a model or contains parts; that step is in `text` and opens no files.
 
 use super::diag::Diags;
 use super::model::Model;
@@ -15,9 +15,9 @@ use ca_core::internal::kind::cloud::Unread;
 
 /// Reads the text of a model. `file` is its name in reports.
 ///
-/// The model holds all that could be understood, even beside errors. Modules of an unknown kind are kept under the
-/// code as written, so that links to them still resolve; what is written twice or has no valid name is left out, the
-/// name kept in [`Model::lost`].
+/// The model contains all that could be understood, even beside errors. Modules of an unknown kind keep their code as
+/// written, so that links to them still resolve. A duplicate, or a module without a valid name, is left out, and its
+/// name is added to [`Model::lost`].
 ///
 /// ```
 /// use ca_core::Catalog;
@@ -33,8 +33,8 @@ pub fn read(text: &str, file: &str, catalog: &Catalog) -> (Model, Diags) {
     })
 }
 
-/// As [`read`], where `open` gives the text of the files that parts are taken from, by their paths from the folder of the
-/// model, or says why there is none.
+/// Reads a model as [`read`] does. `open` returns the text of a file that parts are taken from, by its path from the
+/// folder of the model, or the reason why it cannot.
 pub fn read_with(
     text: &str,
     file: &str,

@@ -1,9 +1,8 @@
-//! Findings as text with carets, and as JSON.
+//! Formats findings as text with carets, and as JSON.
 //!
-//! Decides that one finding is one report of `annotate-snippets` (main place, other places, help, and the fix shown as
-//! the edited line), that at most [`SHOWN`] are printed, errors first, and that a last line counts them all. Models
-//! built by a program have no text: their findings keep title and help. JSON carries everything, for editors and
-//! tests; its lines and columns start at 1, columns count characters.
+//! A finding is one report of `annotate-snippets`: main place, other places, help, and the fix as the edited line. At
+//! most [`SHOWN`] are printed, errors first, and a last line counts all. Models built by a program lack a text; their
+//! findings have title and help. JSON has all findings; lines and columns start at 1, and columns count characters.
 
 use super::diag::{Diag, Diags, KEPT, Severity};
 use super::model::{Model, Span};
@@ -16,20 +15,20 @@ use annotate_snippets::{AnnotationKind, Group, Level, Patch, Renderer, Snippet};
 use core::ops::Range;
 use serde_json::{Value as Json, json};
 
-/// At most so many findings are printed; at most [`KEPT`] of a severity are kept.
+/// Largest number of printed findings; [`KEPT`] limits those kept for each severity.
 pub const SHOWN: usize = 20;
-/// Of a longer text, in bytes, only the lines around a finding are looked at.
+/// Largest text that is shown as a whole; of a longer one only the lines around a finding are \[bytes\].
 const WHOLE: usize = 1 << 16;
-/// A fix in a longer line is not shown as an edited line, which would be printed whole.
+/// Longest line for which a fix is shown as the edited line, which is printed whole.
 const LONG: usize = 400;
 
-/// The whole report, for a terminal. Empty where there is nothing to say.
+/// Returns the whole report for a terminal. Empty without findings.
 pub fn text(diags: &Diags, model: &Model, color: bool) -> String {
     if diags.list.is_empty() {
         return String::new();
     }
     let renderer = if color { Renderer::styled() } else { Renderer::plain() };
-    // which ones: errors before warnings; in which order: as they stand in the file
+    // errors are chosen before warnings, and printed in the order of the file
     let mut chosen: Vec<usize> = (0..diags.list.len()).collect();
     chosen.sort_by_key(|&i| (diags.list[i].severity, i));
     chosen.truncate(SHOWN);
@@ -46,7 +45,7 @@ pub fn text(diags: &Diags, model: &Model, color: bool) -> String {
     out + &summary(diags) + "\n"
 }
 
-/// `2 errors, 1 warning`
+/// Counts findings: `2 errors, 1 warning`.
 pub fn summary(diags: &Diags) -> String {
     let count = |severity: Severity, word: &str| {
         let n = diags.count(severity);
@@ -67,7 +66,7 @@ fn groups<'a>(d: &'a Diag, model: &'a Model) -> Vec<Group<'a>> {
         Severity::Note => Level::NOTE,
     };
     let mut main = Group::with_title(level.primary_title(plain(&d.title)).id(d.code));
-    // a snippet for each file, that of the first place first
+    // one snippet for each file, first the file of the first place
     let mut files: Vec<Source> = Vec::new();
     for source in d.labels.iter().filter(|l| l.0.is_some()).map(|l| model.source(l.0)) {
         if !source.text.is_empty() && !files.iter().any(|f| f.start == source.start) {
@@ -110,8 +109,8 @@ fn line_length(text: &str, at: usize) -> usize {
     before.len() - before.rfind('\n').map_or(0, |i| i + 1) + after.find('\n').unwrap_or(after.len())
 }
 
-/// The part of a file a finding is shown in: all of it, or of a long one the lines from its first place to its last.
-/// The renderer splits what it is given into lines, for each finding anew.
+/// Returns the part of a file for a finding: the whole file, or in a long one the lines from its first to its last
+/// place. The renderer splits its input into lines for each finding.
 fn view(d: &Diag, model: &Model, file: Source<'_>) -> Range<usize> {
     let text = file.text;
     let spans = d.labels.iter().map(|l| l.0).chain(d.fix.as_ref().map(|f| f.span));
@@ -132,7 +131,7 @@ fn lines<'a, T: Clone>(file: Source<'a>, view: &Range<usize>) -> Snippet<'a, T> 
     if file.file.is_empty() { snippet } else { snippet.path(plain(file.file)) }
 }
 
-/// A span as a range that is within the text and on character borders; nothing for a model without text.
+/// Converts a span to a range within the text on character borders; `None` for a model without text.
 fn clamp(span: Span, text: &str) -> Option<Range<usize>> {
     if !span.is_some() || text.is_empty() {
         return None;
@@ -148,7 +147,7 @@ fn clamp(span: Span, text: &str) -> Option<Range<usize>> {
     Some(start..snap(span.end).max(start))
 }
 
-/// 1-based line and column of a byte, the column in characters.
+/// Returns the line and column of a byte, both from 1; columns count characters.
 pub fn line_column(text: &str, at: usize) -> (usize, usize) {
     let at = clamp(Span { start: at, end: at }, text).map_or(0, |r| r.start);
     let before = &text[..at];
@@ -157,8 +156,8 @@ pub fn line_column(text: &str, at: usize) -> (usize, usize) {
     (line, before[start..].chars().count() + 1)
 }
 
-/// A list of `{code, severity, title, file, line, column, end_line, end_column, labels, help, fix}`. What has no place
-/// has `null` for its lines and columns.
+/// Returns a list of `{code, severity, title, file, line, column, end_line, end_column, labels, help, fix}`. Findings
+/// without a place have `null` for lines and columns.
 pub fn json(diags: &Diags, model: &Model) -> Json {
     let place = |span: Span| match clamp(model.source(span).within(span), model.source(span).text) {
         Some(r) => {

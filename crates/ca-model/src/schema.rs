@@ -1,9 +1,8 @@
 //! JSON Schema (2020-12) of `*.ca.toml`, for editors.
 //!
-//! Decides that the schema comes from the catalog and nothing else, so it cannot fall behind. It is as strict as a
-//! schema can be without knowing the model: names of parameters, words of choices, what excludes what. Bounds are given
-//! as bounds only where they hold in every system of units (zero, and plain numbers); the others stand in the
-//! description. Whether a name exists is beyond it.
+//! The schema is made from the catalog, so it cannot fall behind. It is as strict as possible without the model: names
+//! of parameters, words of choices, exclusions. Bounds are checked only if they hold in every system of units (zero,
+//! and plain numbers); the description gives the others. References to names are not checked.
 
 use super::quantity::show;
 use super::sections::{GROUP, META, RATES};
@@ -15,12 +14,11 @@ use ca_core::internal::phi::implicit::{OF_GROUP, OF_MODEL, THETA};
 use ca_core::{Catalog, Kind, Need, Param, Type, Unit};
 use serde_json::{Map, Value as Json, json};
 
-/// A word of a name.
+/// Pattern of one word of a name.
 const WORD: &str = "^[A-Za-z_][A-Za-z0-9_]*$";
-/// A quantity, see [`super::quantity`]; any other string names a `[param]`.
+/// Pattern of a quantity, see [`super::quantity`]; any other string names a `[param]`.
 const QUANTITY: &str = r"^\s*[-+−]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?(\s*[A-Za-zµμ%/].*)?$";
 
-/// The acceleration of free masses, of a model or of a group.
 const GRAVITY: Param = Param::new(
     "gravity",
     Type::Position { unit: Unit::ACCELERATION },
@@ -28,7 +26,7 @@ const GRAVITY: Param = Param::new(
     "acceleration of free masses: how much along the last axis, downwards, or a number for each axis",
 );
 
-/// The schema of the models this catalog can read.
+/// Returns the schema of the models that this catalog can read.
 pub fn schema(catalog: &Catalog) -> Json {
     let mut defs = Map::new();
     defs.insert(
@@ -86,7 +84,6 @@ pub fn schema(catalog: &Catalog) -> Json {
     })
 }
 
-/// Keys of a group.
 fn of_group(key: &str) -> Json {
     match key {
         "border" => json!({
@@ -97,7 +94,7 @@ fn of_group(key: &str) -> Json {
     }
 }
 
-/// Keys that are not parameters of kinds; `method` is what that key means here.
+/// Describes a key that is not a parameter of a kind; `method` describes that key here.
 fn known(key: &str, method: &Param) -> Json {
     let number = |doc: &str| json!({"$ref": "#/$defs/number", "description": doc});
     match key {
@@ -130,12 +127,12 @@ fn known(key: &str, method: &Param) -> Json {
         "author" => json!({"type": "string", "description": "who made it"}),
         "source" => json!({"type": "string", "description": "where it comes from"}),
         "doc" => json!({"type": "string", "description": "more about it"}),
-        // a key that is listed has a type: the tests hold every list against this
+        // every listed key has a type, which tests check
         _ => json!(false),
     }
 }
 
-/// Parts: their parameters, kinds, groups and properties.
+/// Describes parts: their parameters, kinds, groups and properties.
 fn parts(group: &Map<String, Json>) -> Json {
     let mut part = group.clone();
     part.insert("param".into(), params(false));
@@ -173,7 +170,7 @@ fn uses() -> Json {
     })
 }
 
-/// Named numbers; those of a part need no value, and may stand for a word, a module or a list, too.
+/// Describes named numbers. In a part they may lack a value, and may be a word, a module or a list.
 fn params(valued: bool) -> Json {
     let number = json!({"$ref": "#/$defs/number"});
     let value = if valued { number.clone() } else { json!({"type": ["number", "string", "boolean", "array"]}) };
@@ -201,7 +198,7 @@ fn params(valued: bool) -> Json {
     })
 }
 
-/// Rows as pairs, the anchor, and a table for each device key (a group's key is a table in a table).
+/// Describes rows as pairs, the anchor, and a table for each device key (for a key in a group, a table in a table).
 fn equivalence() -> Json {
     let number = json!({"$ref": "#/$defs/number"});
     let rows = ROWS.iter().filter(|r| r.class() != Class::Time);
@@ -224,7 +221,7 @@ fn equivalence() -> Json {
     })
 }
 
-/// The section of one kind; in a part a word or a flag may be a parameter of that part.
+/// Describes the section of one kind. In a part a word or a flag may be a parameter of that part.
 fn members(kind: &Kind, of_part: bool) -> Json {
     let one = |p: &Param| match p.ty {
         Type::Choice(_) | Type::Flag if of_part => json!({"anyOf": [param(p), {"$ref": "#/$defs/name"}]}),
@@ -344,7 +341,7 @@ fn symbol(unit: Unit) -> &'static str {
     if unit.symbol.is_empty() { "plain number" } else { unit.symbol }
 }
 
-/// A bare number with the bounds that hold in every system of units, or a quantity, or a name.
+/// Describes a bare number with the bounds of every system of units, a quantity, or a name.
 fn number(unit: Unit, min: f64, max: f64) -> Json {
     let mut bare = json!({"type": "number"});
     let plain = unit.dim == Unit::NONE.dim;

@@ -1,6 +1,6 @@
-//! The sections that can stand at the root of a document besides kinds, and the keys they know.
+//! Sections at the root of a document other than kinds, and their keys.
 
-/// Root sections that are not kinds, in the order [`super::write`] gives them.
+/// Root sections that are not kinds, in the order of [`super::write`].
 pub const SECTIONS: &[&str] = &["model", "rate", "param", "part", "use", "gesture", "equivalence"];
 /// Keys of `[model]`.
 pub const META: &[&str] = &[
@@ -21,11 +21,11 @@ pub const META: &[&str] = &[
 pub const RATES: &[&str] = &["sound", "oversample", "gesture", "border", "latency", "feedback", "filter"];
 /// Properties of a group.
 pub const GROUP: &[&str] = &["gravity", "friction", "method", "theta", "dim", "rate", "border"];
-/// Root sections that may stand in a part too.
+/// Root sections that may also stand in a part.
 pub const IN_PART: &[&str] = &["param", "use", "gesture"];
 /// Keys of a line of `[use]`.
 pub const USE: &[&str] = &["part", "file", "n", "with"];
-/// What makes a gesture that is written as a table, and the keys beside it.
+/// Keys that mark a gesture written as a table, each with the keys it combines with.
 pub const CURVES: &[(&str, &[&str])] = &[
     ("points", &["every", "to"]),
     ("ramp", &["from", "to"]),

@@ -1,4 +1,4 @@
-//! Selectors: how one module, or some modules of a generator, are named in `between`, `from` and gestures.
+//! Selectors: names of modules, and of members of a generator, in `between`, `from` and gestures.
 //!
 //! ```text
 //! hammer   ball.a              a module; members of a group carry its name
@@ -8,8 +8,8 @@
 //! low@0.31  plate@0.3,0.4      a moving point between the ends; the place may be a name: low@place
 //! key[3].hammer   key[3].s[8]  the same of an instance of a part; `key[*].hammer` is made a list before ([`super::part`])
 //! ```
-//! Decides that a selector is one string with one small grammar, the same in a file, on the command line and in
-//! Python. Only the text is judged here; whether the names exist and the index is in range is for the compiler.
+//! A selector is one string with a small grammar, which is the same in files, on the command line and in Python. Only
+//! the text is checked here; the compiler checks names and ranges of indices.
 
 use alloc::borrow::ToOwned;
 use alloc::format;
@@ -17,64 +17,64 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use core::fmt;
 
-/// What is selected of a generator.
+/// Members of a generator.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// its masses; also what stands for a plain module
+    /// Masses; also for a plain module.
     Mass,
-    /// its links: `.link`
+    /// Links: `.link`.
     Link,
-    /// the fixed points at its ends: `.end`
+    /// Fixed points at the ends: `.end`.
     End,
 }
 
-/// Which of them.
+/// Selected members.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Index {
-    /// no brackets
+    /// No brackets.
     None,
-    /// `[3]`; negative counts from the end
+    /// `[3]`; negative counts from the end.
     One(i64),
-    /// `[3,4]`
+    /// `[3,4]`.
     Two(i64, i64),
-    /// `[*]`
+    /// `[*]`.
     All,
-    /// `[2..5]`, the 5 excluded
+    /// `[2..5]`, without 5.
     Range(i64, i64),
 }
 
-/// One coordinate of a moving point, 0 to 1 between the ends.
+/// Coordinate of a moving point, from 0 to 1 between the ends.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Coord {
-    /// a number
+    /// Number.
     Num(f64),
-    /// a live parameter or an ENX port
+    /// Live parameter or ENX port.
     Name(String),
 }
 
-/// Where on the generator: one coordinate on a string, two on a mesh.
+/// Place on a generator: one coordinate on a string, two on a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct At(pub Vec<Coord>);
 
-/// A selector, read.
+/// Parsed selector.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Selector {
-    /// full name of the module or generator
+    /// Full name of the module or generator.
     pub name: String,
-    /// masses, links or ends
+    /// Masses, links or ends.
     pub part: Part,
-    /// which of them
+    /// Selected members.
     pub index: Index,
-    /// the moving point
+    /// Moving point.
     pub at: Option<At>,
 }
 
-/// What is wrong in the text of a selector, and where.
+/// Error in the text of a selector.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SelectError {
-    /// byte offset
+    /// Byte offset.
     pub at: usize,
-    /// what is wrong
+    /// Description of the error.
     pub message: String,
 }
 
@@ -89,14 +89,13 @@ fn fault<T>(at: usize, message: impl Into<String>) -> Result<T, SelectError> {
     Err(SelectError { at, message: message.into() })
 }
 
-/// Whether `text` is one word of a name: an ASCII letter or `_`, then letters, digits and `_`.
+/// Returns true for one word of a name: an ASCII letter or `_`, then letters, digits and `_`.
 pub fn is_word(text: &str) -> bool {
     text.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
         && text.bytes().all(|c| c.is_ascii_alphanumeric() || c == b'_')
 }
 
-/// Whether `text` is a full name: words joined by dots, where all but the last may have the index of an instance, as in
-/// `key[3].hammer`.
+/// Returns true for a full name: words joined by dots. All but the last may have an index, as in `key[3].hammer`.
 pub fn is_name(text: &str) -> bool {
     match text.rsplit_once('.') {
         Some((group, last)) => is_word(last) && is_group(group),
@@ -104,7 +103,7 @@ pub fn is_name(text: &str) -> bool {
     }
 }
 
-/// Whether `text` is the full name of a group, which may be an instance: `beads`, `key[3]`, `key[3].room`.
+/// Returns true for the full name of a group or an instance: `beads`, `key[3]`, `key[3].room`.
 pub fn is_group(text: &str) -> bool {
     let is_index = |t: &str| !t.is_empty() && t.bytes().all(|b| b.is_ascii_digit());
     let instance = |w: &str| match w.split_once('[') {
@@ -114,7 +113,7 @@ pub fn is_group(text: &str) -> bool {
     text.split('.').all(instance)
 }
 
-/// Reads a selector.
+/// Parses a selector.
 ///
 /// ```
 /// use ca_model::select::{Index, Part, parse};
@@ -124,7 +123,7 @@ pub fn is_group(text: &str) -> bool {
 /// ```
 ///
 /// # Errors
-/// Where the text is no selector, with the character at fault.
+/// Fails if the text is not a selector; the error has the wrong character.
 pub fn parse(text: &str) -> Result<Selector, SelectError> {
     let lead = text.len() - text.trim_start().len();
     let whole = text.trim();
@@ -133,7 +132,7 @@ pub fn parse(text: &str) -> Result<Selector, SelectError> {
         None => (whole, None),
     };
     let left = left.trim_end();
-    // what stands in brackets before a dot tells instances apart
+    // brackets before a dot are indices of instances
     let instances = left.rfind("].").map_or(0, |i| i + 2);
     let (mut name, index) = match left[instances..].split_once('[') {
         Some((word, inner)) => {
@@ -163,7 +162,7 @@ pub fn parse(text: &str) -> Result<Selector, SelectError> {
     Ok(Selector { name: name.to_owned(), part, index, at })
 }
 
-/// First byte at which `name` stops being a name.
+/// Returns the first byte at which `name` stops being a name.
 fn first_odd(name: &str) -> usize {
     let mut begin = true;
     for (i, c) in name.char_indices() {

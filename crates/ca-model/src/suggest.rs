@@ -1,17 +1,17 @@
 //! "Did you mean": the candidate nearest to a word, and lists of words in a message.
 //!
-//! Decides that a difference of case alone always wins, and that further away than a third of the word nothing is
-//! suggested: a wrong suggestion costs more than none. Without the feature `parse` only the first rule holds, because
-//! the edit distance comes from a dependency.
+//! A difference of case alone always wins. A candidate that differs in more than a third of the word is not suggested,
+//! because a wrong suggestion is worse than none. Without the feature `parse` only the first rule applies, because the
+//! edit distance comes from a dependency.
 
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// A list that is longer is not looked through to its end: nobody waits seconds for a guess.
+/// Number of candidates that are compared, so that a suggestion does not take seconds.
 const MOST: usize = 10_000;
 
-/// The candidate nearest to `word`, if one is near; the earlier of two equally near.
+/// Returns the candidate nearest to `word`, if one is near, and the earlier of two equally near.
 pub fn nearest<'a>(word: &str, candidates: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let mut best: Option<(usize, &'a str)> = None;
     for c in candidates.take(MOST) {
@@ -23,12 +23,12 @@ pub fn nearest<'a>(word: &str, candidates: impl Iterator<Item = &'a str>) -> Opt
     best.map(|b| b.1)
 }
 
-/// These words in ticks, with commas between them.
+/// Joins words in backticks with commas.
 pub fn ticked<'a>(words: impl Iterator<Item = &'a str>) -> String {
     words.map(|w| format!("`{w}`")).collect::<Vec<_>>().join(", ")
 }
 
-/// The first twelve words, and a mark if there are more.
+/// Joins the first twelve words as [`ticked`] does, with a mark if there are more.
 pub fn listed<'a>(words: impl Iterator<Item = &'a str>) -> String {
     let mut list: Vec<String> = words.map(|w| format!("`{w}`")).collect();
     if list.len() > 12 {
@@ -47,7 +47,7 @@ fn distance(a: &str, b: &str) -> Option<usize> {
 
 #[cfg(feature = "parse")]
 fn edits(a: &str, b: &str) -> Option<usize> {
-    // a hostile word of a megabyte is near to nothing, and not worth a square table
+    // protects against a hostile word of a megabyte, whose table would be the square of that
     if a.len().max(b.len()) > 64 {
         return None;
     }

@@ -1,10 +1,10 @@
-//! From [`Model`] back to text: a file its author would be glad to read.
+//! Writes a [`Model`] as text, in the form that an author would choose.
 //!
-//! Decides the order `[model]`, `[rate]`, `[param]`, modules, `[gesture]`, `[equivalence]`, one module a line, names
-//! padded so that the `=` stand in one column. TOML has each section once, so a model that goes MAS, REF, MAS is
-//! written with its kinds in order of first appearance and the order within each kind kept: reading it again gives the
-//! same modules, regrouped. Comments are kept at the head of the file only; the rest of them is not in a [`Model`].
-//! No TOML library: this must work without the feature `parse`, and none writes a module a line.
+//! The order is `[model]`, `[rate]`, `[param]`, modules, `[gesture]`, `[equivalence]`, with one module on a line and
+//! aligned `=`. TOML allows each section once. A model in the order MAS, REF, MAS is therefore written with kinds in
+//! order of first appearance and modules of a kind in their order; reading it gives the same modules, regrouped. Only
+//! the comments at the head of the file are written, since a [`Model`] does not contain others. No TOML library is
+//! used: writing must work without the feature `parse`, and none writes one module on a line.
 
 use super::model::{Entry, Item, Model, Value};
 use super::select::is_word;
@@ -12,13 +12,12 @@ use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
-/// A line that would be longer is broken.
+/// Largest length of a line that is not broken.
 const WIDTH: usize = 110;
-/// Names are padded to the longest of a section up to this length.
+/// Largest length of a name for alignment.
 const PAD: usize = 16;
 
-/// The text of a model. `read(write(m))` gives `m` again, up to spans, text and the regrouping said above, for every
-/// model whose names are valid and unique.
+/// Returns the text of a model. For valid, unique names `read(write(m))` is `m`, except for spans, text and regrouping.
 pub fn write(model: &Model) -> String {
     let mut out = String::new();
     for line in model.header.trim_end().lines() {
@@ -59,7 +58,7 @@ fn section(out: &mut String, name: &str, entries: &[Entry]) {
     }
 }
 
-/// The group a module is written in, and its name there.
+/// Returns the group that a module is written in, and its name there.
 fn place<'m>(model: &'m Model, item: &'m Item) -> (&'m str, &'m str) {
     let own = item.group.and_then(|g| model.groups.get(g)).map(|g| g.name.as_str());
     let of_own = own.and_then(|o| Some((o, item.name.strip_prefix(o)?.strip_prefix('.')?)));
@@ -69,7 +68,7 @@ fn place<'m>(model: &'m Model, item: &'m Item) -> (&'m str, &'m str) {
     }
 }
 
-/// Modules of one kind in one group, each with its name there.
+/// Modules of one kind in one group, with their names there.
 struct Section<'m> {
     group: &'m str,
     kind: &'m str,
@@ -112,7 +111,7 @@ fn modules(out: &mut String, model: &Model) {
     }
 }
 
-/// `name = { … }`, or one dotted key a line where that would be too long.
+/// Writes `name = { … }`, or one dotted key on each line if that is too long.
 fn module(out: &mut String, key: &str, pad: usize, item: &Item) {
     let value = table(&item.args);
     if key.chars().count().max(pad) + 3 + value.chars().count() <= WIDTH || item.args.is_empty() {
@@ -130,7 +129,7 @@ fn padding<'a>(names: impl Iterator<Item = &'a str>) -> usize {
     names.map(|n| n.chars().count()).filter(|&n| n <= PAD).max().unwrap_or(0)
 }
 
-/// `key = value`; a long list gets a line for each few members.
+/// Writes `key = value`; a long list is broken into lines.
 fn line(out: &mut String, key: &str, pad: usize, value: &Value) {
     let short = inline(value);
     let Value::List(list) = value else {
@@ -178,7 +177,7 @@ fn table(entries: &[Entry]) -> String {
     format!("{{ {} }}", list.join(", "))
 }
 
-/// The shortest digits that read back to the same bits.
+/// Returns the shortest digits that read back to the same bits.
 fn number(v: f64) -> String {
     if v.is_nan() {
         return "nan".into();

@@ -1,32 +1,32 @@
-//! The energy ledger over the time of a performance, looked at now and then.
+//! Energy ledger over the time of a performance, sampled at intervals.
 //!
-//! Decides to show the residual by itself, as a part of the largest energy so far: it is ten orders of magnitude below
-//! the rest, and the one curve that tests the engine. Of a model that diverged the ledger is shown as long as its energy
-//! is of the size of what the model was given: what comes then measures the divergence.
+//! The residual has its own plot, relative to the peak energy: it is ten orders of magnitude smaller than the other
+//! terms, and it is the curve that tests the engine. If the model diverges, the ledger is shown only while its energy
+//! is comparable with the energy supplied. Later values measure only the divergence.
 
 use ca_core::{Balance, Ledger, Scene};
 use ca_lab::facts::energy::{grows, joule, makers};
 use ca_lab::play::relative;
 use ca_report::{Axis, Block, Curve, Grid, Plot, Section, Table};
 
-/// Energy so many times what a model was given is that of its divergence.
+/// Ratio of energy to supplied energy above which a diverged ledger is cut off.
 const DIVERGED: f64 = 1e6;
 
-/// The ledger at several times.
+/// Samples of the ledger.
 #[derive(Default)]
 pub(crate) struct EnergyOverTime {
-    /// \[s\]
+    /// Times of the samples \[s\].
     times: Vec<f64>,
-    /// sums, and the part in motion \[J\]
+    /// Balance and kinetic energy \[J\].
     sums: Vec<(Balance, f64)>,
-    /// the ledger at the end
+    /// Ledger at the end.
     pub end: Option<Ledger>,
-    /// when the model diverged \[s\]
+    /// Time at which the model diverged \[s\].
     pub diverged_at: Option<f64>,
 }
 
 impl EnergyOverTime {
-    /// Notes what the ledger says at a time \[s\].
+    /// Samples the ledger at `time` \[s\].
     pub fn look(&mut self, time: f64, ledger: Option<&Ledger>) {
         if let Some(ledger) = ledger {
             self.times.push(time);
@@ -34,7 +34,7 @@ impl EnergyOverTime {
         }
     }
 
-    /// The section, in joules that are `scale` times those of the model; `None` where no ledger was kept.
+    /// Builds the section, with joules multiplied by `scale`. Returns `None` without a ledger.
     pub fn section(&self, scene: &Scene, scale: f64) -> Option<Section> {
         let end = self.end.as_ref()?;
         let tame = |(b, motion): &&(Balance, f64)| {
@@ -53,7 +53,7 @@ impl EnergyOverTime {
         let grid = || Grid::Points(self.times[..sums.len()].to_vec());
         let curve = |name: &str, of: fn(&(Balance, f64)) -> f64| {
             let y: Vec<f64> = sums.iter().map(|s| scale * of(s)).collect();
-            // an account in which nothing happened is no curve
+            // leaves out accounts that stay zero
             y.iter().any(|v| *v != 0.0).then(|| Curve::line(name, y))
         };
         let accounts = [
@@ -85,7 +85,7 @@ impl EnergyOverTime {
             ("stored", joule(scale * b.h)),
             ("residual", format!("{:.1e} J", scale * b.residual)),
         ];
-        // the ledger of each link is that of the end
+        // per-link ledgers exist only for the end
         let makers = if self.diverged_at.is_none() { makers(scene, end, 5) } else { Vec::new() };
         rows.extend(makers.iter().map(|(name, made)| ("most of it by", format!("`{name}`: {}", joule(scale * made)))));
         let mut blocks = vec![Block::Text(balance)];

@@ -1,7 +1,7 @@
-//! The page of a model and of a take, as `ca report` writes them.
+//! Builds the page of a model or of a take for `ca report`.
 //!
-//! A page begins with warnings and notes. The sound follows, then its explanation, then the model. Silence, a divergence and a take
-//! that was cut off make a page too. The look of a page is decided in `ca-report`.
+//! A page begins with warnings and notes. The sound follows, then its explanation, then the model. Silence, a
+//! divergence or a truncated take still produces a page. `ca-report` decides the layout.
 //!
 //! Begin with [`ModelPage::new`], which compiles a model, or with [`take()`], which reads a take.
 //!
@@ -30,7 +30,7 @@ pub use take::take;
 
 use ca_report::{Report, Weight};
 
-/// True if a page has a warning.
+/// Returns true if a page has a warning.
 pub fn is_degraded(report: &Report) -> bool {
     report.notes.iter().any(|n| n.0 == Weight::Warning)
 }

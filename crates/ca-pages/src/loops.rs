@@ -1,28 +1,27 @@
-//! The times of the real-time loop, on the page of a take.
+//! Timing of the real-time loop, for the page of a take.
 //!
-//! Decides that they are those of the device's clock, from a frame to the first that was made under the force which answers it: force
-//! frames are recorded before anybody sends them.
+//! The loop time runs from one device frame to the first frame sampled under the force that answers it. Both ends are
+//! stamped by the device process (`t_host_ns`), because force frames are recorded before they are sent.
 
 use ca_haptic::take::Rt;
 use ca_model::quantity::short;
 use ca_report::{Axis, Block, Curve, Grid, Look, Plot, Section, Table};
 use std::collections::VecDeque;
 
-/// Longest time by which what the engine took is older than what was published \[s\].
+/// Margin for the age of a frame when the engine takes it \[s\].
 const AWAY: f64 = 5.0;
-/// Columns of a histogram for a factor of ten.
+/// Histogram columns per decade.
 const BINS: f64 = 25.0;
 
-/// How the real-time loop did.
 #[derive(Default)]
 pub(crate) struct Loops {
-    /// between device frames, and from one to the first under the force that answers it \[µs\]
+    /// Times between device frames, and from a frame to the first one under its answering force \[µs\].
     pub(crate) apart: Vec<f64>,
     pub(crate) around: Vec<f64>,
     pub(crate) seconds: Vec<Rt>,
 }
 
-/// How many of the times \[µs\] lie in each column of equal ratios.
+/// Plots how many times \[µs\] fall into each logarithmic column.
 fn histogram(title: &str, times: &[f64]) -> Option<Plot> {
     let bin = |t: f64| (t.log10() * BINS).floor() as i64;
     let some = || times.iter().copied().filter(|t| *t > 0.0);
@@ -44,7 +43,7 @@ fn histogram(title: &str, times: &[f64]) -> Option<Plot> {
     })
 }
 
-/// A row of a table of times \[µs\].
+/// Builds a row with the count, percentiles and maximum of `times` \[µs\]. Returns `None` without times.
 fn row(name: &str, mut times: Vec<f64>) -> Option<Vec<String>> {
     times.sort_by(f64::total_cmp);
     let at = |q: f64| times.get(((times.len().saturating_sub(1)) as f64 * q).round() as usize).map(|t| short(*t));
@@ -91,19 +90,18 @@ impl Loops {
     }
 }
 
-/// Frames of a device on their way round.
+/// Recent frames of a device, used to measure the loop.
 #[derive(Clone, Default)]
 pub(crate) struct Clock {
     pub(crate) session: u64,
-    /// when its last frame was published
     pub(crate) last: Option<Stamp>,
-    /// recent frames: number, and when they were published
+    /// Recent device frames: sequence number and stamp.
     pub(crate) frames: VecDeque<(u64, Stamp)>,
-    /// recent force frames: number, and when the frame they answer was published
+    /// Recent force frames: sequence number, and stamp of the device frame that they answer.
     pub(crate) forces: VecDeque<(u64, Stamp)>,
 }
 
-/// When a frame was published, by its device \[ns\], and when it was taken, by the engine \[s\].
+/// Time at which a device published a frame \[ns\], and time at which the engine took it \[s\].
 #[derive(Clone, Copy)]
 pub(crate) struct Stamp {
     pub(crate) ns: u64,
@@ -111,7 +109,8 @@ pub(crate) struct Stamp {
 }
 
 impl Stamp {
-    /// Time from an earlier one \[µs\]; none where a clock that is not ours, or none at all, says more than can have passed.
+    /// Returns the time since `earlier` \[µs\]. Returns `None` if the clock of the device is not the host clock or is
+    /// invalid: the stamps then differ by more than the time that can have passed.
     pub(crate) fn since(self, earlier: Stamp) -> Option<f64> {
         let us = self.ns.checked_sub(earlier.ns)? as f64 * 1e-3;
         (us <= 1e6 * (self.taken - earlier.taken + AWAY)).then_some(us)

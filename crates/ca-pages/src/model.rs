@@ -1,4 +1,4 @@
-//! A model on a page: played, and everything about it.
+//! Builds the page of a model by playing it.
 
 use crate::energy::EnergyOverTime;
 use crate::parts::{self, Facts, finished};
@@ -15,28 +15,28 @@ use ca_report::{Axis, Block, Curve, Envelope, Plot, Report, Section, Sound, Weig
 use ca_view::Film;
 use std::path::Path;
 
-/// Most curves of one plot.
+/// Limit on the curves of one plot.
 const CURVES: usize = 8;
-/// Times the ledger is looked at.
+/// Samples of the energy ledger over the performance.
 const LOOKS: u64 = 1000;
-/// A state is looked at so often a second for the picture \[Hz\].
+/// Lower limit of the rate at which the picture is sampled \[Hz\].
 const PICTURE: f64 = 240.0;
-/// Seconds of sound for which methods are compared, unless asked otherwise.
+/// Default length of sound for the comparison of methods \[s\].
 pub const TRIED: f64 = 0.2;
-/// Multiples of the sound rate at which methods are compared, and the multiple of the reference.
+/// Multiples of the sound rate for the comparison of methods, and the multiple of the reference.
 const TIMES: [u32; 3] = [1, 2, 4];
 const REFERENCE: u32 = 32;
 
 /// Options of the page of a model.
 #[derive(Clone, Debug)]
 pub struct PageOptions {
-    /// how long it is played \[s\]; as long as its gesture and itself say if none
+    /// Length to play \[s\]; if `None`, until the gesture and the model end.
     pub seconds: Option<f64>,
-    /// seconds of sound for which other methods and rates are compared; 0 leaves the comparison out
+    /// Length of sound for the comparison of methods and rates \[s\]; 0 omits the comparison.
     pub accuracy: f64,
-    /// what was changed in the model, by name and value, to be read on the page
+    /// Changed values of the model, by name, to be listed on the page.
     pub changes: Vec<(String, String)>,
-    /// what to do where nothing moves in that time
+    /// Advice if nothing moves within the compared time.
     pub remedy: &'static str,
 }
 
@@ -46,35 +46,37 @@ impl Default for PageOptions {
     }
 }
 
-/// News of the work on a page.
+/// Progress of a page.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Work<'a> {
-    /// samples played, and the most that are to be played
+    /// Samples played, and the total.
     Played(u64, u64),
-    /// steps of the comparison of methods: done, and all
+    /// Steps of the comparison of methods done, and the total.
     Compared(u64, u64),
-    /// something was not played as asked
+    /// Warning that something was not played as requested.
     Warning(&'a str),
 }
 
-/// A model that is compiled for its page.
+/// A model compiled for its page.
 pub struct ModelPage<'a> {
     loaded: &'a Loaded,
     scene: Compiled,
     options: Options,
     probes: Vec<String>,
-    /// the scheme is composed of other schemes
+    /// True if the scheme is composed of other schemes.
     composed: bool,
 }
 
 impl<'a> ModelPage<'a> {
-    /// Compiles a model at a `rate`, or at its own, with the energy ledger where its scheme keeps one. `probes` are shown over
-    /// time; without any, what the outputs hear and the keys of devices.
+    /// Compiles a model at `rate`, or at its own rate, with the energy ledger if the scheme supports one.
+    ///
+    /// The page plots `probes` over time. If `probes` is empty, it plots the modules measured by outputs and the keys
+    /// of devices.
     ///
     /// # Errors
-    /// [`Failure::Found`] where it has errors.
+    /// Returns [`Failure::Found`] if the model has errors.
     pub fn new(loaded: &'a Loaded, rate: Option<f64>, probes: &[String]) -> Result<ModelPage<'a>, Failure> {
-        // the ledger is of the explicit scheme
+        // only the explicit scheme has a ledger
         let composed = matches!(loaded.model.meta("method").map(|e| &e.value), Some(Value::Text(t)) if t == "pefrl");
         let with = |probes: Vec<String>| Options {
             rate,
@@ -83,7 +85,7 @@ impl<'a> ModelPage<'a> {
             clouds: loaded.clouds.clone(),
             ..Options::default()
         };
-        // a default probe that cannot be compiled is left out
+        // default probes that cannot be compiled are omitted
         let own = (probes.is_empty()).then(|| loaded.compile(&with(heard(&loaded.model.items))).ok()).flatten();
         let (scene, probes) = match own {
             Some(scene) => (scene, heard(&loaded.model.items)),
@@ -92,17 +94,17 @@ impl<'a> ModelPage<'a> {
         Ok(ModelPage { loaded, scene, options: with(Vec::new()), probes, composed })
     }
 
-    /// The scene that is to be played, with the findings of the compiler.
+    /// Returns the scene to play, with the findings of the compiler.
     pub fn scene(&self) -> &Compiled {
         &self.scene
     }
 
-    /// Plays the scene by a performance of `gesture`, and makes the page. `goes_on` is told of the work, and ends it
-    /// by false.
+    /// Plays the scene with a performance of `gesture` and builds the page. `goes_on` receives the progress and stops
+    /// the work by returning false.
     ///
     /// # Errors
-    /// [`Failure::Stopped`], [`Failure::Found`] where the comparison of methods finds errors, [`Failure::Failed`] where there is no
-    /// memory for the picture.
+    /// Returns [`Failure::Stopped`], [`Failure::Found`] if the comparison of methods finds errors, and
+    /// [`Failure::Failed`] if there is not enough memory for the picture.
     pub fn report(
         &self,
         performance: Performance,
@@ -119,7 +121,7 @@ impl<'a> ModelPage<'a> {
         let mut motion = Envelope::new(scene.rate, scene.counts.n_out - scene.counts.channels);
         let mut ledger = EnergyOverTime::default();
         let mut film = Film::new(scene, seconds);
-        // often enough for a picture that does not jerk
+        // often enough for a smooth picture
         let block = (frames / LOOKS).clamp(1, (scene.rate / PICTURE).max(1.0) as u64).min(1024);
         let played = play::play(performance, length, block, &mut |p, rows, done| {
             for row in rows.chunks_exact(scene.counts.n_out.max(1)) {
@@ -172,7 +174,8 @@ impl<'a> ModelPage<'a> {
         Ok(report)
     }
 
-    /// Error against run time of the model's beginning, by its own gestures; of what cannot be measured, why.
+    /// Builds the section with error against run time for the first seconds of the model with its own gestures. If
+    /// nothing can be measured, the section gives the reason.
     fn accuracy(
         &self,
         options: &PageOptions,
@@ -201,24 +204,23 @@ impl<'a> ModelPage<'a> {
     }
 }
 
-/// The file without folders.
 fn source_name(loaded: &Loaded) -> String {
     Path::new(&loaded.model.file).file_name().map_or_else(|| loaded.name.clone(), |n| n.to_string_lossy().into_owned())
 }
 
-/// Names of outputs and of the keys of devices.
+/// Returns the names of outputs and of device keys.
 fn heard(items: &[Item]) -> Vec<String> {
     let shown = items.iter().filter(|i| matches!(i.kind.as_str(), "SOX" | "SOF" | "TGR"));
     shown.map(|i| i.name.clone()).take(CURVES).collect()
 }
 
-/// The module that an output hears, in the words of the model.
+/// Returns the module that an output measures, as written in the model.
 fn of_output<'a>(items: &'a [Item], probe: &str) -> Option<&'a str> {
     let from = items.iter().find(|i| i.name == probe)?.args.iter().find(|e| e.key == "from")?;
     if let Value::Text(text) = &from.value { Some(text) } else { None }
 }
 
-/// Plots of the motion, one for each quantity: title, quantity and unit.
+/// Plots of the motion, one per quantity: title, quantity and unit.
 const DRAWN: [(&str, &str, &str); 4] = [
     ("Displacement", "displacement", "m"),
     ("Speed", "speed", "m/s"),
@@ -226,7 +228,7 @@ const DRAWN: [(&str, &str, &str); 4] = [
     ("Force", "force", "N"),
 ];
 
-/// Which of these a probe is: of an output what it hears.
+/// Returns the index in `DRAWN` for a probe. For an output, that is the quantity it measures.
 fn drawn(items: &[Item], scene: &Scene, name: &str) -> usize {
     let is_link = |s: &ca_core::Symbol| s.name == name && matches!(s.location, ca_core::Location::Lia(..));
     let item = items.iter().find(|i| i.name == name);
@@ -240,13 +242,13 @@ fn drawn(items: &[Item], scene: &Scene, name: &str) -> usize {
     }
 }
 
-/// Motions and forces over time.
+/// Builds the section with motions and forces over time.
 fn moved(loaded: &Loaded, scene: &Scene, motion: &Envelope, probes: &[String]) -> Option<Section> {
     let items = &loaded.model.items;
     let mut all: [Vec<Curve>; DRAWN.len()] = Default::default();
     for (k, (name, of)) in scene.names.probe_names.iter().zip(&scene.names.probe_of).enumerate() {
         let asked = probes.get(*of as usize).map_or("", String::as_str);
-        // of an output that hears several, each by its own name
+        // an output of several modules keeps the name of each
         let shown = of_output(items, asked).filter(|_| name == asked).unwrap_or(name);
         let list = &mut all[drawn(items, scene, name).max(drawn(items, scene, asked))];
         if list.iter().all(|c| c.name != shown) {

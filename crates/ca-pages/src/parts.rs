@@ -1,7 +1,7 @@
-//! Sections that a model and a take have in common.
+//! Sections that pages of models and of takes share.
 //!
-//! Decides that frequencies of modes are marked in the spectrum as they are heard, and only those that an output hears:
-//! a mark where nothing can be tells less than none. The table has them all the same.
+//! The spectrum marks only modes that reach an output, at the frequencies that are heard. A mark without a peak would
+//! mislead. The table lists all modes.
 
 use ca_compile::Compiled;
 use ca_compile::Options;
@@ -17,19 +17,19 @@ use ca_model::diag::Severity;
 use ca_model::quantity::{Plain, short};
 use ca_report::{Axis, Block, LOWEST, Mark, Plot, Point, Section, Sound, Spectrum, Table, Weight, spectrogram};
 
-/// Most places of a network whose modes are on the page: more would take longer than playing it.
+/// Limit on the moving places of a network whose modes are shown; larger networks take longer than playing the model.
 const PLACES: usize = 1000;
-/// Modes in the table, and marks in the spectrum.
+/// Limit on the modes in the table and the marks in the spectrum.
 const MODES: usize = 40;
-/// An output hears nothing of a mode that is so far below the strongest \[dB\].
+/// Level below the strongest mode at which a mode counts as silent at an output \[dB\].
 const SILENT: f64 = -60.0;
 
-/// Who wrote the page.
+/// Names the program and version for the subtitle.
 pub(crate) fn finished() -> String {
     format!("by ca {}", env!("CARGO_PKG_VERSION"))
 }
 
-/// What is wrong with a sound.
+/// Lists problems of a sound.
 pub(crate) fn notes(sound: &Sound, diverged: bool) -> Vec<(Weight, String)> {
     let peak = sound.peak().iter().copied().fold(0.0, f64::max);
     let mut list = Vec::new();
@@ -48,12 +48,12 @@ pub(crate) fn notes(sound: &Sound, diverged: bool) -> Vec<(Weight, String)> {
     list
 }
 
-/// The table at the head of the page.
+/// Summary table at the head of the page.
 #[derive(Default)]
 pub(crate) struct Facts(Vec<(&'static str, String)>);
 
 impl Facts {
-    /// What a scene says of itself.
+    /// Collects modules, rates, stability and latency of a scene.
     pub fn of(scene: &Scene) -> Facts {
         let by_code: Vec<String> = codes(scene).iter().map(|(c, n)| format!("{n} {c}")).collect();
         let mut facts = vec![
@@ -65,18 +65,17 @@ impl Facts {
         Facts(facts)
     }
 
-    /// One more.
+    /// Adds a row.
     pub fn add(&mut self, name: &'static str, value: String) {
         self.0.push((name, value));
     }
 
-    /// The section.
     pub fn section(self) -> Section {
         Section::new("Summary", vec![Block::Table(Table::pairs(self.0))])
     }
 }
 
-/// Players, waveform, spectrogram and spectrum; nothing without channels.
+/// Builds the section with player, waveform, spectrogram and spectrum. Returns `None` without channels.
 pub(crate) fn sound(sound: Sound, marks: Vec<Mark>, diverged: bool) -> Option<Section> {
     if sound.names().is_empty() {
         return None;
@@ -94,10 +93,9 @@ pub(crate) fn sound(sound: Sound, marks: Vec<Mark>, diverged: bool) -> Option<Se
     Some(Section::new("Sound", blocks))
 }
 
-/// The modes of the linear part, or why there are none.
+/// Modes of the linear part, or the reason why there are none.
 pub(crate) struct ModesPart(Result<(Network, Modes), String>);
 
-/// The modes of a model as it is compiled with `options`.
 pub(crate) fn modes(model: &Model, options: &Options) -> ModesPart {
     let Ok(network) = ca_compile::linear(model, &catalog(), options) else {
         return ModesPart(Err("The model has no linear part that could be looked at by itself.".into()));
@@ -111,7 +109,8 @@ pub(crate) fn modes(model: &Model, options: &Options) -> ModesPart {
 }
 
 impl ModesPart {
-    /// Modes that swing, each with its number and its level at the output that hears it best \[dB\]; lowest first.
+    /// Returns the oscillating modes from the lowest, each with its number and its level at the output where it is
+    /// loudest \[dB\].
     fn swinging(&self) -> Vec<(usize, &Mode, f64)> {
         let Ok((network, found)) = &self.0 else { return Vec::new() };
         let ears: Vec<_> = network.ports.iter().filter(|p| p.role == "hears").collect();
@@ -125,19 +124,19 @@ impl ModesPart {
         swings.map(|(i, m)| (i + 1, m, level(m))).collect()
     }
 
-    /// Outputs that hear forces, of which the modes tell nothing.
+    /// Names outputs of forces, whose level the modes do not give.
     fn by_force(&self) -> &[String] {
         self.0.as_ref().map_or(&[], |(network, _)| &network.force_outputs)
     }
 
-    /// Marks at the frequencies of those that are heard; of all that may be.
+    /// Returns marks at the frequencies of audible modes, or of all modes if an output measures forces.
     pub fn marks(&self) -> Vec<Mark> {
         let any = !self.by_force().is_empty();
         let heard = self.swinging().into_iter().filter(|(_, m, level)| (any || *level > SILENT) && m.heard >= LOWEST);
         heard.take(MODES).map(|(i, m, _)| Mark { x: m.heard, y: None, text: i.to_string() }).collect()
     }
 
-    /// The table, and how long each mode rings.
+    /// Builds the section with the table and a plot of decay times.
     pub fn section(&self) -> Section {
         let (network, found) = match &self.0 {
             Ok(both) => both,
@@ -166,7 +165,7 @@ impl ModesPart {
             let note = format!("These outputs hear other than displacements, and may hear any mode: {names}{rest}.");
             blocks.push(Block::Text(note));
         }
-        // what an output that hears forces makes of a mode is not known, and no silence
+        // the level of a mode at a force output is unknown, which is not the same as silent
         let (rest, silent, outputs) = match (forces.is_empty(), places) {
             (true, _) => ("not heard", "silent", "at the outputs [dB]"),
             (false, true) => ("if heard, as a force", "-", "at the displacement outputs [dB]"),
@@ -219,7 +218,7 @@ impl ModesPart {
     }
 }
 
-/// What is proven, how far the limit is, what keys ask, and the findings.
+/// Builds the section with the certificate, the margin, the demands at keys, and the findings.
 pub(crate) fn stability(scene: &Compiled) -> Section {
     let c = &scene.certificate;
     let means = match c.level {

@@ -1,9 +1,9 @@
-//! A take on a page: what was recorded, as it was, and the ledger of playing it again.
+//! Builds the page of a take: the recorded data, and the energy ledger of a replay.
 //!
-//! Decides to show what the file holds rather than what a replay makes of it: sound, positions and forces as they were,
-//! holes as holes; a take without sound, as the page of `ca play` saves them, is heard as it is played again. The energy ledger and the verdict come of a replay; where this build cannot play the take, the page
-//! says so and is written without them. Where the model changed in the middle, the picture is of the masses that were there from
-//! the start, and there is no ledger, which is that of one scene.
+//! Sound, positions and forces are shown as recorded, including gaps. For a take without sound, such as one saved from
+//! the page of `ca play`, the sound comes from the replay. The energy ledger and the verdict also come from the replay.
+//! If this build cannot replay the take, the page says so and omits them. If the model changes during the take, the
+//! picture shows the masses of the first version, and the ledger is omitted because a ledger belongs to one scene.
 
 use crate::energy::EnergyOverTime;
 use crate::loops::{Clock, Loops, Stamp};
@@ -19,17 +19,17 @@ use ca_report::{Axis, Block, Curve, Envelope, Mark, Plot, Report, Section, Sound
 use ca_view::Film;
 use std::path::Path;
 
-/// Degrees of freedom drawn of each device.
+/// Limit on the curves per device.
 const CURVES: usize = 8;
-/// Rows of what happened.
+/// Limit on the rows of events.
 const EVENTS: usize = 100;
-/// Frames that may be on their way round.
+/// Limit on the remembered frames per device.
 const RECENT: usize = 256;
 
-/// The page of a take, and the name of its file without folder and extension.
+/// Builds the page of a take. Also returns the name of its file without folder and extension.
 ///
 /// # Errors
-/// If the file cannot be read, or memory for the picture is missing.
+/// Fails if the file cannot be read or there is not enough memory for the picture.
 pub fn take(file: &Path) -> Result<(String, Report), Failure> {
     let mut take = Take::open(file)?;
     let summary = take.summary()?;
@@ -54,7 +54,7 @@ pub fn take(file: &Path) -> Result<(String, Report), Failure> {
     if let Err(why) = &again {
         note(why.clone());
     }
-    // the guard did what it is for
+    // a fault is a note, because the guard worked as intended
     let faults = summary.faults.iter();
     let faults = faults.map(|f| format!("`{}`: forces ended at {:.3} s: {}", f.device, f.time, f.cause.name()));
     report.notes.extend(faults.map(|text| (Weight::Note, text)));
@@ -111,7 +111,7 @@ pub fn take(file: &Path) -> Result<(String, Report), Failure> {
     Ok((name, report))
 }
 
-/// Events without the steps of parameters that were turned: of the same ones in a row, the first and the last.
+/// Keeps only the first and last of consecutive events that change the same parameters.
 fn shortened(events: Vec<Vec<String>>) -> Vec<Vec<String>> {
     fn names(row: &[String]) -> Option<Vec<&str>> {
         (row[1] == "parameters").then(|| row[2].split(", ").filter_map(|set| set.split(" = ").next()).collect())
@@ -122,7 +122,7 @@ fn shortened(events: Vec<Vec<String>>) -> Vec<Vec<String>> {
         let turned =
             |n: usize| names(&row).is_some_and(|now| kept.len() >= n && names(&kept[kept.len() - n]) == Some(now));
         steps = if turned(1) { steps + 1 } else { 0 };
-        // the one before is neither the first nor the last
+        // the previous event is neither the first nor the last
         if steps > 1 && turned(2) {
             kept.pop();
         }
@@ -131,9 +131,10 @@ fn shortened(events: Vec<Vec<String>>) -> Vec<Vec<String>> {
     kept
 }
 
-/// The verdict of a replay in words, its energy ledger, how it moved for so many seconds, and how many versions of its model there
-/// are; or why
-/// there is none.
+/// Replays a take for `seconds`.
+///
+/// Returns the verdict in words, the energy ledger, the film, and the number of versions of the model. Returns the
+/// reason if the replay fails.
 fn again(
     take: &Take,
     seconds: f64,
@@ -168,14 +169,13 @@ fn again(
     Ok((words, ledger, film.film, verdict.versions))
 }
 
-/// What a hand did and felt.
 struct DevicePlots {
     device: String,
-    /// degree of freedom and name of each curve
+    /// Degree of freedom and name of each curve.
     shown: Vec<(usize, String)>,
-    /// where it was last \[m\]
+    /// Last position \[m\].
     at: Vec<f64>,
-    /// positions \[m\], then forces \[N\]
+    /// Positions \[m\], then forces \[N\].
     curves: Envelope,
 }
 
@@ -193,14 +193,13 @@ impl DevicePlots {
     }
 }
 
-/// All that is read off a take in one go.
+/// Data read from a take in one pass.
 struct Recorded {
     sound: Sound,
     hands: Vec<DevicePlots>,
-    /// time, of what, what
+    /// Rows of time, source and description.
     events: Vec<Vec<String>>,
     loops: Loops,
-    /// of each device
     clocks: Vec<Clock>,
     modes: Vec<Mode>,
 }
@@ -252,7 +251,7 @@ impl Recorded {
                     r.force(k, &f, u64::from(h.ratio));
                 }
                 Event::Sound(tick, samples) => {
-                    // a stretch that found no room is silence
+                    // a missing stretch becomes silence
                     let have = (r.sound.seconds() * h.rate).round() as u64;
                     let gap = tick.saturating_sub(have).min(60 * h.rate as u64) as usize;
                     r.sound.push(&vec![0.0; gap * h.channels.len()]);
@@ -317,7 +316,7 @@ impl Recorded {
         clock.frames.truncate(RECENT);
         if let Some((_, t)) = clock.forces.iter().find(|(seq, _)| *seq == f.ack) {
             self.loops.around.extend(now.since(*t));
-            // what came before it is answered too
+            // earlier forces are answered too
             clock.forces.retain(|(seq, _)| *seq > f.ack);
         }
     }
@@ -325,7 +324,7 @@ impl Recorded {
     fn force(&mut self, k: usize, f: &ForceFrame, ratio: u64) {
         let hand = &mut self.hands[k];
         let gap = vec![f64::NAN; 2 * hand.shown.len()];
-        // frames that are missing are a gap; a tick beyond all bounds is none
+        // missing frames become a gap; a tick beyond all bounds adds none
         let due = f.tick.div_ceil(ratio).min(hand.curves.frames() + (1 << 20));
         while hand.curves.frames() < due {
             hand.curves.push(&gap);

@@ -1,7 +1,6 @@
-// Sliders: of parameters, of ports, of the picture. A slider is by decades where its range spans them; arrow keys move it
-// by half a per cent of its travel, with Shift by a twentieth of one; a value can be typed, with its unit; a double click,
-// or the small button beside the name, goes back to the value at load. While a hand is on it, news from the server does
-// not move it.
+// Sliders for parameters, ports and the picture. A slider is logarithmic if its range spans decades. Arrow keys move it
+// by 0.5 % of its travel, or by 0.05 % with Shift. A value can be typed with its unit. A double click, or the small
+// button beside the name, restores the value at load. While a hand moves the slider, updates from the server do not.
 
 import { format, typed, scaleOf } from "./units.js";
 
@@ -19,7 +18,8 @@ const element = (tag, attributes = {}, ...children) => {
 };
 
 export class Slider {
-  // spec: name, value, min, max, unit, doc, plainText(value) for what is shown; set(value or text) -> promise of {ok, text} or nothing
+  // spec: name, value, min, max, unit, doc, plainText(value) for display; set(value or text) -> promise of {ok, text}
+  // or nothing
   constructor(spec, set) {
     this.spec = spec;
     this.set = set;
@@ -72,7 +72,7 @@ export class Slider {
   }
 
   byHand(value) {
-    // no more digits than a hand means, so that values are readable and repeatable
+    // few digits, so that values are readable and repeatable
     const clean = value === this.first ? value : +value.toPrecision(4);
     this.value = Math.min(this.max, Math.max(this.min, clean));
     this.busy = performance.now() + 600;
@@ -91,7 +91,7 @@ export class Slider {
     this.push(wanted);
   }
 
-  // the newest value only, once a frame, and the next one after the answer
+  // sends only the newest value, once per frame, and the next one after the answer
   push(value) {
     this.wanted = value;
     if (this.sending) return;
@@ -115,7 +115,7 @@ export class Slider {
     this.row.classList.toggle("refused", !!text);
   }
 
-  // news from the server, or from the picture
+  // update from the server or from the picture
   update(value) {
     if (!Number.isFinite(value) || this.sending || performance.now() < this.busy || value === this.value) return;
     this.value = value;
@@ -132,7 +132,7 @@ export class Slider {
   }
 }
 
-// the parameters of a scene; values at load stay those of the first scene, while the names are the same
+// parameters of a scene; values at load come from the first scene while the names are the same
 export class Parameters {
   /**
    * @param {HTMLElement} box
@@ -175,7 +175,7 @@ export class Parameters {
     for (const [name, s] of this.sliders) s.row.hidden = words !== "" && !(name + " " + (s.spec.doc || "")).toLowerCase().includes(words);
   }
 
-  // which controllers are bound, and which parameter waits for one
+  // shows bound controllers and the parameter that waits for one
   bind(bound, learning) {
     this.learning = learning;
     const by = new Map(bound.map(b => [b.name, b]));
@@ -190,7 +190,7 @@ export class Parameters {
     return Object.fromEntries([...this.sliders].map(([name, s]) => [name, s.value]));
   }
 
-  // all at once, as one hand that turns them
+  // sets all values in one request
   set(values) {
     for (const name in values) {
       const s = this.sliders.get(name);
@@ -209,8 +209,8 @@ export class Parameters {
   }
 }
 
-// ports that a person may move: positions stay where they are put, forces go back to none when they are let go; a key of a
-// device goes as long as its device says nothing. What is returned shows where positions are, whoever moves them.
+// Sliders for ports. Positions stay where they are put; forces return to zero on release. A key of a device can be
+// moved only while no device is connected. Returns a function that shows positions, whatever moves them.
 /**
  * @param {HTMLElement} box
  * @param {Array<import("./protocol.js").PortInfo>} list

@@ -1,12 +1,13 @@
-// Energy of motion of each part of the instrument over the last 20 seconds, six decades down from the largest of them. It is had
-// from the pictures, some twenty times a second, and not from the ledger, which is kept only where that is asked.
+// Plots the kinetic energy of each part of the instrument over the last 20 seconds, from the largest value six decades
+// down. The values come with the pictures, about twenty times per second. They do not come from the energy ledger,
+// which runs only on request.
 
 import { board } from "./meters.js";
 
 const SPAN = 20, DECADES = 6;
-// above the curves, for their names [px]
+// space above the curves for their names [px]
 const HEAD = 14;
-// less than this [J] is at rest
+// below this energy, the instrument is at rest [J]
 const STILL = 1e-24;
 
 export class Energy {
@@ -51,7 +52,7 @@ export class Energy {
     let largest = 0;
     for (const p of this.points) for (const e of p.motion) if (e > largest) largest = e;
     document.documentElement.dataset.energy = String(largest);
-    // a scale in whole decades, so that it stays where it is
+    // whole decades, so that the scale stays still
     const moves = largest > STILL, top = moves ? Math.ceil(Math.log10(largest)) : -3;
     this.readout.textContent = moves ? `top 1e${top} J`.replace("-", "−") : "at rest";
     const x = s => w - (end - s) / SPAN * w, y = e => Math.min(1, (top - Math.log10(Math.max(e, 1e-300))) / DECADES) * (h - HEAD - 2) + HEAD;

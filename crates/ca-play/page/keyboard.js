@@ -1,12 +1,12 @@
-// A keyboard for models whose ports listen to notes: keys on the screen, keys of the computer, and MIDI of this browser. All
-// of them are sent as MIDI, so that a note does here what it does from a cable. How far down a key is pressed is its
-// velocity. A key that no port listens to is drawn as a gap of the keyboard. Keys of the computer play only while that is switched on, since letters are shortcuts otherwise.
+// Keyboard for models whose ports receive notes: keys on the screen, computer keys, and MIDI of this browser. All are
+// sent as MIDI, so that a note acts as from a cable. The vertical position of a press sets the velocity. Keys without a
+// port are gaps. Computer keys play only while that is switched on, because letters are shortcuts otherwise.
 
 import { element } from "./controls.js";
 
 const NAMES = ["C", "C#", "D", "D#", "E", "F", "F#", "G", "G#", "A", "A#", "B"];
 const BLACK = new Set([1, 3, 6, 8, 10]);
-// two rows by where keys are, whatever is printed on them
+// two rows of physical keys, independent of the layout
 const ROWS = ["KeyZ KeyS KeyX KeyD KeyC KeyV KeyG KeyB KeyH KeyN KeyJ KeyM Comma", "KeyQ Digit2 KeyW Digit3 KeyE KeyR Digit5 KeyT Digit6 KeyY Digit7 KeyU KeyI"];
 const PLACES = new Map(ROWS.flatMap((row, octave) => row.split(" ").map((code, n) => [code, 12 * octave + n])));
 const MOST = 25;
@@ -34,7 +34,7 @@ export class Keyboard {
     this.browser.addEventListener("click", () => this.connect());
   }
 
-  // the notes that ports of the scene listen to, lowest first, or null
+  // notes of the ports of the scene, lowest first, or null
   build(notes) {
     this.allOff();
     const range = notes && notes.length ? [notes[0], notes[notes.length - 1]] : null;
@@ -112,7 +112,7 @@ export class Keyboard {
     const note = this.down.get(who);
     if (note === undefined) return;
     this.down.delete(who);
-    // held by another finger still
+    // another finger still holds the key
     if ([...this.down.values()].includes(note)) return;
     this.mark(note, false);
     this.send([0x80, note, 0]);

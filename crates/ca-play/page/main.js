@@ -1,6 +1,6 @@
-// Puts the parts together: the connection feeds the scene, the motion, the meters and the sound; the pointer and the
-// controls send. One loop draws, at the rate of the screen, and does nothing where nothing changed or nobody looks. What
-// went wrong and what a frame costs is counted in attributes of the root element, so that whoever tests the page sees it.
+// Connects the parts: the connection feeds scene, motion, meters and sound; pointer and controls send requests. One
+// loop draws at the screen rate, and only if something changed and the page is visible. Attributes of the root element
+// count errors and frame costs, so that tests of the page can read them.
 
 import { Connection } from "./socket.js";
 import { Scene } from "./picture/scene.js";
@@ -56,7 +56,7 @@ const connection = new Connection(address, {
     gesture(message.playing);
     root.tick = message.tick;
   },
-  // a report of several lines has a place of its own
+  // a report of several lines has a separate place
   said: message => status.say(message.text.split("\n")[0], message.bad),
   report: message => status.report(message),
   energy: message => energy.push(message),
@@ -107,7 +107,7 @@ function load(message) {
   pointer.release(false);
   picture.load(scene);
   pointer.show(-1);
-  // an edited model is seen from where the person looked, unless it is of another size
+  // an edited model keeps the view of the user, unless its size differs
   if (!old || !camera.touched || Math.abs(old.extent / scene.extent - 1) > 0.3) camera.fit(scene);
   else camera.depth = scene.extent;
   status.scene(message);
@@ -128,7 +128,8 @@ function load(message) {
   root.generation = scene.generation;
 }
 
-// the button: the whole instrument from its beginning, with sound; while its own gesture plays, its end
+// the button plays the whole instrument from its beginning, with sound; while the gesture of the model plays, it ends
+// it
 let begun = false;
 function gesture(playing) {
   const b = find("play"), text = playing ? "Stop" : begun ? "Play again" : "Play";
@@ -149,7 +150,7 @@ async function play() {
   if (!scene) return;
   begun = true;
   gesture(false);
-  // the beginning is heard, too; a browser that gives no sound does not hold it up
+  // the beginning should be audible, but a browser without sound must not block it
   if (!state || !state.sound || state.sound === "page") await Promise.race([sound.start(), new Promise(done => setTimeout(done, 1000))]);
   const reply = await connection.ask({ type: "play" });
   if (reply.ok === false) status.say(reply.text, true);
@@ -171,7 +172,7 @@ function showSound(s) {
   root.ahead = s.ahead;
 }
 
-// where a device of sound goes away this page plays, and is silent again once it is back; a browser wants a gesture before
+// if a sound device disappears, this page plays until it returns; browsers require a user gesture first
 function elsewhere(before, now) {
   if (now === "page" && before !== "page" && touched && sound.state === "off") {
     instead = true;
@@ -182,7 +183,7 @@ function elsewhere(before, now) {
   }
 }
 
-// sound starts with the first gesture, where it is the page that plays; a press on the button itself is its own
+// sound starts with the first gesture if the page plays it; buttons handle their own press
 function firstGesture(event) {
   if (event.target.closest && event.target.closest("#play, #sound, #stop, #mute")) return done();
   if (event.type === "keydown" && /^(Tab|Shift|Control|Alt|Meta|Escape|s|m|r| )$/.test(event.key)) return;
@@ -238,7 +239,7 @@ const resized = new ResizeObserver(() => {
 });
 resized.observe(canvas);
 
-// time of the script in a frame [ms]: the median and the worst of a second
+// script time of a frame [ms]: median and maximum over a second
 const costs = [];
 let since = performance.now();
 function frame(at) {

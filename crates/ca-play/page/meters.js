@@ -1,10 +1,10 @@
-// Scope, spectrum and level of what the scene plays, from the samples that the server sends. The scope begins at a rising
-// crossing of zero, so that a periodic sound stands still; the spectrum is of 4096 samples, from 20 Hz up by octaves, with
-// a slow peak line; the level has the peak of a moment, held for a second. Drawn at most 30 times a second.
+// Scope, spectrum and level of the samples from the server. The scope is triggered at a rising zero crossing, so that a
+// periodic sound stands still. The spectrum uses 4096 samples, starts at 20 Hz with an octave scale, and has a slow
+// peak line. The level holds each peak for a second. Drawing is limited to 30 times per second.
 
 const SIZE = 4096, ROOM = 16384, FLOOR = -100;
 
-// canvas and its size; null where it is not seen
+// canvas context and size; null if the canvas is not visible
 export function board(canvas) {
   const w = canvas.clientWidth, h = canvas.clientHeight, ratio = Math.min(2, devicePixelRatio || 1);
   if (!w || !h) return null;
@@ -94,7 +94,7 @@ export class Meters {
       if (first[(at - 1) & mask] <= 0 && first[at] > 0) { start = at; break; }
     }
     for (const ring of this.rings) for (let i = 0; i < n; i++) largest = Math.max(largest, Math.abs(ring[(start + i) & mask]));
-    // a scale in steps of two, so that it stays where it is
+    // steps of two, so that the scale stays still
     const want = 2 ** Math.ceil(Math.log2(Math.max(largest * 1.02, 1 / 1024)));
     this.size = want > this.size ? want : largest < 0.3 * this.size ? Math.max(want, this.size / 2) : this.size;
     c.strokeStyle = this.rule;

@@ -1,15 +1,15 @@
-// From views that come when they come to a motion at the rate of the screen. It decides how far behind the newest view the
-// picture runs (one interval and what the network's unevenness asks, no more), which two views it lies between, and how
-// much motion on a line is exaggerated: so that most of what moves is seen, though a few keys move a hundred times as far. The factor
-// settles within a second once something moves, and changes slowly from then on; a decay is seen as one, and silence is not
+// Interpolates views, which arrive at irregular times, to a motion at the screen rate. Also sets the delay of the
+// picture behind the newest view (one interval plus the jitter of the network) and the exaggeration of motion on a
+// line. Most of the motion stays visible even if a few keys move a hundred times as far. The factor settles within a
+// second once something moves and changes slowly afterwards. So a decay stays visible as a decay, and silence is not
 // magnified into noise.
 
 const KEPT = 8;
-// time constants of the factor [s]: in the first second of motion, and then; so far off it is too small or large that it settles anew
+// time constants of the factor [s]: to settle, and afterwards; and the error at which it settles again
 const SETTLES = 1, QUICK = 0.2, SLOW = 5, WRONG = Math.log(10);
-// masses that move less than this part of the farthest count as still
+// a mass below this fraction of the largest motion counts as still
 const STILL = 1e-3;
-// what has faded to less than this part of the most is magnified no further
+// below this fraction of the peak, motion is not magnified further
 const FADED = 0.05;
 
 export class Motion {
@@ -24,15 +24,15 @@ export class Motion {
     this.pair = null;
     const zero = { u: new Float32Array(scene.numbers), seconds: 0, serial: this.serial++ };
     this.still = { a: zero.u, b: zero.u, mix: 0, dt: 1, from: zero, to: zero };
-    this.peak = 0;          // how far what is on a line moves, as a running peak [m]
-    this.most = 0;          // the most it ever was
+    this.peak = 0;          // running peak of displacement on a line [m]
+    this.most = 0;          // largest value of that peak
     this.speed = 0;         // running peak of speed [m/s]
-    this.far = 0;           // running peak of displacement, of all [m]
+    this.far = 0;           // running peak of displacement of all masses [m]
     this.lineLog = Math.log(scene.line);
     this.auto = true;
-    this.middle = new Float32Array(scene.n);   // where each mass on a line was lately, on average [m]
-    this.settled = 0;       // when the factor is no longer quick [s]
-    this.frozen = false;    // a hand holds a mass: the factor under it must not change
+    this.middle = new Float32Array(scene.n);   // recent average position of each mass on a line [m]
+    this.settled = 0;       // time until which the factor changes quickly [s]
+    this.frozen = false;    // true while a hand holds a mass: the factor must not change
     this.last = 0;
   }
 
@@ -86,15 +86,16 @@ export class Motion {
     far = Math.sqrt(Math.max(far, line * line)); fast = Math.sqrt(fast) / dt;
     const hold = Math.exp(-dt / 9), rise = 1 - Math.exp(-dt / 0.1), lets = Math.exp(-dt / 0.4), takes = 1 - Math.exp(-dt / 0.3);
     const follow = (old, fresh) => (fresh > old ? (old === 0 ? fresh : old + (fresh - old) * rise) : Math.max(fresh, old * hold));
-    // a key that goes down before its string is a moment, not the motion
+    // a short excursion, such as a key struck before its string, does not set the peak
     if (Number.isFinite(typical)) this.peak = typical > this.peak ? this.peak + (typical - this.peak) * takes : Math.max(typical, this.peak * lets);
     if (Number.isFinite(far)) this.far = follow(this.far, far);
     if (Number.isFinite(fast)) this.speed = follow(this.speed, fast);
     this.most = Math.max(this.most, this.peak);
   }
 
-  // how far those on a line move about where they were lately, so that a key that is held down counts as still: the geometric
-  // mean. For the shape of a string that is half of its middle, and a few masses that move far count for little
+  // typical displacement of masses on a line from their recent average position, so that a held key counts as still.
+  // The geometric mean gives little weight to a few masses that move far; for the shape of a string it is half the
+  // displacement at the middle, so it is doubled
   typical(u, dt) {
     const { n, offset, space, counted } = this.scene, middle = this.middle, share = 1 - Math.exp(-dt / 0.5);
     let most = 0;
@@ -112,7 +113,7 @@ export class Motion {
     return moving ? 2 * Math.exp(sum / moving) : 0;
   }
 
-  // the views about the moment that is drawn at `now` [s], and the share of the second
+  // the two views around the moment drawn at `now` [s], and the weight of the second
   at(now) {
     const views = this.views;
     if (views.length === 0) return this.still;
@@ -126,7 +127,7 @@ export class Motion {
     return { a: from.u, b: to.u, mix, dt, from, to };
   }
 
-  // the exaggeration of what is on a line, once a frame
+  // updates the exaggeration on lines, once per frame
   exaggerate(now) {
     const dt = Math.min(0.1, Math.max(0, now - this.last)), scene = this.scene;
     this.last = now;
@@ -141,14 +142,14 @@ export class Motion {
     return scene.line;
   }
 
-  // from the motion of the scene before, where this one is the same instrument edited: no jump in the picture
+  // continues the motion of the scene before an edit, so that the picture does not jump
   carry(before) {
     for (const name of ["peak", "most", "speed", "far", "lineLog", "auto", "settled", "interval", "uneven"]) this[name] = before[name];
     this.scene.line = before.scene.line;
     this.scene.true = before.scene.true;
   }
 
-  // by hand; null is automatic again
+  // sets the factor manually; null returns to automatic
   setLine(factor) {
     this.auto = factor === null;
     if (factor === null) return;

@@ -1,7 +1,7 @@
-// The hand in the picture: what is under the pointer, what is held, where it is pulled to, and the camera. It decides that
-// a press near a mass holds it, a tap plucks it, and a press beside everything turns the picture; that the pull is
-// relative to where the mass was taken, so that taking it does not move it; and that a drag is sent at most 120 times a second, the last place
-// always. Everything that ends a press releases: up, cancel, blur, a lost connection, another scene.
+// Pointer interaction: the mass under the pointer, the held mass, its target position, and the camera. A press near a
+// mass holds it, a tap plucks it, and a press elsewhere turns the picture. The pull is relative to the point where the
+// mass was taken, so that taking it does not move it. Drags are sent at most 120 times per second, but the last
+// position always is. Every end of a press releases the mass: up, cancel, blur, a lost connection, or another scene.
 
 const REACH = { mouse: 20, pen: 22, touch: 32 };
 const LEAST = 1000 / 120;
@@ -37,7 +37,7 @@ export class Pointer {
     return [e.clientX - r.left, e.clientY - r.top];
   }
 
-  // the mass nearest to a place on the screen, within a radius; fixed ones only where no other is
+  // the mass nearest to a point on the screen within a radius; a fixed mass only without another one
   pick(x, y, radius) {
     const { camera } = this.world, scene = this.world.scene();
     if (!scene) return -1;
@@ -68,7 +68,7 @@ export class Pointer {
     if (e.pointerType === "mouse" && e.button === 1 || e.shiftKey) { hold.kind = "pan"; return; }
     if (e.button === 2) return;
     if (this.grip) {
-      // two fingers that come down together turn and zoom, also where the first met a mass
+      // two fingers pressed together turn and zoom, even if the first one met a mass
       const g = this.grip, both = e.pointerType === "touch" && performance.now() - g.began < 250 && Math.hypot(g.x - g.startX, g.y - g.startY) < 12;
       if (both) this.release();
       else hold.kind = "idle";
@@ -92,7 +92,7 @@ export class Pointer {
       grip.from = [now(0), now(1), now(2)];
       grip.anchor = camera.unproject(x, y, p[5]);
     } else {
-      // what is drawn at the edge of the picture is taken where it is drawn
+      // a mass drawn at the edge of the picture is taken at its drawn position
       const drawn = scene.near(now(0) * scene.line);
       grip.from = [drawn / scene.line];
     }
@@ -102,7 +102,7 @@ export class Pointer {
     this.world.ask({ type: "grab", mass }).then(reply => {
       if (this.grip !== grip) return;
       if (reply.ok === false) {
-        // without an answer the server may hold it all the same
+        // without an answer, the server may still hold the mass
         if (reply.lost) this.world.send({ type: "release" });
         clearTimeout(grip.timer);
         this.grip = null;
@@ -115,7 +115,7 @@ export class Pointer {
     this.pull(true);
   }
 
-  // displacement from rest [m] that the pointer asks for
+  // displacement from rest requested by the pointer [m]
   wanted() {
     const g = this.grip, scene = this.world.scene(), { camera } = this.world;
     if (g.space) {
@@ -127,7 +127,7 @@ export class Pointer {
     camera.project(p, 0, p, 3); camera.project(q, 0, q, 3);
     let gx = (q[3] - p[3]) / step, gy = (q[4] - p[4]) / step;
     const full = camera.scale / p[5];
-    // an axis that points at the viewer is pulled by up and down
+    // an axis towards the viewer is pulled by vertical movement
     if (Math.hypot(gx, gy) < 0.15 * full) { gx = 0; gy = -full; }
     const drawn = ((g.x - g.startX) * gx + (g.y - g.startY) * gy) / (gx * gx + gy * gy);
     return [g.from[0] + drawn / scene.line];
@@ -205,7 +205,7 @@ export class Pointer {
     this.world.camera.zoom(Math.exp(Math.min(240, Math.max(-240, step)) * (e.ctrlKey ? 0.008 : 0.0016)), x, y);
   }
 
-  // the picture by keys: turn, zoom, go from mass to mass, pluck the one that is marked
+  // keys: turn, zoom, go from mass to mass, pluck the marked mass
   key(e) {
     const { camera } = this.world, scene = this.world.scene();
     if (!scene || e.ctrlKey || e.metaKey || e.altKey) return;
@@ -217,7 +217,7 @@ export class Pointer {
       const step = (e.key === "." ? 1 : -1) * (e.shiftKey ? 10 : 1), p = new Float64Array(6);
       const after = k => (((k < 0 ? (step > 0 ? -1 : 0) : k) + step) % scene.n + scene.n) % scene.n;
       let next = scene.n ? after(this.hover) : -1;
-      // what is fixed cannot be plucked
+      // fixed masses cannot be plucked
       for (let tries = 0; next >= 0 && scene.fixed[next] && tries < scene.n; tries++) next = after(next);
       this.spot = null;
       if (next < 0) return;
@@ -238,7 +238,7 @@ export class Pointer {
     this.pluck(this.grip, 50, 140);
   }
 
-  // a held mass is pulled up by so many pixels, and let go after so many milliseconds
+  // pulls a held mass up by `pixels` and releases it after `time` [ms]
   pluck(grip, pixels, time, tell = false) {
     grip.tapped = true;
     grip.y -= pixels;
@@ -246,7 +246,7 @@ export class Pointer {
     setTimeout(() => {
       if (this.grip !== grip) return;
       this.release();
-      // a finger does not hover: what it tapped tells its name
+      // a finger cannot hover, so a tap shows the name of the mass
       if (tell) this.show(grip.mass, grip.x, grip.y);
     }, time);
   }
@@ -256,7 +256,7 @@ export class Pointer {
     this.world.hover(mass, x, y);
   }
 
-  // once a frame: what the pointer is over, and a pull that the motion of the camera changed
+  // once per frame: finds the mass under the pointer, and updates a pull after camera motion
   frame() {
     if (this.grip) {
       const scene = this.world.scene();

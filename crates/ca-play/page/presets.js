@@ -1,5 +1,5 @@
-// Presets: all parameters under a name, kept by this browser for a model of this name. One that is chosen is the far end of a
-// slider whose near end is what was there: half of the way is half of each parameter.
+// Presets: all parameters under a name, stored in this browser for a model of this name. A slider interpolates between
+// the values before the choice and the chosen preset: its middle is halfway for each parameter.
 
 import { element } from "./controls.js";
 
@@ -37,7 +37,7 @@ export class Presets {
     try {
       localStorage.setItem(KEY + this.model, JSON.stringify(all));
     } catch {
-      // a browser that keeps nothing keeps no presets
+      // a browser without storage does not keep presets
     }
     this.draw();
   }
@@ -51,7 +51,7 @@ export class Presets {
   choose(name) {
     const now = this.values(), far = this.read()[name] || {};
     this.near = now;
-    // what this model has, and is a number
+    // only finite values of parameters that this model has
     this.far = Object.fromEntries(Object.entries(far).filter(([n, v]) => n in now && Number.isFinite(v)));
     this.way.value = 100;
     this.morph();

@@ -1,6 +1,6 @@
-// The connection to `ca play`: it decides what counts as lost, ended and late, and when to try again. Requests that want
-// an answer get a promise; without an answer in four seconds, or when the connection goes, they resolve to a refusal, so
-// that nobody waits for ever. Binary messages are handed on as they are: a view of floats into the received bytes.
+// Connection to `ca play`. Determines when the connection is lost, ended or late, and when to retry. A request that
+// needs an answer returns a promise. It resolves to a refusal after four seconds without an answer, or when the
+// connection is lost. Binary messages are passed on without copying, as a float view of the received bytes.
 
 const WAITS = [300, 600, 1200, 2500, 5000];
 const ENDED = new Set([1000, 1001]);
@@ -18,7 +18,7 @@ const ENDED = new Set([1000, 1001]);
  */
 
 /**
- * An answer, or a refusal without one.
+ * An answer, or a refusal if none arrived.
  * @typedef {Partial<import("./protocol.js").ReplyMessage> & {ok: boolean, lost?: boolean}} Answer
  */
 

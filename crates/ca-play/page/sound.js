@@ -1,6 +1,7 @@
-// Sound in the page: asks the server for samples, and gives them to the worklet. It decides when a context is made (at the
-// first gesture of a person, as browsers want it), at which rate (the scene's, or else the browser's own, resampled) and
-// how loud. Samples are asked for also without sound, as the meters show them; not while the page is hidden and silent.
+// Sound in the page: requests samples from the server and passes them to the worklet. The audio context is created at
+// the first user gesture, as browsers require. It uses the scene rate if possible, otherwise the rate of the browser
+// with resampling. Samples are also requested without sound for the meters, but not while the page is hidden and
+// silent.
 
 export class Sound {
   // world: send(message), changed(state)
@@ -113,7 +114,7 @@ export class Sound {
     this.node.port.postMessage(copy, [copy.buffer]);
   }
 
-  // from the sample in the server's hand to the loudspeaker, as far as the page knows [s]
+  // latency from the server to the loudspeaker, as far as the page knows [s]
   get latency() {
     return this.ahead + (this.context ? (this.context.baseLatency || 0) + (this.context.outputLatency || 0) : 0);
   }

@@ -1,5 +1,5 @@
-// What the page says of the state of things: load, lateness, losses, devices, news, the connection. It decides what is
-// worth a colour (what is lost, diverged or refused), what is worth a line that stays, and what fades after a while.
+// Shows load, lateness, losses, devices, messages and the connection. Losses, divergence and refusals are coloured.
+// Some messages stay, and others fade after a while.
 
 import { element } from "./controls.js";
 
@@ -33,12 +33,12 @@ export class Status {
     find("again").addEventListener("click", () => connection.again());
   }
 
-  // a version of the model that was made, or why there is none
+  // result of compiling a version of the model
   /** @param {import("./protocol.js").ReportMessage} message */
   report({ ok, text }) {
     this.find("report").hidden = ok;
     this.find("reportText").textContent = ok ? "" : text;
-    // what is mended is no news
+    // error messages of a repaired model are removed
     if (ok) this.find("news").querySelectorAll(".bad").forEach(old => old.remove());
   }
 
@@ -53,7 +53,7 @@ export class Status {
     if (reply.ok === false) this.say(reply.text || "refused", true);
   }
 
-  // the connection
+  // shows the state of the connection
   link(name, { tries = 0 } = {}) {
     const dot = this.find("link"), banner = this.find("banner"), text = this.find("bannerText"), again = this.find("again");
     const told = { open: "connected", connecting: "connecting", lost: "connection lost", ended: "ended" }[name];
@@ -114,7 +114,7 @@ export class Status {
     if (s.recording) facts.push(["Records", s.recording, false]);
     if (s.clients > 1) facts.push(["Pages", `${s.clients} open`, false]);
     if (s.diverged) facts.unshift(["Model", "diverged: numbers left every range", true]);
-    // what was missed lately colours the load for three seconds
+    // lateness or loss colours the load for three seconds
     if (s.late > this.before.late || s.lost > this.before.lost) this.missed = performance.now();
     const missed = performance.now() - (this.missed ?? -1e9) < 3000, gauge = this.find("gauge");
     gauge.classList.toggle("bad", load > 0.95 || missed);
@@ -134,7 +134,7 @@ export class Status {
     this.outputs(s.outputs || {});
   }
 
-  // what may play the sound; a choice under way is left alone
+  // lists the sound outputs, without disturbing a choice in progress
   outputs({ choices = [], wanted = "", busy = false }) {
     const output = this.find("output"), all = choices.includes(wanted) || !wanted ? choices : [wanted, ...choices];
     this.find("outputBox").hidden = choices.length === 0;
@@ -158,7 +158,7 @@ export class Status {
       element("span", { class: "dot" }), element("strong", { text: d.name }), element("span", { text: d.mode + (d.cause && d.cause !== "NONE" ? `: ${d.cause}` : "") }))));
   }
 
-  // news; what is bad stays longer and can be closed
+  // shows a message; errors stay longer and can be closed
   say(text, bad = false) {
     const box = this.find("news");
     const close = element("button", { class: "close", "aria-label": "Close", text: "×" });

@@ -1,16 +1,15 @@
-// How numbers are written and read: few digits, the prefix a person would use, kilograms as grams where they are small.
-// A bare number that is typed has the unit that was shown, since that is what the person looked at; a text with a unit is
-// left to the server, which knows all units of the language.
+// Formats and parses numbers: few digits, a common unit prefix, and small masses in grams. A typed number without a
+// unit has the displayed unit. A text with a unit is left to the server, which knows all units of the language.
 
 /** @type {Array<[number, string]>} */
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"], [1e-12, "p"]];
 const SIMPLE = /^(m|s|Hz|N|W|J|Pa|g|N\/m|N s\/m|m\/s)$/;
 const SHORT = new Set(["m", "s", "g"]);
 
-// what is smaller than any number that means something in a picture is shown as zero
+// smaller values are shown as zero
 const NOTHING = 1e-24;
 
-// at most `digits` significant ones, without trailing zeros
+// at most `digits` significant digits, without trailing zeros
 export function plain(value, digits = 4) {
   if (!Number.isFinite(value)) return "–";
   const size = Math.abs(value);
@@ -19,7 +18,7 @@ export function plain(value, digits = 4) {
   return String(+value.toPrecision(size >= 1000 ? Math.max(digits, 5) : digits));
 }
 
-// the factor and the name of the unit in which `value` is shown
+// factor and name of the unit in which `value` is shown
 export function shownUnit(value, unit) {
   let size = Math.abs(value);
   if (unit === "kg") {
@@ -40,7 +39,7 @@ export function format(value, unit = "", digits = 4) {
   return name ? text + " " + name : text;
 }
 
-// what is sent for a typed text: a number in the unit of the protocol, or the text itself where it has a unit
+// value to send for a typed text: a number in the unit of the protocol, or the text itself if it has a unit
 export function typed(text, current, unit) {
   const clean = text.trim().replace(/[−–]/, "-");
   if (clean === "") return null;
@@ -48,7 +47,7 @@ export function typed(text, current, unit) {
   return clean;
 }
 
-// the two ways between a value and the place of a slider, 0..1: linear; by decades; by decades from zero upwards
+// maps a value to the slider position 0..1 and back: linear, logarithmic, or logarithmic above zero
 export function scaleOf(low, high, value) {
   if (low > 0 && high / low >= 30) {
     const span = Math.log(high / low);

@@ -1,6 +1,6 @@
-// What lies over the picture and how it is set: colours, exaggeration, theme, legend, the tooltip of a mass, the line from
-// a held mass to the pointer, and why a mass could not be held. It decides that a mass tells its name after the pointer
-// has stayed on it for a moment, and that the theme is the system's until a person chooses.
+// Overlay and settings of the picture: colours, exaggeration, theme, legend, tooltip of a mass, line from a held mass
+// to the pointer, and refusals to hold a mass. The tooltip appears after the pointer has rested on a mass for a moment.
+// The theme follows the system until the user chooses one.
 
 import { Slider, element } from "./controls.js";
 import { format, plain } from "./units.js";
@@ -48,7 +48,7 @@ export class View {
     this.legend();
   }
 
-  // sliders for what this scene has
+  // creates the sliders that this scene needs
   scene() {
     const scene = this.world.scene(), motion = this.world.motion(), box = this.find("factors");
     this.find("contactsRow").hidden = !scene.links.some(l => l.contact);
@@ -88,7 +88,7 @@ export class View {
     this.legend();
   }
 
-  // the names of the outputs in the colours of their traces
+  // shows the names of the outputs in the colours of their traces
   channels(names) {
     const few = names.length > 1 ? names.slice(0, 4) : [];
     this.find("channels").replaceChildren(...few.map((name, k) => element("span", { class: "trace" + k, text: name })));
@@ -152,7 +152,7 @@ export class View {
     this.refusal = setTimeout(() => { box.hidden = true; }, 2600);
   }
 
-  // what follows the motion, once a frame
+  // updates what follows the motion, once per frame
   frame(pointer, pair, now) {
     const { camera, motion, picture } = this.world, scene = this.world.scene(), find = this.find, p = this.p || (this.p = new Float64Array(6));
     const grip = pointer.grip, overlay = find("overlay");

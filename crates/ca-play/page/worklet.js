@@ -1,7 +1,7 @@
-// The part of the sound that runs in the audio thread: a ring of frames at the rate of the scene, read at the rate of the
-// context by a windowed sinc of 32 taps. How much it keeps ahead adapts: 40 ms at the beginning, 12 ms more after each
-// gap, slowly less while nothing is missed. The speed of reading follows by at most 0.3 %, so that two clocks that differ
-// neither run empty nor fall behind; a jump or a gap is faded, never a click.
+// Sound output in the audio thread: a ring of frames at the scene rate, resampled to the context rate by a windowed
+// sinc of 32 taps. The buffered time adapts: 40 ms at the beginning, 12 ms more after each gap, and slowly less while
+// nothing is missing. The reading speed follows it by at most 0.3 %, so that two different clocks neither empty nor
+// fill the ring. Jumps and gaps are faded to avoid clicks.
 
 const TAPS = 32, PHASES = 256, HALF = TAPS / 2;
 
@@ -56,7 +56,7 @@ class Player extends AudioWorkletProcessor {
     this.last = [0, 0];
     this.since = 0;
     this.least = Infinity;
-    // channels over two loudspeakers, from left to right
+    // distributes the channels over two loudspeakers, from left to right
     this.pan = Array.from({ length: channels }, (_, c) => {
       const x = channels === 1 ? 0.5 : c / (channels - 1), g = channels > 2 ? Math.sqrt(2 / channels) : 1;
       return channels === 1 ? [1, 1] : [Math.cos(x * Math.PI / 2) * g, Math.sin(x * Math.PI / 2) * g];
@@ -86,7 +86,7 @@ class Player extends AudioWorkletProcessor {
     let play = this.waiting ? 0 : length, fade = 1 / (0.004 * sampleRate);
     const late = !this.waiting && fill < length * step + 1, jump = !late && !this.waiting && fill > this.ahead + 0.15 * this.rate;
     if (late) {
-      // what there is still, faded
+      // plays the remaining samples with a fade
       this.waiting = true;
       this.gaps++;
       this.ahead = Math.min(this.ahead + 0.012 * this.rate, 0.3 * this.rate);
@@ -106,7 +106,7 @@ class Player extends AudioWorkletProcessor {
     return true;
   }
 
-  // so many samples, with a gain that rises or falls
+  // mixes `play` samples with a rising or falling gain
   mix(left, right, play, step, fade) {
     const mask = this.room - 1, n = this.channels, { ring, taps, pan } = this;
     for (let i = 0; i < play; i++) {
@@ -132,7 +132,7 @@ class Player extends AudioWorkletProcessor {
     this.since += length;
     if (this.since < sampleRate) return;
     this.since = 0;
-    // what was never needed in a second is given back, a little at a time
+    // buffered time that was unused for a second is reduced in small steps
     if (this.least > 0.6 * this.ahead && this.least < Infinity) this.ahead = Math.max(this.ahead - 0.0005 * this.rate, 0.03 * this.rate);
     this.least = Infinity;
     this.port.postMessage({ ahead: this.ahead / this.rate, gaps: this.gaps, playing: !this.waiting });

@@ -1,9 +1,8 @@
-//! The files of the page.
+//! Files of the page.
 //!
-//! Decides that they are in the program: nothing on the disk can be reached through the server, and a page and its
-//! server are always of the same version.
+//! They are compiled into the program. So the server cannot expose any file on disk, and page and server always have
+//! the same version.
 
-/// A file of the page.
 pub(crate) struct Asset {
     pub(crate) name: &'static str,
     pub(crate) kind: &'static str,
@@ -41,7 +40,7 @@ const ASSETS: &[Asset] = assets![
     "worklet.js" "text/javascript; charset=utf-8",
 ];
 
-/// The file of this name; the page itself where there is no name.
+/// Returns the file with this name; an empty name means the page itself.
 pub(crate) fn find(name: &str) -> Option<&'static Asset> {
     let name = if name.is_empty() { "index.html" } else { name };
     ASSETS.iter().find(|a| a.name == name)

@@ -1,8 +1,8 @@
-//! One page that is open.
+//! Connection to one open page.
 //!
-//! Decides that no client stands in the way of the engine, or of another client: each has a thread, and what waits for it
-//! is bounded. Of pictures only the newest waits, of sound a quarter of a second; a client that does not fetch its news
-//! either, or asks faster than any hand moves, is closed, with the reason as the code of the close frame.
+//! A slow client must not delay the engine or another client. So each client has a thread and bounded queues: only the
+//! newest picture and a quarter of a second of sound are kept. A client that does not read its messages, or sends more
+//! than any hand could cause, is closed. The code of the close frame gives the reason.
 
 use std::collections::VecDeque;
 use std::io::{ErrorKind, Read, Write};
@@ -16,39 +16,38 @@ use tungstenite::{Bytes, Error, Message, Utf8Bytes, WebSocket};
 
 /// Longest message of a client \[bytes\].
 const LONGEST: usize = 1 << 16;
-/// Messages of a client a second at most; a hand that drags sends 120.
+/// Limit on messages from a client per second; dragging with the pointer sends 120.
 const MOST: f64 = 1000.0;
-/// Bytes of a client a second at most, whatever they are: frames without a word in them are no messages.
+/// Limit on bytes from a client per second. It also covers empty frames, which do not count as messages.
 const BYTES: f64 = (1 << 20) as f64;
-/// News that wait for a client at most.
+/// Limit on text messages queued for a client.
 const NEWS: usize = 1024;
-/// Blocks of sound that wait for a client at most, of 5 ms.
+/// Limit on queued blocks of sound, of 5 ms each.
 const BLOCKS: usize = 50;
-/// Between two looks at what waits.
+/// Period of polling the socket and the queues.
 const LOOK: Duration = Duration::from_millis(2);
-/// Between two pings, and how long a client that answers none may hold what it holds.
+/// Time between pings, and time without an answer after which a client loses what it holds.
 const PING: Duration = Duration::from_secs(1);
 const ANSWERS: Duration = Duration::from_secs(6);
-/// Longest time in which a client takes nothing.
+/// Longest time in which a client accepts no data.
 const STUCK: Duration = Duration::from_secs(5);
 
-/// What is asked for a client that is there and answers nothing.
+/// Request made on behalf of a client that stays connected but does not answer.
 const RELEASE: &str = r#"{"type":"release"}"#;
 
-/// What waits for a client.
 #[derive(Default)]
 struct Waiting {
     news: VecDeque<Utf8Bytes>,
     view: Option<Bytes>,
     sound: VecDeque<Bytes>,
-    /// why it is to be closed
+    /// Reason for closing, if the client is to be closed.
     close: Option<CloseCode>,
 }
 
-/// A client as its server sees it.
+/// A client, from the side of the server.
 pub(crate) struct Client {
     pub(crate) number: u64,
-    /// it wants sound
+    /// True if the client wants sound.
     pub(crate) hears: AtomicBool,
     waiting: Mutex<Waiting>,
 }
@@ -89,7 +88,7 @@ impl Client {
         self.waiting().close = Some(code);
     }
 
-    /// Moves messages between the socket and the queues until one side ends; `asked` takes what came.
+    /// Transfers messages between the socket and the queues until one side ends. `asked` receives the requests.
     pub(crate) fn run(&self, stream: TcpStream, rest: Vec<u8>, asked: &mut impl FnMut(&str)) {
         let waits = stream.set_nodelay(true).and(stream.set_read_timeout(Some(LOOK)));
         if waits.and(stream.set_write_timeout(Some(STUCK))).is_err() {
@@ -107,7 +106,7 @@ impl Client {
         let _ = socket.close(Some(reason)).and_then(|()| socket.flush());
     }
 
-    /// Until there is a reason to close.
+    /// Transfers messages until there is a reason to close, and returns it.
     fn talk(&self, socket: &mut WebSocket<Paced>, asked: &mut impl FnMut(&str)) -> CloseCode {
         let mut budget = Budget::new(MOST);
         let (mut heard, mut pinged, mut held) = (Instant::now(), Instant::now(), true);
@@ -128,7 +127,7 @@ impl Client {
                     asked(&text);
                 }
                 Ok(Message::Binary(_)) => return CloseCode::Unsupported,
-                // answers to a ping are written by the library
+                // the library answers pings
                 Ok(Message::Ping(_) | Message::Pong(_) | Message::Frame(_)) => {
                     if !budget.spend(1.0) {
                         return CloseCode::Policy;
@@ -161,7 +160,7 @@ impl Client {
     }
 }
 
-/// How much of something a client may send now: as much as in a second, at once.
+/// Rate limit of a client, with a burst of up to one second's worth.
 struct Budget {
     most: f64,
     left: f64,
@@ -181,7 +180,7 @@ impl Budget {
     }
 }
 
-/// The line of a client, which is cut where more comes than [`BYTES`].
+/// Stream of a client that fails if more than [`BYTES`] arrive per second.
 struct Paced {
     stream: TcpStream,
     budget: Budget,

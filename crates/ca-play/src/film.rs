@@ -1,11 +1,11 @@
-//! The script of a picture without a server: the modules of the page that draw, as one text.
+//! Script of the moving picture for pages without a server: the drawing modules of the page, as one text.
 //!
-//! Decides for the same modules as the page has, joined by leaving out what imports and exports them: each has its names for
-//! itself, and a page that is one file cannot import.
+//! The modules are the files of the page without their `import` and `export` keywords, since a page in one file cannot
+//! import. This works because no two modules define the same name.
 
 use crate::asset;
 
-/// In the order in which they need each other.
+/// Modules in the order of their dependencies.
 const MODULES: [&str; 6] = [
     "picture/colour.js",
     "picture/shaders.js",
@@ -15,7 +15,7 @@ const MODULES: [&str; 6] = [
     "picture/film.js",
 ];
 
-/// One script, to stand in a page with the elements that `film.js` names.
+/// Returns the script. Its page needs the elements that `film.js` names.
 pub fn script() -> String {
     let mut text = String::from("\"use strict\";\n(() => {\n");
     let modules = MODULES.iter().filter_map(|name| asset::find(name)).map(|a| String::from_utf8_lossy(a.bytes));

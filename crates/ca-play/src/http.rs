@@ -1,11 +1,14 @@
-//! The head of a request, and who may ask.
+//! Parses the head of a request and decides whether a client may connect.
 //!
-//! Decides who is let in. Any page in the same browser can send requests to this machine, so that an address is not
-//! enough: the path has to begin with the token of this run (128 random bits), `Host` has to be this server by address
-//! or as localhost (a name that an attacker lets point to this machine is none of them: DNS rebinding), and `Origin`,
-//! where there is one, this page; a socket has to have one. `GET` alone, without a body, in a head of at most
-//! [`HEAD`] bytes that has to come within [`PATIENCE`]. Heads are parsed by `httparse`; what is refused gets a status
-//! and no reason that would help who guesses.
+//! Any page in the same browser can send requests to this machine, so the address alone must not grant access:
+//!
+//! - The path must begin with the token of this run (128 random bits).
+//! - `Host` must be this server, by its address or as `localhost`. This blocks DNS rebinding, where an attacker points
+//!   another name at this machine.
+//! - `Origin`, if present, must be this page. A socket requires it.
+//! - Only `GET` without a body is accepted, with a head of at most [`HEAD`] bytes that arrives within [`PATIENCE`].
+//!
+//! `httparse` parses the head. A refusal carries a status only, without a reason that could help an attacker.
 
 use crate::asset::Asset;
 use std::io::{Read, Write};
@@ -14,49 +17,47 @@ use std::time::{Duration, Instant};
 
 /// Longest head of a request \[bytes\].
 const HEAD: usize = 8192;
-/// Most headers in it.
 const HEADERS: usize = 64;
 /// Longest time from a connection to the end of its head.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// Longest time in which a client takes nothing of an answer.
+/// Longest time in which a client accepts no data of an answer.
 pub(crate) const STUCK: Duration = Duration::from_secs(5);
 
-/// What a page may load: its own files, and a socket to its server.
+/// Content security policy: a page may load its own files and open a socket to its server.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; \
                       worker-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors ";
-/// In which pages it may be shown: in none, or in those of this machine, as a notebook is.
+/// Pages that may show this one in a frame: none, or pages of this machine such as a notebook.
 const FRAMES: [&str; 2] = ["'none'", "http://127.0.0.1:* http://localhost:*"];
 
-/// What a request is answered.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Head {
-    /// a file of the page, by name
+    /// File of the page, by name.
     File(String),
-    /// the socket: the key of its handshake, and what came behind the head
+    /// Socket: key of the handshake, and bytes received after the head.
     Socket(String, Vec<u8>),
-    /// nothing
+    /// Refusal, with its status.
     Refused(u16),
 }
 
-/// Where this server is.
+/// Address of this server.
 #[derive(Clone, Debug)]
 pub(crate) struct Place {
     pub(crate) port: u16,
     pub(crate) token: String,
-    /// whether pages of this machine may show it in a frame
+    /// True if pages of this machine may show the page in a frame.
     pub(crate) framed: bool,
 }
 
 impl Place {
     fn is_host(&self, host: &str) -> bool {
-        // browsers leave out the port that is meant where none is said
+        // browsers omit the default port
         let (name, port) = host.split_once(':').unwrap_or((host, "80"));
         ["127.0.0.1", "localhost"].contains(&name) && port == self.port.to_string()
     }
 
-    /// Looks at a whole head, and `rest` that came behind it.
+    /// Checks a complete head; `rest` is received after it.
     fn judge(&self, head: &httparse::Request, rest: &[u8]) -> Head {
-        // a header that comes twice is nobody's honest request
+        // a duplicate header never comes from an honest client
         let one = |name: &str| {
             let mut all = head.headers.iter().filter(|h| h.name.eq_ignore_ascii_case(name));
             match (all.next(), all.next()) {
@@ -95,7 +96,7 @@ impl Place {
         }
     }
 
-    /// Reads the head of a request; `None` where nobody said anything that is one in time.
+    /// Reads the head of a request. Returns `None` if no complete head arrives in time.
     pub(crate) fn read(&self, stream: &mut TcpStream) -> Option<Head> {
         let end = Instant::now() + PATIENCE;
         let mut all = Vec::new();
@@ -117,7 +118,6 @@ impl Place {
     }
 }
 
-/// Sends a file.
 pub(crate) fn send(stream: &mut TcpStream, file: &Asset, framed: bool) -> std::io::Result<()> {
     let frames = FRAMES[usize::from(framed)];
     let head = format!(
@@ -131,13 +131,11 @@ pub(crate) fn send(stream: &mut TcpStream, file: &Asset, framed: bool) -> std::i
     stream.write_all(file.bytes)
 }
 
-/// Sends no more than a status.
 pub(crate) fn refuse(stream: &mut TcpStream, status: u16) -> std::io::Result<()> {
     let text = format!("HTTP/1.1 {status} Refused\r\nContent-Length: 0\r\nConnection: close\r\n\r\n");
     stream.write_all(text.as_bytes())
 }
 
-/// Agrees to a socket.
 pub(crate) fn agree(stream: &mut TcpStream, key: &str) -> std::io::Result<()> {
     let accept = tungstenite::handshake::derive_accept_key(key.as_bytes());
     let text = format!(

@@ -1,7 +1,7 @@
-//! Keeps a performance from its page: the sound from now on as WAV, and all that was done so far as a take ([`Kept`]).
+//! Saves a performance from its page: the sound from now on as WAV, or everything so far as a take ([`Kept`]).
 //!
-//! Files are written where the program was started, under a name that is free, on threads for them alone. A model with devices
-//! would fill the disk and is kept only as a take from the start.
+//! Separate threads write the files, under a free name in the directory where the program was started. A model with
+//! devices would fill the disk, so its take can only be recorded from the start with `--log`.
 
 use ca_core::Scene;
 use ca_haptic::rt::RtRequest;
@@ -15,23 +15,22 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-/// Names that are tried.
+/// Limit on the file names tried.
 const TRIES: u32 = 10_000;
 
-/// Sound that is being written.
 struct Tape {
     path: PathBuf,
     sink: AsyncSink<WavSink>,
 }
 
-/// The recorder's end of the sound, where some is written, and why it was ended where nobody did.
+/// The recorder's connection to the sound file, and the error if writing failed.
 #[derive(Default)]
 struct TapeEnd {
     line: Option<SinkHandle>,
     failed: Option<FileError>,
 }
 
-/// Both, shared by the recorder and [`Keep`].
+/// Connection to the sound file, shared by the recorder and [`Keep`].
 #[derive(Clone, Default)]
 pub struct TapeSink(Arc<Mutex<TapeEnd>>);
 
@@ -63,28 +62,27 @@ impl Sink for TapeSink {
     }
 }
 
-/// Files that a page can keep.
+/// Files saved from a page.
 pub struct Keep {
-    /// name of the model without its folder and endings
+    /// Name of the model without folder and extensions.
     stem: String,
     kept: Option<Kept>,
     tape: Option<Tape>,
     line: TapeSink,
-    /// files that are being finished
+    /// Results of sound files that are being finished.
     ends: Vec<Receiver<Result<String, FileError>>>,
-    /// that of a take
+    /// Result of the take that is being saved.
     saves: Option<Receiver<Result<String, FileError>>>,
 }
 
 impl Keep {
-    /// For a model of this name; what was done so far in `kept`.
+    /// Prepares the files for a model. `kept` holds the performance so far.
     pub fn new(model: &str, kept: Option<Kept>, line: TapeSink) -> Keep {
         let file = model.rsplit(['/', '\\']).next().unwrap_or(model);
         let stem = file.split('.').next().filter(|s| !s.is_empty()).unwrap_or("take").to_string();
         Keep { stem, kept, tape: None, line, ends: Vec::new(), saves: None }
     }
 
-    /// Ends what is recorded, if it is.
     fn stop(&mut self) -> Option<String> {
         let Tape { path, sink } = self.tape.take()?;
         self.line.set(None);
@@ -101,7 +99,7 @@ impl Keep {
         Some(text)
     }
 
-    /// A file that is not there yet.
+    /// Returns a path that does not exist yet.
     fn free(&self, ending: &str) -> Result<PathBuf, ca_session::Refused> {
         let path = |n: u32| PathBuf::from(format!("{}-{n}.{ending}", self.stem));
         let free = (1..TRIES).map(path).find(|p| !p.exists());
@@ -169,7 +167,7 @@ impl Files for Keep {
     }
 }
 
-/// Does work that may wait for a disk on a new thread, and gives its result.
+/// Runs work that may wait for a disk on a new thread, and returns the receiver of its result.
 fn aside(work: impl FnOnce() -> Result<String, FileError> + Send + 'static) -> Receiver<Result<String, FileError>> {
     let (tell, end) = channel();
     let done = tell.clone();
@@ -183,7 +181,7 @@ fn aside(work: impl FnOnce() -> Result<String, FileError> + Send + 'static) -> R
 }
 
 impl Drop for Keep {
-    /// What is recorded is finished before the program is.
+    /// Finishes all files before the program ends.
     fn drop(&mut self) {
         self.stop();
         self.kept = None;

@@ -1,10 +1,12 @@
-//! The page of `ca play`: a moving instrument in a browser, and the server on this machine that feeds it.
+//! Page of `ca play`: a moving instrument in a browser, and the local server behind it.
 //!
-//! [`Page`] carries the messages of [`ca_session::protocol`] and knows neither scene nor engine: the program gives it a
-//! greeting, pictures, sound and news, and answers requests. [`Keep`] writes the files that a page asks for. Not a web server for anything else: it speaks to this machine alone, has
-//! no file but those of the page, and whoever does not know the token of this run gets nothing (`http.rs`).
+//! [`Page`] transmits the messages of [`ca_session::protocol`] and knows neither scene nor engine. The program supplies
+//! the greeting, pictures, sound and messages, and answers requests. [`Keep`] writes the files that a page requests.
+//! The server listens only on this machine and serves only the files of the page. It refuses requests without the token
+//! of this run (`http.rs`).
 //!
-//! The page itself is `page/`: plain HTML, CSS and modules of JavaScript, without anybody else's code and without a build.
+//! The page itself is in `page/`: plain HTML, CSS and JavaScript modules, without third-party code and without a build
+//! step.
 #![forbid(unsafe_code)]
 
 mod asset;

@@ -1,8 +1,8 @@
-//! The server of a page.
+//! Server of a page.
 //!
-//! It listens on the loopback alone. A connection takes a place only once it has shown the token: browsers of this user get
-//! at most [`MOST`] at a time, and other users none. Requests are handed over in order, with a bound: a page that asks
-//! more than is answered gets "no" at once.
+//! It listens only on the loopback interface. A connection occupies a slot only after it has sent the token.
+//! Connections with the token have at most [`MOST`] slots; connections of other users get none. Requests are queued in
+//! order, up to a limit. A page that exceeds the limit gets an immediate refusal.
 
 use crate::asset;
 use crate::client::Client;
@@ -20,27 +20,27 @@ use std::time::{Duration, Instant};
 use tungstenite::protocol::frame::coding::CloseCode;
 use tungstenite::{Bytes, Utf8Bytes};
 
-/// Connections with the token at a time.
+/// Limit on connections with the token.
 const MOST: usize = 32;
-/// Requests that wait for an answer at most.
+/// Limit on queued requests.
 const ASKED: usize = 256;
-/// How long pages are waited for at the end.
+/// Longest wait for pages to close at the end.
 const LEAVE: Duration = Duration::from_millis(200);
 
-/// Something that came from a page.
+/// A request or the departure of a page.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PageRequest {
-    /// the client
+    /// Number of the client.
     pub client: u64,
-    /// what it asks; `None`: it is gone
+    /// Request; `None` if the client has left.
     pub request: Option<NumberedRequest>,
 }
 
-/// What all threads look at.
+/// State shared by all threads.
 struct Hub {
     place: Place,
     clients: Mutex<Vec<Arc<Client>>>,
-    /// what a client is sent first
+    /// First message to a client.
     greeting: Mutex<Utf8Bytes>,
     pending: Pending,
     connections: AtomicUsize,
@@ -49,7 +49,7 @@ struct Hub {
     asked: SyncSender<PageRequest>,
 }
 
-/// A page that is served; ends with its value.
+/// A served page; the server stops on drop.
 pub struct Page {
     hub: Arc<Hub>,
     asked: Receiver<PageRequest>,
@@ -61,11 +61,11 @@ fn locked<T>(what: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Page {
-    /// Serves the page at `port` of this machine, 0 for any that is free. Clients are first sent `greeting`; `framed` lets other
-    /// pages of this machine show it in a frame.
+    /// Serves the page at `port` of this machine; 0 takes a free port. Each client first receives `greeting`. `framed`
+    /// lets other pages of this machine show the page in a frame.
     ///
     /// # Errors
-    /// Where the port is taken, or the system has no random numbers or no thread.
+    /// Fails if the port is in use, or if the system provides no random numbers or no thread.
     pub fn open(port: u16, greeting: &Message, framed: bool) -> std::io::Result<Page> {
         let mut random = [0_u8; 16];
         getrandom::fill(&mut random).map_err(std::io::Error::other)?;
@@ -88,28 +88,28 @@ impl Page {
         Ok(Page { hub, asked, thread: Some(thread) })
     }
 
-    /// Where it is; whoever has this address can play.
+    /// Returns the address of the page. Anybody with this address can play.
     pub fn address(&self) -> String {
         format!("http://127.0.0.1:{}/{}/", self.hub.place.port, self.hub.place.token)
     }
 
-    /// What came since, in order.
+    /// Returns the requests since the last call, in order.
     pub fn asked(&self) -> impl Iterator<Item = PageRequest> {
         self.asked.try_iter()
     }
 
-    /// The pages that are open.
+    /// Returns a handle to the open pages.
     pub fn feed(&self) -> Feed {
         Feed(self.hub.clone())
     }
 }
 
 impl Drop for Page {
-    /// Closes all pages; those that do not listen are left.
+    /// Closes all pages, without waiting for clients that do not respond.
     fn drop(&mut self) {
         self.hub.stop.store(true, Relaxed);
         self.hub.all(|c| c.close(CloseCode::Away));
-        // so that it looks
+        // wakes the accepting thread, so that it sees `stop`
         let woken = TcpStream::connect((Ipv4Addr::LOCALHOST, self.hub.place.port));
         if let Some(thread) = self.thread.take().filter(|_| woken.is_ok()) {
             let _ = thread.join();
@@ -121,7 +121,7 @@ impl Drop for Page {
     }
 }
 
-/// The pages that are open, for any thread.
+/// Handle to the open pages, for any thread.
 #[derive(Clone)]
 pub struct Feed(Arc<Hub>);
 
@@ -169,7 +169,6 @@ impl Hub {
         locked(&self.clients).iter().for_each(|c| f(c));
     }
 
-    /// Serves one connection.
     fn serve(self: &Arc<Hub>, mut stream: TcpStream, waits: Waits) {
         let _ = stream.set_write_timeout(Some(http::STUCK));
         let head = match self.place.read(&mut stream) {
@@ -198,11 +197,11 @@ impl Hub {
         }
     }
 
-    /// A client from beginning to end.
+    /// Serves a client until its socket closes.
     fn talk(&self, stream: TcpStream, rest: Vec<u8>) {
         let client = Arc::new(Client::new(self.number.fetch_add(1, Relaxed)));
         {
-            // in this order under one lock, so that no greeting of a new scene is missed
+            // greeting and registration share one lock, so that the client does not miss the greeting of a new scene
             let mut clients = locked(&self.clients);
             client.tell(locked(&self.greeting).clone());
             clients.push(client.clone());
@@ -210,7 +209,7 @@ impl Hub {
         client.run(stream, rest, &mut |text| self.ask(&client, text));
         locked(&self.clients).retain(|c| c.number != client.number);
         let mut gone = PageRequest { client: client.number, request: None };
-        // what it held must be let go, however much else waits
+        // the session must release what the client held, so this waits for space in the queue
         while let Err(std::sync::mpsc::TrySendError::Full(back)) = self.asked.try_send(gone) {
             if self.stop.load(Relaxed) {
                 return;
@@ -220,7 +219,7 @@ impl Hub {
         }
     }
 
-    /// Hands over what came, or says why not.
+    /// Queues a request, or replies with the reason for refusing it.
     fn ask(&self, client: &Client, message: &str) {
         let reply = |id: Option<Value>, ok, why: &str| {
             let id = id.unwrap_or_default();
@@ -243,7 +242,7 @@ impl Hub {
     }
 }
 
-/// Counts a connection with the token, however its thread ends.
+/// Counts a connection with the token until its thread ends.
 struct Counted(Arc<Hub>);
 
 impl Drop for Counted {
@@ -252,7 +251,7 @@ impl Drop for Counted {
     }
 }
 
-/// The place of a connection without the token, however its thread ends.
+/// Occupies the slot of a connection without the token until its thread ends.
 struct Waits(Arc<Hub>, u64);
 
 impl Drop for Waits {
@@ -268,13 +267,13 @@ fn accept(hub: &Arc<Hub>, listener: &TcpListener) {
         }
         let both = stream.and_then(|stream| Ok((stream.try_clone()?, stream)));
         let Ok((other, stream)) = both else {
-            // no handle is free: others have to end first
+            // no file descriptor is free until another connection ends
             std::thread::sleep(Duration::from_millis(20));
             continue;
         };
         hub.pending.add(number, other);
         let waits = Waits(hub.clone(), number);
-        // one that gets no thread is closed
+        // closes the connection if no thread is available
         let _ = Builder::new().name("ca client".into()).spawn(move || {
             let hub = waits.0.clone();
             hub.serve(stream, waits);

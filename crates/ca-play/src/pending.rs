@@ -1,17 +1,17 @@
-//! Connections that have not shown the token yet.
+//! Connections that have not sent the token yet.
 //!
-//! Every user of this machine can connect, so such connections take nothing that a page needs: they have places apart from
-//! those of pages. At most [`MOST`] wait at a time. One more drops the one that has waited longest, so that many silent
-//! connections do not keep out a new one, which sends its request at once.
+//! Every user of this machine can connect, so these connections have slots separate from those for pages. At most
+//! [`MOST`] wait at a time. A further connection drops the oldest one. So many silent connections cannot block a new
+//! one, which sends its request at once.
 
 use std::collections::VecDeque;
 use std::net::{Shutdown, TcpStream};
 use std::sync::{Condvar, Mutex, PoisonError};
 
-/// Connections at a time.
+/// Limit on waiting connections.
 const MOST: usize = 64;
 
-/// All of them, the oldest first.
+/// Waiting connections, oldest first.
 #[derive(Default)]
 pub(crate) struct Pending {
     list: Mutex<VecDeque<(u64, TcpStream)>>,
@@ -19,12 +19,12 @@ pub(crate) struct Pending {
 }
 
 impl Pending {
-    /// Adds a connection. Drops the oldest where there are too many, and waits until their threads have noticed it.
+    /// Adds a connection. If there are too many, drops the oldest and waits until its thread has noticed.
     pub(crate) fn add(&self, number: u64, stream: TcpStream) {
         let mut list = self.list.lock().unwrap_or_else(PoisonError::into_inner);
         while list.len() >= MOST {
             if let Some((_, oldest)) = list.front() {
-                // the read of its thread ends
+                // ends the read of its thread
                 let _ = oldest.shutdown(Shutdown::Both);
             }
             list = self.fewer.wait(list).unwrap_or_else(PoisonError::into_inner);
@@ -32,7 +32,7 @@ impl Pending {
         list.push_back((number, stream));
     }
 
-    /// Takes a connection out: it has shown the token, or it is over.
+    /// Removes a connection that has sent the token or is closed.
     pub(crate) fn remove(&self, number: u64) {
         self.list.lock().unwrap_or_else(PoisonError::into_inner).retain(|(n, _)| *n != number);
         self.fewer.notify_one();
@@ -60,7 +60,7 @@ mod tests {
         let more = connection();
         std::thread::scope(|s| {
             let added = s.spawn(|| pending.add(MOST as u64, more));
-            // its end is the end of its connection
+            // the client end is closed too
             assert_eq!(ends[0].read(&mut [0; 8]).expect("closed"), 0);
             assert!(!added.is_finished(), "it waits for the place");
             pending.remove(0);
@@ -68,7 +68,7 @@ mod tests {
         });
         let list = pending.list.lock().expect("no panic");
         assert!(list.iter().map(|(n, _)| *n).eq(1..=MOST as u64));
-        // no other was dropped
+        // no other connection was dropped
         ends[1].set_nonblocking(true).expect("set");
         assert!(ends[1].read(&mut [0; 8]).is_err_and(|e| e.kind() == std::io::ErrorKind::WouldBlock));
     }

@@ -1,4 +1,4 @@
-//! The server over real sockets: what a page gets, and what nobody else does.
+//! Tests the server over real sockets: access with the token, and refusal of everything else.
 
 #[path = "../../../tests/src/skipped.rs"]
 mod skipped;
@@ -18,12 +18,10 @@ fn page() -> Page {
     Page::open(0, &said_by("first"), false).unwrap()
 }
 
-/// A message with this text.
 fn said_by(text: &str) -> protocol::Message {
     protocol::Message::Said { bad: false, text: text.into() }
 }
 
-/// Host and path of a page.
 fn place(page: &Page) -> (String, String) {
     let address = page.address();
     let rest = address.strip_prefix("http://").unwrap();
@@ -31,7 +29,7 @@ fn place(page: &Page) -> (String, String) {
     (host.into(), format!("/{path}"))
 }
 
-/// What the server answers to these bytes until it closes.
+/// Sends bytes and returns the answer of the server until it closes.
 fn said(page: &Page, bytes: &[u8]) -> String {
     let mut stream = TcpStream::connect(place(page).0).unwrap();
     stream.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
@@ -51,7 +49,6 @@ fn socket(page: &Page) -> WebSocket<TcpStream> {
     tungstenite::client(request, stream).unwrap().0
 }
 
-/// The next text.
 fn text(socket: &mut WebSocket<TcpStream>) -> Value {
     loop {
         if let Message::Text(text) = socket.read().unwrap() {
@@ -114,7 +111,7 @@ fn a_page_is_greeted_asks_and_is_answered() {
     page.feed().greet(&said_by("second"));
     assert_eq!(text(&mut s)["text"], "second");
     assert_eq!(text(&mut socket(&page))["text"], "second");
-    // one that vanishes is reported, so that what it holds is let go
+    // the departure of a client is reported, so that the session releases what it held
     let before = page.feed().count();
     drop(s);
     let mut gone = Vec::new();
@@ -158,7 +155,7 @@ fn a_client_that_does_not_fetch_stands_in_nobodys_way() {
     text(&mut slow);
     text(&mut quick);
     let feed = page.feed();
-    // far more than the system keeps for it
+    // far more than the socket buffers of the system hold
     let picture = vec![0_u8; 1 << 20];
     for n in 0..200 {
         feed.view(&picture);
@@ -167,11 +164,11 @@ fn a_client_that_does_not_fetch_stands_in_nobodys_way() {
     for n in 0..200 {
         assert_eq!(text(&mut quick)["text"], n.to_string());
     }
-    // it asks nothing, but what it is sent has an end: the queue of its news
+    // the slow client sends nothing, but the queue of its messages is limited
     let news = said_by(&"x".repeat(1000));
     let begin = Instant::now();
     while page.feed().count() == 2 && begin.elapsed() < Duration::from_secs(60) {
-        // the quick one keeps up, however busy the machine is
+        // the fast client keeps up even on a busy machine
         (0..16).for_each(|_| page.feed().tell_all(&news));
         (0..16).for_each(|_| drop(text(&mut quick)));
     }
@@ -188,7 +185,7 @@ fn who_floods_is_closed() {
         let mut sent = 0;
         while sent < 20_000 && s.send(Message::text(message.clone())).is_ok() {
             sent += 1;
-            // somebody answers, quickly
+            // requests are answered quickly
             let _ = page.asked().count();
         }
         assert!(sent < 20_000, "closed after {sent}");
@@ -196,14 +193,14 @@ fn who_floods_is_closed() {
     }
 }
 
-/// Frames without a word in them are no messages, and have an end all the same.
+/// Empty frames do not count as messages but are limited too.
 #[test]
 fn who_sends_frames_without_end_is_closed() {
     let page = page();
     let mut s = socket(&page);
     text(&mut s);
     let s = s.get_mut();
-    // a text that is never whole: empty pieces, masked as those of a client
+    // a text that is never complete: empty fragments, masked as by a client
     let begun = s.write_all(&[0x01, 0x80, 0, 0, 0, 0]).is_ok();
     let pieces = [0x00, 0x80, 0, 0, 0, 0].repeat(1000);
     let sent = (0..5000).take_while(|_| s.write_all(&pieces).is_ok()).count();
@@ -211,7 +208,7 @@ fn who_sends_frames_without_end_is_closed() {
     until("no client is left", || page.feed().count() == 0);
 }
 
-/// A client that is there and reads nothing holds nothing for long.
+/// A client that stays connected but reads nothing loses what it holds.
 #[test]
 fn who_answers_no_ping_lets_go() {
     let page = page();
@@ -220,11 +217,11 @@ fn who_answers_no_ping_lets_go() {
     text(&mut alive);
     deaf.send(Message::text(r#"{"type": "grab"}"#)).unwrap();
     alive.get_mut().set_read_timeout(Some(Duration::from_millis(5))).unwrap();
-    // on a machine that has no time for this test for a second, who reads answers none either
+    // on a machine that stalls this test for a second, a reading client does not answer either
     let mut released = Vec::new();
     let end = Instant::now() + Duration::from_secs(60);
     while !released.contains(&0) && Instant::now() < end {
-        // pings are answered by reading
+        // reading answers pings
         let _ = alive.read();
         let all = page.asked().filter(|a| a.request.as_ref().is_some_and(|r| r.request == Ok(Request::Release)));
         released.extend(all.map(|a| a.client));
@@ -246,7 +243,7 @@ fn connections_have_an_end() {
     until("served again", || ask().starts_with("HTTP/1.1 200"));
 }
 
-/// Connections without the token leave all places to connections with it.
+/// Connections without the token do not occupy the slots of connections with it.
 #[cfg(target_os = "linux")]
 #[test]
 fn silent_connections_of_another_user_keep_nobody_out() {
@@ -275,7 +272,7 @@ fn silent_connections_of_another_user_keep_nobody_out() {
             let got = said(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
             assert!(got.starts_with("HTTP/1.1 200"), "request {n} beside {many}: {got}");
         }
-        // it ends with its standard input
+        // bash ends with its standard input
         drop(other.stdin.take());
         assert!(other.wait().unwrap().success());
     }
@@ -294,7 +291,7 @@ fn pages_are_closed_at_the_end() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
-    /// Whatever comes, the server goes on.
+    /// The server survives arbitrary input.
     #[test]
     fn anything_may_come(bytes in prop::collection::vec(any::<u8>(), 0..400), in_socket in any::<bool>()) {
         let page = page();

@@ -1,4 +1,4 @@
-"""A batch, beside what one would do without it: a pool of threads that set the values and render, one instance each."""
+"""A batch against its alternative: a thread pool that sets the values and renders each instance."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ CELL = "[CEL]\na = { m = '1 g', f = '440 Hz', t60 = '1 s', v = '1 cm/s' }\n[SOX]
 
 
 def table(in_turn: Callable[..., list[float]], threads: int = 2) -> list[tuple[str, float, int, float, float]]:
-    """Of each scene: its name, how long each is played [s], how many, ms an instance, and how many times as fast as by the pool."""
+    """Returns for each scene: name, length [s], number of instances, ms per instance, and speed-up over the pool."""
     found = []
     scenes = [
         ("one cell", ca.parse(CELL), "a.f", 440.0),

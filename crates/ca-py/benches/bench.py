@@ -1,7 +1,7 @@
-"""Threads, overheads, and peers: ratios of times taken in turn, in one run.
+"""Threads, overheads and peers: ratios of alternating time measurements within one run.
 
-Every figure is the quickest of several turns, and what is compared takes turns. The peers play the very string that
-`tests/peers/string.dsp` is, 24 masses between two walls, pushed once.
+Every figure is the fastest of several rounds, in which the compared calls alternate. The peers play exactly the string
+of `tests/peers/string.dsp`: 24 masses between two walls, pushed once.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def timed(work: Callable[[], object]) -> float:
 
 
 def in_turn(works: Sequence[Callable[[], object]], rounds: int = ROUNDS) -> list[float]:
-    """The quickest time of each [s], taken in turn."""
+    """Returns the fastest time of each [s], measured in alternation."""
     best = [float("inf")] * len(works)
     for _ in range(rounds):
         for k, work in enumerate(works):
@@ -47,7 +47,7 @@ def in_turn(works: Sequence[Callable[[], object]], rounds: int = ROUNDS) -> list
 
 
 def threads() -> tuple[float, float]:
-    """How much more is rendered by two threads than by one, and by one in a pool than without one."""
+    """Speed-up of two threads over one, and of one thread in a pool over none."""
     scene = ca.load("plate")
     jobs = 8
 
@@ -91,7 +91,7 @@ def overheads() -> dict[str, float]:
 
 
 def sweeps() -> dict[str, float]:
-    """What a run of a sweep costs beside playing it [µs], and how much more two threads do."""
+    """Overhead of a run in a sweep [µs], and the speed-up by two threads."""
     scene = ca.examples.string()
     vary = {"hammer.m": ca.Range(0.01, 0.03)}
     runs = 400
@@ -123,7 +123,7 @@ def sweeps() -> dict[str, float]:
 
 
 def ours() -> ca.Scene:
-    """The string, in the units of a sample: k T² = 0.25, z T = 2e-3 and 1e-4 for a mass of 1."""
+    """The string in per-sample units: k T² = 0.25, z T = 2e-3 and 1e-4 for a mass of 1."""
     per_tick = 1 / RATE
     m = ca.Model().add("SOL", "l").add("SOL", "r").add("ENF", "push", to="p5")
     for i in range(24):
@@ -170,7 +170,7 @@ int main(int, char** argv) {
 
 
 def faust(work: Path) -> Path | None:
-    """The string by Faust's mi.lib, compiled; None where there is no Faust."""
+    """Compiles the string with Faust's mi.lib; None without Faust."""
     if not shutil.which("faust") or not shutil.which("g++"):
         return None
     (work / "main.cpp").write_text(FAUST_MAIN)
@@ -181,13 +181,13 @@ def faust(work: Path) -> Path | None:
 
 
 def first_sound(script: str) -> float:
-    """From nothing to one second of sound, by a new interpreter [s]."""
+    """Time for a new interpreter to compute one second of sound [s]."""
     run = [sys.executable, "-c", script]
     return min(timed(lambda: subprocess.run(run, check=True, cwd=HERE, stdout=subprocess.DEVNULL)) for _ in range(3))
 
 
 def peers() -> list[tuple[str, float, float]]:
-    """Name, ns a sample, seconds to the first second of sound."""
+    """Name, ns per sample, and seconds to the first second of sound."""
     n = RATE
     push = np.zeros(n)
     push[0] = 1e-3

@@ -8,7 +8,7 @@ import numpy as np
 
 @numba.njit
 def play(n: int, push: np.ndarray) -> np.ndarray:
-    """What masses 3 and 19 do."""
+    """Returns the positions of masses 3 and 19."""
     x, d, f = np.zeros(26), np.zeros(26), np.zeros(26)
     out = np.zeros((n, 2))
     for t in range(n):

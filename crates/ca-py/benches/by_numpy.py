@@ -1,4 +1,4 @@
-"""The string as somebody writes it with arrays."""
+"""The string in plain NumPy code."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 
 def play(n: int, push: np.ndarray) -> np.ndarray:
-    """What masses 3 and 19 do: one pass of NumPy over all of them in each sample."""
+    """Returns the positions of masses 3 and 19, with one NumPy pass over all masses per sample."""
     x, d = np.zeros(26), np.zeros(26)
     out = np.zeros((n, 2))
     for t in range(n):

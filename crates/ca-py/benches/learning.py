@@ -1,7 +1,7 @@
-"""Learning the numbers of 64 strings at once by PyTorch: through the engine's derivatives, and through ticks written in tensors.
+"""Learns the numbers of 64 strings at once with PyTorch: by the engine's derivatives, and by ticks written as tensors.
 
-Both minimise the same loss from the same start with the same optimiser, so that what differs is time, and the error is that of
-rounding. What a tensor program can do is one network of one kind; contacts, friction and other methods are not in it.
+Both minimise the same loss from the same start with the same optimiser, so only time and rounding differ. The tensor
+program covers one network of one kind, without contacts, friction or other methods.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ K, Z, M, T = 1000.0, 2e-3, 1e-3, 1 / 48000
 
 
 def scene() -> ca.Scene:
-    """A string of masses between two walls, whose one is thrown; stiffness and viscosity are parameters."""
+    """A string of masses between two walls, one of them thrown; stiffness and viscosity are parameters."""
     ends = ["l", *(f"p{i}" for i in range(MASSES)), "r"]
     text = f'[param]\nk = "{K} N/m"\nz = "{Z} N s/m"\n[SOL]\nl = {{}}\nr = {{}}\n[MAS]\n'
     text += "".join(f"p{i} = {{ m = {M}, v = {1.0 if i == 5 else 0.0} }}\n" for i in range(MASSES))
@@ -40,7 +40,7 @@ def by_hand(k: torch.Tensor, z: torch.Tensor, frames: int) -> torch.Tensor:
     stiff, loss = (k * T * T / M)[:, None], (z * T / M)[:, None]
     d = torch.zeros_like(x)
     d[:, 6] = T
-    # the motion into the first tick: half a tick of viscosity before it
+    # the motion into the first tick includes half a tick of viscosity
     d = d - torch.nn.functional.pad(torch.diff(loss * torch.diff(d, dim=1), dim=1), (1, 1)) / 2
     heard = []
     for _ in range(frames):
@@ -52,7 +52,7 @@ def by_hand(k: torch.Tensor, z: torch.Tensor, frames: int) -> torch.Tensor:
 
 
 def learn(play: Callable[[torch.Tensor, torch.Tensor], torch.Tensor], target: torch.Tensor, steps: int) -> tuple[float, Any]:
-    """Seconds for so many steps, and the logarithms of what was found over what was hidden at the start."""
+    """Returns the seconds for `steps` steps, and the logarithms of the found values relative to the hidden ones."""
     draw = np.random.default_rng(1)
     start = np.stack([draw.uniform(-0.01, 0.01, INSTANCES), draw.uniform(-0.5, 0.5, INSTANCES)])
     logs = torch.tensor(start, requires_grad=True)
@@ -71,7 +71,7 @@ def main() -> None:
     target = torch.from_numpy(s.render(SECONDS, dtype="float64").audio)
     hand: Callable[[torch.Tensor, torch.Tensor], torch.Tensor] = lambda k, z: by_hand(k, z, frames)
     ours: Callable[[torch.Tensor, torch.Tensor], torch.Tensor] = lambda k, z: cat.render(s, {"k": k, "z": z}, SECONDS)
-    # the same sound and the same gradient
+    # both give the same sound and the same gradient
     at = [torch.tensor([1.003 * v, 1.01 * v], dtype=torch.float64, requires_grad=True) for v in (K, Z)]
     sounds = [f(*at) for f in (hand, ours)]
     apart = float((sounds[0] - sounds[1]).detach().abs().max() / target.abs().max())

@@ -1,4 +1,4 @@
-"""The smallest device in Python: a damped finger of 100 g that the force of the engine moves.
+"""The smallest device in Python: a damped finger of 100 g moved by the force of the engine.
 
     pip install "./crates/ca-py[device]"
     python device.py finger 3000

@@ -2,10 +2,12 @@
 
     python serial_device.py /dev/ttyACM0 finger
 
-Needs `iceoryx2` and no compiler: ``pip install iceoryx2==0.10.0``, and a copy of `device.py` beside this file where the package
-`cordis_anima` is not installed. Each period is one exchange of five bytes. To the microcontroller: ``F``, a number that counts, the
-force as a signed 16-bit number [mN], low byte first, and the sum of these four bytes modulo 256. From it: ``P``, the same number,
-the position alike [10 µm], measured before the new force acts. `docs/devices.md` has its firmware.
+Needs `iceoryx2` and no compiler: ``pip install iceoryx2==0.10.0``, and a copy of `device.py` beside this file if the
+package `cordis_anima` is not installed.
+
+Each period is one exchange of five bytes. To the microcontroller: ``F``, a counter, the force as a signed 16-bit number
+[mN], low byte first, and the sum of these four bytes modulo 256. From it, in the same form: ``P``, the same counter,
+the position [10 µm] measured before the new force acts, and the sum. `docs/devices.md` has its firmware.
 """
 
 from __future__ import annotations
@@ -23,9 +25,9 @@ try:
 except ImportError:
     from device import Device  # type: ignore[import-not-found,no-redef]
 
-#: exchanges a second, largest force [N], travel [m]
+#: exchanges per second, largest force [N], travel [m]
 RATE, FORCE, TRAVEL = 500, 1.5, 0.05
-#: how long an answer may take [s]: half of a period
+#: longest wait for an answer [s]: half a period
 PATIENCE = 0.5 / RATE
 
 
@@ -41,7 +43,7 @@ class Link:
         self.count = 0
 
     def exchange(self, force: float) -> float | None:
-        """Gives a force [N], gets the position measured before [m]; ``None`` where no whole answer to it came in time."""
+        """Sends a force [N] and returns the position measured before [m]; ``None`` without a complete answer."""
         self.count = (self.count + 1) % 256
         limited = min(max(force, -FORCE), FORCE)
         body = b"F" + struct.pack("<Bh", self.count, round(1000 * limited))
@@ -54,18 +56,18 @@ class Link:
             while (at := read.find(b"P")) >= 0 and len(read) >= at + 5:
                 answer = read[at : at + 5]
                 if sum(answer[:4]) % 256 != answer[4]:
-                    # a part of something else
+                    # part of another message
                     read = read[at + 1 :]
                     continue
                 read = read[at + 5 :]
-                # an answer to an exchange that was given up says where the hand was then
+                # the answer to an abandoned exchange has an old position
                 if answer[1] == self.count:
                     return float(struct.unpack("<h", answer[2:4])[0]) * 1e-5
         return None
 
 
 def real_time(priority: int = 70) -> None:
-    """Asks for a priority above all that is not of real time; above the engine (60), as what it waits for."""
+    """Requests a real-time priority above the engine (60), which waits for this process."""
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
     except OSError as e:
@@ -81,12 +83,12 @@ def main(path: str, name: str, periods: int) -> None:
             given = device.ack
             x = link.exchange(force)
             if x is None:
-                # no frame without a position: the engine knows by itself what to do about a gap
+                # no frame without a position: the engine handles a gap itself
                 missed += 1
             else:
-                # measured before `force` acted: what moved the hand here is the force of the exchange before
+                # measured before `force` acted: the hand moved here under the force of the exchange before
                 device.send(x, ack=held)
-            # what the motor holds after a lost exchange is not known
+            # after a lost exchange the force at the motor is unknown
             held = given if x is not None else 0
             device.wait()
         link.exchange(0.0)

@@ -1,4 +1,4 @@
-//! Numbers of a model found by a recording.
+//! Fits numbers of a model to a recording.
 
 use crate::error::{failure, file};
 use crate::gesture::Gesture;
@@ -13,30 +13,30 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
 
-/// What is fitted to: a file, or samples (frames, channels) at a rate.
+/// Target of a fit: a file, or samples (frames, channels) at a rate.
 #[derive(FromPyObject)]
 pub enum Target<'py> {
-    /// a WAV or FLAC file
+    /// A WAV or FLAC file.
     File(PathBuf),
-    /// \[Hz\], samples
+    /// Rate \[Hz\] and samples.
     Samples(f64, PyReadonlyArray2<'py, f64>),
 }
 
-/// What is asked of a fit.
+/// Arguments of a fit.
 pub struct FitArgs {
-    /// names of numbers
+    /// Names of the numbers to fit.
     pub vary: Vec<String>,
-    /// ranges of some of them, in SI units or as text
+    /// Ranges of some of them, in SI units or as text.
     pub ranges: Vec<(String, String, String)>,
-    /// how much is fitted \[s\]
+    /// Length of sound to fit \[s\].
     pub seconds: Option<f64>,
-    /// where it is not free
+    /// Fixed gain; fitted if `None`.
     pub gain: Option<f64>,
-    /// most renders
+    /// Largest number of renders.
     pub renders: u32,
-    /// what plays the model
+    /// Gesture that plays the model.
     pub gesture: Option<Py<Gesture>>,
-    /// where a page about it is written
+    /// Path of a report page.
     pub report: Option<PathBuf>,
 }
 
@@ -47,7 +47,7 @@ fn distance<'py>(py: Python<'py>, d: &Distance) -> PyResult<Bound<'py, PyDict>> 
     Ok(all)
 }
 
-/// The model with what was found, and the rest as a dictionary.
+/// Returns the fitted model, and the other results as a dictionary.
 pub fn fitted<'py>(
     py: Python<'py>,
     loaded: Loaded,

@@ -1,4 +1,4 @@
-//! Gestures: numbers, breakpoints and samples by the names of what they drive, or files.
+//! Gestures: constants, breakpoints and samples by port or parameter name, or files.
 
 use crate::error::{self, file, usage};
 use crate::measure::table;
@@ -8,13 +8,13 @@ use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods as _, ToPy
 use pyo3::prelude::*;
 use std::path::PathBuf;
 
-/// What a hand did or shall do.
+/// A gesture: values over time for ports and parameters.
 #[pyclass(frozen, module = "cordis_anima._core")]
 pub struct Gesture {
     pub(crate) gesture: gesture::Gesture,
 }
 
-/// One track as Python gives it: a value that stays, breakpoints, or samples at a rate.
+/// One track from Python: a constant, samples at a rate, or breakpoints.
 #[derive(FromPyObject)]
 enum Curve<'py> {
     Value(f64),
@@ -24,8 +24,8 @@ enum Curve<'py> {
 
 #[pymethods]
 impl Gesture {
-    /// Tracks by name: a number, an array of times [s] and values (n x 2), or a rate [Hz] and an array (n); whether they are those
-    /// of a MIDI file.
+    /// Creates a gesture from named tracks: a number, an array of times [s] and values (n x 2), or a rate [Hz] and an
+    /// array (n). `midi` marks the tracks of a MIDI file.
     #[new]
     #[pyo3(signature = (tracks, midi = false))]
     fn new(py: Python, tracks: Vec<(String, Curve)>, midi: bool) -> PyResult<Gesture> {
@@ -51,20 +51,20 @@ impl Gesture {
         Ok(Gesture { gesture: gesture.as_midi(midi) })
     }
 
-    /// These gestures as one.
+    /// Joins gestures into one.
     #[staticmethod]
     fn together(py: Python, all: Vec<PyRef<Gesture>>) -> PyResult<Gesture> {
         let all = all.iter().map(|g| g.gesture.clone());
         Ok(Gesture { gesture: gesture::Gesture::together(all).map_err(|e| error::gesture(py, &e))? })
     }
 
-    /// What it drives.
+    /// Names of the ports and parameters it drives.
     #[getter]
     fn names(&self) -> Vec<&str> {
         self.gesture.tracks().iter().map(Track::name).collect()
     }
 
-    /// What makes it again: tracks as the constructor takes them.
+    /// Tracks, in the form that the constructor takes.
     fn tracks<'py>(&self, py: Python<'py>) -> PyResult<Vec<(String, Bound<'py, PyAny>)>> {
         let one = |t: &Track| {
             let values = match t.curve() {
@@ -79,7 +79,7 @@ impl Gesture {
         self.gesture.tracks().iter().map(one).collect()
     }
 
-    /// Remarks on a file, in words.
+    /// Remarks on the file, as text.
     #[getter]
     fn remarks(&self) -> Vec<String> {
         self.gesture.remarks().to_vec()
@@ -91,7 +91,6 @@ impl Gesture {
         self.gesture.is_midi()
     }
 
-    /// Time of its last value [s].
     #[getter]
     fn duration(&self) -> f64 {
         self.gesture.duration()
@@ -99,7 +98,7 @@ impl Gesture {
 }
 
 impl Gesture {
-    /// From a file, by the mappings of `ports`; `port` names its only track, `rate` \[Hz\] is that of an array
+    /// Reads a file, with the MIDI mappings of `ports`. `port` names its only track. `rate` \[Hz\] applies to an array
     /// without times.
     pub fn open(
         py: Python,

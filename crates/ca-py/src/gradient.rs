@@ -1,4 +1,4 @@
-//! Derivatives of what a scene sounds, and of its energy, for `cordis_anima._analysis.gradient`.
+//! Derivatives of the sound and the energy of a scene, for `cordis_anima._analysis.gradient`.
 
 use crate::compiled::CompiledModel;
 use crate::error;
@@ -13,11 +13,11 @@ use numpy::{
 use pyo3::prelude::*;
 use std::sync::Arc;
 
-/// A scene, with the derivatives of all it begins with.
+/// A scene with forward derivatives.
 #[pyclass(frozen, module = "cordis_anima._core")]
 pub struct Forward(Arc<ca_gradient::Forward>);
 
-/// The exception for a derivative that there is not.
+/// The exception for a derivative that is not available.
 fn failure(py: Python, e: Error) -> PyErr {
     match e {
         Error::Refused(what) => error::usage(py, &what),
@@ -27,7 +27,7 @@ fn failure(py: Python, e: Error) -> PyErr {
     }
 }
 
-/// A call that a signal ends.
+/// Runs `call` until it ends or a signal arrives.
 fn waiting<R: Send + 'static>(
     py: Python,
     call: impl FnOnce(GoesOn) -> Result<R, Error> + Send + 'static,
@@ -35,11 +35,11 @@ fn waiting<R: Send + 'static>(
     apart(py, None, move |wanted| call(&mut || wanted.still()))?.map_err(|e| failure(py, e))
 }
 
-/// A scene that is gone back over.
+/// A scene with reverse derivatives.
 #[pyclass(frozen, module = "cordis_anima._core")]
 pub struct Reverse(Arc<ca_gradient::Reverse>);
 
-/// A scene that was played to be gone back over.
+/// Checkpoints of a played scene, from which gradients are computed.
 #[pyclass(frozen, module = "cordis_anima._core")]
 pub struct Checkpoints {
     kept: Arc<ca_gradient::Checkpoints>,
@@ -47,7 +47,7 @@ pub struct Checkpoints {
     channels: usize,
 }
 
-/// A scene that keeps the energy ledger, with the derivatives of all it begins with.
+/// A scene with energy ledger and forward derivatives.
 #[pyclass(frozen, module = "cordis_anima._core")]
 pub struct Energy(Arc<ca_gradient::Energy>);
 
@@ -56,12 +56,11 @@ fn about(parameters: &[ca_gradient::Parameter]) -> Vec<(&str, f64, &str)> {
     parameters.iter().map(|p| (p.name.as_str(), p.value, p.unit.as_str())).collect()
 }
 
-/// The curves of a gesture.
 fn curves(gesture: Option<&Py<Gesture>>) -> Option<&ca_io::gesture::Gesture> {
     gesture.map(|g| &g.get().gesture)
 }
 
-/// A sound as Python has it (frames, channels).
+/// Plays a sound and returns it as an array (frames, channels).
 fn sound(
     py: Python<'_>,
     channels: usize,
@@ -72,7 +71,7 @@ fn sound(
     table(py, all, frames, channels)
 }
 
-/// A cotangent as the engine takes it (frames x channels).
+/// Converts a cotangent to a flat vector (frames x channels).
 fn rows(py: Python, cotangent: &PyReadonlyArray2<'_, f64>, channels: usize) -> PyResult<Vec<f64>> {
     if cotangent.shape()[1] != channels {
         let what = format!("the cotangent has the shape {:?}: (frames, {channels})", cotangent.shape());
@@ -90,7 +89,7 @@ fn rows(py: Python, cotangent: &PyReadonlyArray2<'_, f64>, channels: usize) -> P
 }
 
 impl Forward {
-    /// Of a model, by parameters of these names.
+    /// Prepares derivatives by the named parameters.
     pub fn new(py: Python, of: Arc<CompiledModel>, wrt: Vec<String>) -> PyResult<Forward> {
         let made = waiting(py, move |_| {
             let names: Vec<&str> = wrt.iter().map(String::as_str).collect();
@@ -102,13 +101,13 @@ impl Forward {
 
 #[pymethods]
 impl Forward {
-    /// By what: name, value, unit.
+    /// Parameters: name, value, unit.
     #[getter]
     fn parameters(&self) -> Vec<(&str, f64, &str)> {
         about(self.0.parameters())
     }
 
-    /// The sound, in double precision (frames, channels).
+    /// The sound in double precision (frames, channels).
     fn audio<'py>(
         &self,
         py: Python<'py>,
@@ -134,7 +133,7 @@ impl Forward {
         Ok((audio, t.tangents.into_pyarray(py).reshape(shape)?))
     }
 
-    /// The gradient of a loss from its cotangent (frames, channels).
+    /// Gradient of a loss from its cotangent (frames, channels).
     fn gradient<'py>(
         &self,
         py: Python<'py>,
@@ -149,7 +148,7 @@ impl Forward {
 }
 
 impl Energy {
-    /// Of a model, by parameters of these names.
+    /// Prepares derivatives of the energy by the named parameters.
     pub fn new(py: Python, of: Arc<CompiledModel>, wrt: Vec<String>) -> PyResult<Energy> {
         let made = waiting(py, move |_| {
             let names: Vec<&str> = wrt.iter().map(String::as_str).collect();
@@ -161,14 +160,14 @@ impl Energy {
 
 #[pymethods]
 impl Energy {
-    /// By what: name, value, unit.
+    /// Parameters: name, value, unit.
     #[getter]
     fn parameters(&self) -> Vec<(&str, f64, &str)> {
         about(self.0.parameters())
     }
 
-    /// How much time the ledger covers (instants), the accounts (instants, accounts), in the order of `ca_gradient::ACCOUNTS`, and their
-    /// derivatives (instants, accounts, parameters).
+    /// Times covered by the ledger (instants), accounts (instants, accounts) in the order of `ca_gradient::ACCOUNTS`,
+    /// and their derivatives (instants, accounts, parameters).
     #[allow(clippy::type_complexity, reason = "three arrays")]
     fn tangents<'py>(
         &self,
@@ -186,7 +185,7 @@ impl Energy {
 }
 
 impl Reverse {
-    /// Of a model, by parameters of these names.
+    /// Prepares reverse derivatives by the named parameters.
     pub fn new(py: Python, of: Arc<CompiledModel>, wrt: Vec<String>) -> PyResult<Reverse> {
         let made = waiting(py, move |_| {
             let names: Vec<&str> = wrt.iter().map(String::as_str).collect();
@@ -198,24 +197,24 @@ impl Reverse {
 
 #[pymethods]
 impl Reverse {
-    /// By what: name, value, unit.
+    /// Parameters: name, value, unit.
     #[getter]
     fn parameters(&self) -> Vec<(&str, f64, &str)> {
         about(self.0.parameters())
     }
 
-    /// Whether it can go back over a gesture.
+    /// True if it supports the gesture.
     fn knows(&self, py: Python, gesture: Option<Py<Gesture>>) -> PyResult<bool> {
         self.0.knows(curves(gesture.as_ref())).map_err(|e| failure(py, e))
     }
 
-    /// Names of the ports by which is differentiated too.
+    /// Names of the ports with derivatives.
     #[getter]
     fn ports(&self) -> Vec<&str> {
         self.0.ports().collect()
     }
 
-    /// Plays it: the sound, in double precision (frames, channels), and what a gradient of it begins with.
+    /// Plays the sound in double precision (frames, channels); also returns the checkpoints for a gradient.
     fn play<'py>(
         &self,
         py: Python<'py>,
@@ -230,7 +229,8 @@ impl Reverse {
         Ok((table(py, audio, frames, channels)?, Checkpoints { kept, ports: self.0.ports().count(), channels }))
     }
 
-    /// The gradient of a loss from its cotangent (frames, channels), and its derivatives by what ports are given (frames, ports).
+    /// Gradient of a loss from its cotangent (frames, channels), and derivatives by the inputs of the ports (frames,
+    /// ports).
     #[allow(clippy::type_complexity, reason = "two arrays")]
     fn gradient<'py>(
         &self,
@@ -248,7 +248,7 @@ impl Reverse {
 
 #[pymethods]
 impl Checkpoints {
-    /// As [`Reverse::gradient`], of what was played.
+    /// As [`Reverse::gradient`], for the sound that was played.
     #[allow(clippy::type_complexity, reason = "two arrays")]
     fn gradient<'py>(
         &self,

@@ -1,14 +1,12 @@
-//! The compiled half of `cordis_anima`: models, scenes and what plays them, for Python.
+//! Compiled half of `cordis_anima`: models, scenes and everything that plays them, for Python.
 //!
-//! Decides that this half hands over plain things (numbers, arrays, JSON of findings) and that classes with documents,
-//! units and pictures are written in Python, where their users read them. Arrays are moved or shared, never copied; every
-//! call that may be long lets other threads run, tells how far it is, and ends at Ctrl-C.
-//!
-//! What is not here: what people import. The classes are in `python/cordis_anima`, their guide is `README.md` of this crate.
+//! It returns plain data (numbers, arrays, findings as JSON). Classes with documentation, units and plots are written
+//! in Python, in `python/cordis_anima`, where users read them; their guide is the `README.md` of this crate. Arrays are
+//! moved or shared, never copied. Calls that may take long let other threads run, report progress, and end at Ctrl-C.
 
-// the macros of pyo3 write what this crate may not
+// the macros of pyo3 expand to unsafe code, which this crate itself may not use
 #![deny(unsafe_code)]
-// and what Python hands over comes by value
+// values from Python arrive by value
 #![allow(clippy::needless_pass_by_value)]
 
 mod command;
@@ -60,9 +58,9 @@ mod _core {
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");
 
-    /// Loads the array interface of NumPy. The first array would load it later, where an interrupt (Ctrl-C) is a panic.
+    /// Loads the array interface of NumPy now. The first array would load it later, where an interrupt (Ctrl-C) panics.
     #[pymodule_init]
-    #[allow(clippy::unnecessary_wraps)] // the macro wants a result
+    #[allow(clippy::unnecessary_wraps)] // the macro requires a result
     fn load_arrays(module: &Bound<'_, PyModule>) -> PyResult<()> {
         PyArray1::<f64>::zeros(module.py(), 0, false);
         Ok(())

@@ -1,4 +1,4 @@
-//! What is measured of a model without playing it to anybody: modes, accuracy, units and quantities.
+//! Measurements of a model: modes, linear part, accuracy, energy, quantities.
 
 use crate::error::{failure, usage};
 use crate::wait::apart;
@@ -14,7 +14,7 @@ use pyo3::types::{PyDict, PyTuple};
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-/// The unit of a parameter; empty where it has none.
+/// Unit of a parameter, empty without one.
 pub fn symbol(ty: Type) -> String {
     match ty {
         Type::Number { unit, .. } | Type::Numbers { unit, .. } => unit.symbol.to_owned(),
@@ -23,7 +23,7 @@ pub fn symbol(ty: Type) -> String {
     }
 }
 
-/// A quantity in SI units: `text` is a number in `unit`, or has a unit of its own of the same dimension.
+/// Parses a quantity to SI units: `text` is a number in `unit`, or has its own unit of the same dimension.
 #[pyfunction]
 pub fn quantity(py: Python, name: &str, text: &str, unit: &str) -> PyResult<f64> {
     let such = parse(format!("1.5 {unit}").trim());
@@ -74,7 +74,7 @@ pub fn modes(py: Python<'_>, loaded: Loaded, rate: Option<f64>) -> PyResult<Boun
     Ok(d)
 }
 
-/// The linear part as a tick computes it: coefficients, rows of links, ports.
+/// The linear part as used by a tick: coefficients, rows of links, ports.
 pub fn linear(py: Python<'_>, loaded: Loaded, rate: Option<f64>) -> PyResult<Bound<'_, PyDict>> {
     let found = apart(py, None, move |_| {
         let options = Options { rate, clouds: loaded.clouds.clone(), ..Options::default() };
@@ -83,7 +83,7 @@ pub fn linear(py: Python<'_>, loaded: Loaded, rate: Option<f64>) -> PyResult<Bou
         Ok((network, loaded.compile(&options)?.scene))
     })?;
     let (network, scene) = found.map_err(|e| failure(py, e))?;
-    // the motion into the first tick is that of the scene, which begins by the forces at load
+    // the motion into the first tick is taken from the scene, which starts with the forces at load
     let places: HashMap<String, usize> = scene
         .symbols
         .iter()
@@ -135,21 +135,21 @@ fn rows<'py, 'e>(py: Python<'py>, rows: impl Iterator<Item = &'e [(u32, f64)]>) 
     (weights.into_pyarray(py), places.into_pyarray(py), first.into_pyarray(py)).into_pyobject(py)
 }
 
-/// What is asked of a measurement of accuracy.
+/// Arguments of a measurement of accuracy.
 pub struct AccuracyArgs {
-    /// sound rate \[Hz\]
+    /// Sound rate \[Hz\].
     pub rate: Option<f64>,
-    /// how long \[s\]
+    /// Length \[s\].
     pub seconds: Option<f64>,
-    /// what is listened to; the outputs if none
+    /// Modules to compare; the outputs if empty.
     pub probes: Vec<String>,
-    /// multiples of the rate
+    /// Multiples of the rate.
     pub times: Vec<u32>,
-    /// that of the reference
+    /// Multiple of the rate for the reference.
     pub reference: u32,
 }
 
-/// Error against run time, as arrays over ways.
+/// Error and run time, as arrays over methods.
 pub fn accuracy<'py>(
     py: Python<'py>,
     loaded: Loaded,
@@ -206,7 +206,7 @@ pub fn table<T: numpy::Element>(
     flat.into_pyarray(py).reshape([rows, width])
 }
 
-/// The ledger: its sums, and who lost, made and received what.
+/// The energy ledger: its sums, and losses, errors and inputs by module.
 pub fn energy<'py>(
     py: Python<'py>,
     scene: &ca_core::Scene,

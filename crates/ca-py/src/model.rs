@@ -1,4 +1,4 @@
-//! Models: text or calls to what is compiled.
+//! Models: from text or calls, ready to compile.
 
 use crate::error::{failure, findings, usage};
 use crate::fit::{self, FitArgs, Target};
@@ -21,15 +21,14 @@ use pyo3::types::{PyBytes, PyDict};
 use std::collections::HashSet;
 use std::path::PathBuf;
 
-/// What an author wrote.
+/// A model as written by its author.
 #[pyclass(module = "cordis_anima._core")]
 pub struct Model {
     loaded: Loaded,
-    /// names of its modules and groups; empty until something is added
+    /// Names of its modules and groups; empty until something is added.
     names: HashSet<String>,
 }
 
-/// A value as Python gives it.
 #[derive(FromPyObject)]
 pub enum Given {
     Bool(bool),
@@ -39,7 +38,7 @@ pub enum Given {
     Table(Table),
 }
 
-/// A mapping, in its order.
+/// A mapping in its order.
 pub struct Table(Vec<(String, Given)>);
 
 impl<'a, 'py> FromPyObject<'a, 'py> for Table {
@@ -52,7 +51,7 @@ impl<'a, 'py> FromPyObject<'a, 'py> for Table {
 }
 
 impl Given {
-    /// As somebody means who types it: text may be a number.
+    /// Converts it like typed input, in which text may be a number.
     pub fn typed(self) -> Value {
         if let Given::Text(text) = self { Value::typed(&text) } else { self.value() }
     }
@@ -72,31 +71,30 @@ fn entries(args: Vec<(String, Given)>) -> Vec<Entry> {
     args.into_iter().map(|(key, value)| Entry::new(&key, value.value())).collect()
 }
 
-/// The exception for what cannot be a name.
+/// The exception for an invalid name.
 fn no_name(py: Python, name: &str) -> PyErr {
     let of = "letters from a to z or A to Z, digits and `_`, and no digit first";
     usage(py, &format!("`{}` cannot be a name: it is made of {of}; a dot stands behind a group", name.escape_debug()))
 }
 
-/// The exception for a name that something has.
+/// The exception for a name in use.
 fn taken(py: Python, name: &str, by: &str) -> PyErr {
     usage(py, &format!("`{name}` is {by} already; names are unique in a model: rename one of the two"))
 }
 
-/// Names of the bundled models.
 #[pyfunction]
 pub fn bundled() -> Vec<&'static str> {
     BUNDLED.iter().map(|m| m.0).collect()
 }
 
-/// Parts that come with the program: name and a line about each.
+/// Shipped parts: name and one line about each.
 #[pyfunction]
 pub fn parts() -> Vec<(&'static str, String)> {
     let doc = |name: &str| part::library::shipped(name, &ca_lab::catalog()).map(|p| p.0.doc);
     LIBRARY.iter().map(|p| (p.0, doc(p.0).unwrap_or_default())).collect()
 }
 
-/// All kinds: code, title, equation, family, and parameters as name, unit, document.
+/// All kinds: code, title, equation, family, and parameters as name, unit, documentation.
 #[pyfunction]
 #[allow(clippy::type_complexity)]
 pub fn kinds()
@@ -115,12 +113,11 @@ pub fn kinds()
 }
 
 impl Model {
-    /// Of what was read.
     pub fn of(loaded: Loaded) -> Model {
         Model { loaded, names: HashSet::new() }
     }
 
-    /// Takes a name for a module or a group: one that selectors can say, and that nothing else has.
+    /// Reserves a name for a module or a group; it must be valid in selectors and unique.
     fn take(&mut self, py: Python, name: &str) -> PyResult<()> {
         let model = &self.loaded.model;
         if self.names.is_empty() {
@@ -141,7 +138,7 @@ impl Model {
         Ok(())
     }
 
-    /// What is compiled: modules in their groups, and the files they name.
+    /// The model to compile: modules in their groups, and contents of the named files.
     pub fn whole(&self) -> Loaded {
         let mut loaded = self.loaded.clone();
         let model = &mut loaded.model;
@@ -154,7 +151,7 @@ impl Model {
         loaded
     }
 
-    /// What `part` of it is, or all of it where that is a model.
+    /// The part `name` of it, or the whole model as a part.
     fn part(&self, py: Python, name: &str) -> PyResult<Part> {
         let parts = &self.loaded.model.parts;
         parts.iter().find(|p| p.name == name).cloned().ok_or_else(|| {
@@ -170,68 +167,64 @@ impl Model {
 
 #[pymethods]
 impl Model {
-    /// An empty model.
     #[new]
     fn new() -> Model {
         Model::of(Loaded::built(ca_model::Model::default()))
     }
 
-    /// A file, or a bundled model.
+    /// Opens a file or a bundled model.
     #[staticmethod]
     fn open(py: Python, word: String) -> PyResult<Model> {
         let loaded = apart(py, None, move |_| load::load(&word))?;
         Ok(Model::of(loaded.map_err(|e| failure(py, e))?))
     }
 
-    /// From text.
+    /// Reads text.
     #[staticmethod]
     fn read(py: Python, text: String, file: String) -> PyResult<Model> {
         apart(py, None, move |_| Loaded::read(&text, &file)).map(Model::of)
     }
 
-    /// From the text of a model of another program.
+    /// Imports the text of a MIMS model.
     #[staticmethod]
     fn mims(py: Python, text: String, file: String) -> PyResult<Model> {
         apart(py, None, move |_| Loaded::import(&text, &file)).map(Model::of)
     }
 
-    /// From its bytes, called `name`.
+    /// Reads bytes made by `bytes`, under the name `name`.
     #[staticmethod]
     fn from_bytes(py: Python, bytes: Vec<u8>, name: String) -> PyResult<Model> {
         let made = apart(py, None, move |_| bytes::from_bytes(&bytes, &name))?;
         Ok(Model::of(made.map_err(|e| failure(py, e))?))
     }
 
-    /// What it means, as bytes.
+    /// The meaning of the model, as bytes.
     fn bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let whole = self.whole();
         let made = apart(py, None, move |_| bytes::bytes(&whole))?.map_err(|e| failure(py, e))?;
         Ok(PyBytes::new(py, &made))
     }
 
-    /// An equal model.
     fn copy(&self) -> Model {
         Model::of(self.loaded.clone())
     }
 
-    /// As a file would be written.
+    /// The text of a model file.
     fn toml(&self) -> String {
         write::write(&self.loaded.model)
     }
 
-    /// The file it was read from.
     #[getter]
     fn file(&self) -> &str {
         &self.loaded.model.file
     }
 
-    /// Its name: that of its file without folder and extension.
+    /// Name of its file without folder and extension.
     #[getter]
     fn name(&self) -> &str {
         &self.loaded.name
     }
 
-    /// Its title.
     #[getter]
     fn title(&self) -> &str {
         self.loaded.model.title()
@@ -243,8 +236,8 @@ impl Model {
         self.loaded.model.items.iter().map(|i| (i.kind.as_str(), i.name.as_str())).collect()
     }
 
-    /// Adds a module; `a.b` stands in the group `a`, wherever that is added. What no compiler could make sense of later is
-    /// refused: a kind or a parameter that there is not, and a name that is none or taken.
+    /// Adds a module; `a.b` is in the group `a`, which may be added later. Refuses unknown kinds and parameters, and
+    /// names that are invalid or in use.
     fn add(&mut self, py: Python, kind: &str, name: &str, args: Vec<(String, Given)>) -> PyResult<()> {
         let meant = |meant: Option<&str>, all: String| meant.map_or(all, |m| format!("did you mean `{m}`?"));
         let catalog = ca_lab::catalog();
@@ -262,7 +255,6 @@ impl Model {
         Ok(())
     }
 
-    /// Adds a group.
     fn group(&mut self, py: Python, name: &str, props: Vec<(String, Given)>) -> PyResult<()> {
         if self.loaded.model.groups.iter().any(|g| g.name == name) {
             return Err(usage(
@@ -276,7 +268,7 @@ impl Model {
         Ok(())
     }
 
-    /// Adds instances of a part: one of this model or of the program by its name, or another model as it is.
+    /// Adds instances of a part: one of this model, a shipped one by name, or another model as a whole.
     #[pyo3(signature = (name, part, of, n, given))]
     fn use_part(
         &mut self,
@@ -346,12 +338,12 @@ impl Model {
         Ok(())
     }
 
-    /// Sets a parameter that exists; text is what `--set` would make of it.
+    /// Sets an existing parameter; text is parsed as by `--set`.
     fn set(&mut self, py: Python, name: &str, value: Given) -> PyResult<()> {
         load::set(&mut self.loaded, name, value.typed()).map_err(|e| failure(py, e))
     }
 
-    /// Compiles it without playing: whether it can be, the JSON of all findings, and how they read.
+    /// Compiles without playing. Returns success, all findings as JSON, and their text.
     #[pyo3(signature = (rate=None))]
     fn check(&self, py: Python, rate: Option<f64>) -> PyResult<(bool, String, String)> {
         let loaded = self.whole();
@@ -362,7 +354,6 @@ impl Model {
         })
     }
 
-    /// Compiles it.
     #[pyo3(signature = (*, rate=None, energy=false, probes=Vec::new(), exact=false))]
     fn compile(
         &self,
@@ -381,7 +372,7 @@ impl Model {
         made?.map_err(|e| failure(py, e))
     }
 
-    /// Plays it by the engine of devices, into a take.
+    /// Plays it into a take, with the engine for devices.
     #[pyo3(signature = (path, *, rate, seconds, gesture, energy, forces, progress))]
     #[allow(clippy::too_many_arguments)]
     fn record(

@@ -1,4 +1,4 @@
-//! A scene that plays in this process, with its page.
+//! Plays a scene in this process, with its page.
 
 use crate::wait::until;
 use crate::{error, model};
@@ -21,10 +21,10 @@ use std::time::Duration;
 /// Longest wait for the page, and for the answer to a request.
 const PATIENCE: Duration = Duration::from_secs(60);
 const ANSWER: Duration = Duration::from_secs(5);
-/// Messages that are kept: after this many, the older half is dropped.
+/// Number of stored messages; beyond it, the older half is dropped.
 const MESSAGES: usize = 1000;
 
-/// The state that a performance shares with Python.
+/// State shared between a performance and Python.
 #[derive(Default)]
 struct Messages {
     lines: Mutex<Vec<String>>,
@@ -70,7 +70,7 @@ impl Listener for Messages {
 
     fn begins(&self, shared: &Arc<Shared>) {
         *locked(&self.shared) = Some(shared.clone());
-        // a stop that came before
+        // a stop may come first
         if self.stopped.load(SeqCst) {
             shared.stop.store(true, Relaxed);
         }
@@ -91,19 +91,19 @@ pub struct Performance {
 
 #[pymethods]
 impl Performance {
-    /// Plays a model, called `name`, with arguments of `ca play`.
+    /// Plays a model under the name `name`, with arguments of `ca play`.
     #[new]
     fn new(py: Python, model: PyRef<model::Model>, name: &str, args: Vec<OsString>) -> PyResult<Performance> {
         let whole = model.whole();
         drop(model);
         let made = py.detach(|| {
             let Original { mut loaded, changes, .. } = Original::of(&whole)?;
-            // the page shows it
+            // the page shows this name
             loaded.name = name.into();
             ca_cli::play_request(name, args, Arc::new(move || Ok(loaded.clone())), changes)
         });
         let mut request = made.map_err(|e| error::failure(py, e))?;
-        // it would hold all memory of Python
+        // a memory lock would pin all memory of Python
         request.thread.lock = false;
         let (requests, asked) = channel();
         request.asked = Some(asked);
@@ -128,22 +128,21 @@ impl Performance {
         Ok(made)
     }
 
-    /// The address of the page, once it is open.
+    /// Address of the page, once it is open.
     fn address(&self) -> Option<String> {
         locked(&self.messages.address).clone()
     }
 
-    /// True until it ends.
     fn is_playing(&self) -> bool {
         locked(&self.thread).as_ref().is_some_and(|t| !t.is_finished())
     }
 
-    /// Messages so far, a line each.
+    /// Messages so far, one per line.
     fn lines(&self) -> Vec<String> {
         locked(&self.messages.lines).clone()
     }
 
-    /// Changes numbers, as `ca set` does; returns the answer.
+    /// Changes numbers as `ca set` does; returns the answer.
     fn set(&self, py: Python, values: Vec<(String, String)>) -> PyResult<String> {
         let values = values.into_iter().map(|(name, value)| (name, Given::Text(value))).collect();
         let (tell, reply) = channel();
@@ -156,7 +155,7 @@ impl Performance {
         }
     }
 
-    /// Ends it, and waits until its files are finished.
+    /// Stops it, and waits until its files are complete.
     fn stop(&self, py: Python) {
         self.messages.stopped.store(true, SeqCst);
         if let Some(shared) = &*locked(&self.messages.shared) {

@@ -1,4 +1,4 @@
-//! A scene played to its end, into arrays.
+//! Plays a scene to its end, into arrays.
 
 use crate::compiled::CompiledModel;
 use crate::error::{self, failure, usage};
@@ -17,23 +17,23 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::Arc;
 
-/// The outputs of a scene.
+/// Outputs of a scene.
 struct Heard<S> {
     frames: u64,
     audio: Vec<S>,
     probes: Vec<f64>,
     level: Level,
-    /// \[s\]
+    /// Run time \[s\].
     run_time: f64,
     outcome: Outcome,
-    /// the ledger, and how many ticks it covers
+    /// Energy ledger, and the number of ticks it covers.
     energy: Option<(Ledger, u64)>,
 }
 
-/// Why nothing was heard.
+/// Reasons for a failed render.
 enum Unheard {
     Gesture(FileError),
-    /// so many samples are more than the memory holds
+    /// This many samples do not fit in memory.
     Room(u64),
     Failed(Failure),
 }
@@ -72,7 +72,7 @@ fn heard<S: Sample>(
     Ok(Heard { frames, audio, probes, level, run_time, outcome, energy })
 }
 
-/// See `cordis_anima.Scene.render`; `S` is how samples are kept.
+/// See `cordis_anima.Scene.render`. `S` is the type of samples.
 pub fn render<S: Sample + Element + 'static>(
     py: Python<'_>,
     model: Arc<CompiledModel>,

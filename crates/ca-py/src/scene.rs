@@ -1,4 +1,4 @@
-//! Scenes: what is compiled, and what is made of it.
+//! Compiled scenes and what they offer.
 
 use crate::compiled::CompiledModel;
 use crate::error::{failure, findings};
@@ -18,17 +18,15 @@ use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// A compiled model.
 #[pyclass(frozen, module = "cordis_anima._core")]
 pub struct Scene(Arc<CompiledModel>);
 
 impl Scene {
-    /// A scene, with what it was compiled from.
     pub fn new(Compiled { scene, findings, .. }: Compiled, loaded: Loaded, options: Options) -> Scene {
         Scene(Arc::new(CompiledModel { scene: Arc::new(scene), found: findings, loaded, options }))
     }
 
-    /// What it was compiled from, and how.
+    /// Model and options it was compiled from.
     pub fn source(&self) -> (&Loaded, &Options) {
         (&self.0.loaded, &self.0.options)
     }
@@ -56,7 +54,7 @@ impl Scene {
         Ok(d)
     }
 
-    /// Ports: name, role, rest.
+    /// Ports: name, role, rest position.
     #[getter]
     fn inputs(&self) -> Vec<(&str, &str, f64)> {
         let role = |r: InputRole| match r {
@@ -67,32 +65,32 @@ impl Scene {
         self.0.scene.inputs.iter().map(|i| (i.name.as_str(), role(i.role), i.rest)).collect()
     }
 
-    /// Live parameters: name, value, least, most, unit, document.
+    /// Live parameters: name, value, minimum, maximum, unit, documentation.
     #[getter]
     fn params(&self) -> Vec<(&str, f64, f64, f64, &str, &str)> {
         let list = self.0.scene.live.params.iter();
         list.map(|p| (p.name.as_str(), p.value, p.min, p.max, p.unit.symbol, p.doc.as_str())).collect()
     }
 
-    /// Probes: their names, and for each the selector that asked for it.
+    /// Names of probes, and for each the index of its selector.
     #[getter]
     fn probes(&self) -> (Vec<String>, Vec<u32>) {
         (self.0.scene.names.probe_names.clone(), self.0.scene.names.probe_of.clone())
     }
 
-    /// What names it among machines: the hash of its model's bytes and of its sound rate.
+    /// Hash that identifies it on any machine, from the model's bytes and the sound rate.
     fn digest(&self, py: Python) -> PyResult<String> {
         let of = self.0.clone();
         let named = apart(py, None, move |_| bytes::named(&of.loaded, of.scene.rate))?;
         Ok(named.map_err(|e| failure(py, e))?.to_hex().to_string())
     }
 
-    /// JSON of what was found, and how it reads.
+    /// Findings as JSON and as text.
     fn findings(&self) -> (String, String) {
         findings(&self.0.found, &self.0.loaded.model)
     }
 
-    /// What is proven of its stability.
+    /// Stability certificate.
     fn certificate<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let c = &self.0.scene.certificate;
         let d = PyDict::new(py);
@@ -115,7 +113,7 @@ impl Scene {
         Ok(d)
     }
 
-    /// Plays it: see `cordis_anima.Scene.render`; `double` says how samples are kept.
+    /// Plays it, see `cordis_anima.Scene.render`. `double` selects double precision for samples.
     #[pyo3(signature = (seconds, gesture, double, progress))]
     fn render<'py>(
         &self,
@@ -129,22 +127,22 @@ impl Scene {
         run(py, self.0.clone(), seconds, gesture, progress)
     }
 
-    /// With derivatives by parameters of these names.
+    /// Prepares forward derivatives by the named parameters.
     fn forward(&self, py: Python, wrt: Vec<String>) -> PyResult<Forward> {
         Forward::new(py, self.0.clone(), wrt)
     }
 
-    /// With derivatives of its energy by parameters of these names.
+    /// Prepares forward derivatives of the energy by the named parameters.
     fn energy_forward(&self, py: Python, wrt: Vec<String>) -> PyResult<Energy> {
         Energy::new(py, self.0.clone(), wrt)
     }
 
-    /// To be gone back over, with derivatives by parameters of these names.
+    /// Prepares reverse derivatives by the named parameters.
     fn reverse(&self, py: Python, wrt: Vec<String>) -> PyResult<Reverse> {
         Reverse::new(py, self.0.clone(), wrt)
     }
 
-    /// The page of a film of it: see `cordis_anima.Scene.view`.
+    /// Page with a film of it: see `cordis_anima.Scene.view`.
     #[pyo3(signature = (seconds, gesture, progress))]
     fn view(
         &self,
@@ -155,7 +153,7 @@ impl Scene {
     ) -> PyResult<String> {
         let of = self.0.clone();
         let page = apart(py, progress, move |wanted| {
-            // what nothing hears is seen all the same
+            // modules without an output are shown too
             let options = Options { whole: true, energy: false, probes: Vec::new(), ..of.options.clone() };
             let whole = load::compiled(&of.loaded, &options).0;
             let (scene, gesture) = (whole.as_ref().unwrap_or(&of.scene), gesture.as_ref().map(|g| &g.get().gesture));
@@ -164,15 +162,15 @@ impl Scene {
         page?.map_err(|e| failure(py, e))
     }
 
-    /// From a file: CSV, NPY, WAV, MIDI (by the mappings of its ports) or a take; `port` names its only track, `rate` [Hz] is
-    /// that of an array without times.
+    /// Reads a gesture file: CSV, NPY, WAV, MIDI (by the mappings of its ports) or a take. `port` names its only track;
+    /// `rate` [Hz] applies to an array without times.
     fn gesture(&self, py: Python, path: PathBuf, port: Option<String>, rate: Option<f64>) -> PyResult<Gesture> {
         let map = |i: &ca_core::Input| Some(PortMap { port: i.name.clone(), map: i.midi? });
         let ports: Vec<PortMap> = self.0.scene.inputs.iter().filter_map(map).collect();
         Gesture::open(py, path, ports, port, rate)
     }
 
-    /// A running one.
+    /// Starts a running scene.
     fn sim(&self) -> Sim {
         Sim::new(self.0.scene.clone())
     }

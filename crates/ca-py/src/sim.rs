@@ -1,8 +1,8 @@
-//! A scene that runs, block by block or frame by frame: gestures in, sound and forces out.
+//! A running scene, block by block or frame by frame: gestures in, sound and forces out.
 //!
-//! A block is written into arrays of the caller, without allocation. A block of less than 0.2 ms keeps the lock of the interpreter, and
-//! a longer one lets other threads run. Device ports are read at
-//! the first sample of a gesture frame, as from a device. Who shares one between threads waits for the block of the other.
+//! A block is written into arrays of the caller, without allocation. A block shorter than 0.2 ms keeps the interpreter
+//! lock; a longer one lets other threads run. Device ports are read at the first sample of a gesture frame, as from a
+//! device. Threads that share one wait for each other's blocks.
 
 use crate::error::{failure, usage};
 use crate::wait::Look;
@@ -17,33 +17,31 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::Instant;
 
-/// Updates of modules between two looks at signals, a millisecond or so.
+/// Updates of modules between two checks for signals, about a millisecond.
 const UPDATES: usize = 1 << 16;
 
-/// A block that takes less keeps the lock of the interpreter: a thread that gives it away waits about as long until others
-/// give it back \[ns\].
+/// Longest block that keeps the interpreter lock \[ns\]. Releasing it costs a wait of about this time for other
+/// threads.
 const SHORT: u64 = 200_000;
 
-/// A running scene.
 #[pyclass(frozen, module = "cordis_anima._core")]
 pub struct Sim {
     scene: Arc<ca_core::Scene>,
-    /// inputs whose forces are reported
+    /// Inputs whose forces are reported.
     ports: Vec<usize>,
     running: Mutex<Running>,
-    /// time of a sample, as far as it is known \[ns\]
+    /// Time per sample, as estimated so far \[ns\].
     each: AtomicU64,
 }
 
 impl Sim {
-    /// From the beginning.
     pub fn new(scene: Arc<ca_core::Scene>) -> Sim {
         let running = Running::new(&scene);
         let (ports, running) = (running.felt(), Mutex::new(running));
         Sim { scene, ports, running, each: AtomicU64::new(u64::MAX) }
     }
 
-    /// Does something short with what changes. A thread that has to wait for it waits without the lock of the interpreter.
+    /// Runs a short `f` on the running scene. A thread that must wait for it does so without the interpreter lock.
     fn with<R: Send>(&self, py: Python, f: impl FnOnce(&mut Running) -> R + Send) -> R {
         match self.running.try_lock() {
             Ok(mut running) => f(&mut running),
@@ -52,7 +50,7 @@ impl Sim {
         }
     }
 
-    /// Plays `n` samples by `f`, without the lock of the interpreter unless that takes no time.
+    /// Plays `n` samples by `f`, without the interpreter lock unless the block is short.
     fn played(&self, py: Python, n: usize, f: impl FnOnce(&mut Running) + Send) {
         let before = self.each.load(Relaxed);
         let begin = Instant::now();
@@ -62,7 +60,7 @@ impl Sim {
             py.detach(|| f(&mut self.lock()));
         }
         let each = begin.elapsed().as_nanos() as u64 / n.max(1) as u64;
-        // a thread that was interrupted seems slow
+        // limited growth, because an interrupted thread seems slow
         self.each.store(each.min(before.saturating_add(before / 4 + 1)), Relaxed);
     }
 
@@ -92,7 +90,7 @@ impl Sim {
         if probes.as_ref().is_some_and(|p| p.shape() != [n, n_probes]) {
             return Err(usage(py, &format!("probes must be ({n}, {n_probes})")));
         }
-        // of an array without elements there is no view: its strides say nothing
+        // an array without elements cannot be viewed, because its strides are meaningless
         let given = (!inputs.is_empty()).then(|| inputs.as_array());
         let mut audio = (!audio.is_empty()).then(|| audio.as_array_mut());
         let mut forces = forces.as_mut().filter(|f| !f.is_empty()).map(|f| f.as_array_mut());
@@ -129,7 +127,7 @@ impl Sim {
     }
 }
 
-/// Where sound is written: an array in single or double precision.
+/// Output array for sound, in single or double precision.
 #[derive(FromPyObject)]
 enum Audio<'py> {
     Single(PyReadwriteArray2<'py, f32>),
@@ -150,19 +148,19 @@ impl Sim {
         self.with(py, |r| r.player.state.tick)
     }
 
-    /// True once it has diverged: silence from there on.
+    /// True once it has diverged; it is silent from then on.
     #[getter]
     fn diverged(&self, py: Python) -> bool {
         self.with(py, |r| r.player.diverged)
     }
 
-    /// Samples cut off at full scale, samples without a value, inputs without a value.
+    /// Samples clipped at full scale, non-finite samples, non-finite inputs.
     #[getter]
     fn counts(&self, py: Python) -> (u64, u64, u64) {
         self.with(py, |r| (r.level.clipped, r.level.non_finite, r.player.state.ports.refused))
     }
 
-    /// `ok`, `unstable`, `clipped` or `refused`, of all that was played.
+    /// Status of everything played: `ok`, `unstable`, `clipped` or `refused`.
     #[getter]
     fn status(&self, py: Python) -> &'static str {
         self.with(py, |r| {
@@ -174,8 +172,8 @@ impl Sim {
         })
     }
 
-    /// Plays as many samples as `audio` has rows: (n x channels). `inputs` is (n x inputs), or (1 x inputs) for all of
-    /// them; `forces` (n x ports) and `probes` (n x probes) are filled where they are given.
+    /// Plays as many samples as `audio` has rows (n x channels). `inputs` is (n x inputs), or (1 x inputs) for all of
+    /// them. Fills `forces` (n x ports) and `probes` (n x probes) if given.
     #[pyo3(signature = (inputs, audio, forces=None, probes=None))]
     fn step(
         &self,
@@ -191,7 +189,7 @@ impl Sim {
         }
     }
 
-    /// Starts to move a live parameter, over so many samples.
+    /// Ramps a live parameter to `value` over `samples` samples.
     fn set(&self, py: Python, name: &str, value: f64, samples: u32) -> PyResult<()> {
         let ticks = samples.saturating_mul(self.scene.oversample());
         let done = self.with(py, |r| {
@@ -202,35 +200,34 @@ impl Sim {
         done.map_err(|e| failure(py, Failure::Usage(e.to_string())))
     }
 
-    /// The present value of a live parameter.
+    /// Current value of a live parameter.
     fn get(&self, py: Python, name: &str) -> PyResult<f64> {
         let found = self.with(py, |r| r.controls.params().iter().find(|p| p.name == name).map(|p| p.value));
         found.ok_or_else(|| usage(py, &format!("`{name}` is not a live parameter")))
     }
 
-    /// Back to the beginning.
     fn reset(&self, py: Python) {
         self.with(py, |r| *r = Running::new(&self.scene));
     }
 
-    /// How it stands, as bytes.
+    /// The current state as bytes.
     fn state<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
         let bytes = self.with(py, |r| r.to_bytes());
         PyBytes::new(py, &bytes)
     }
 
-    /// Goes on from such bytes of the same scene.
+    /// Continues from the bytes of a state of the same scene.
     fn restore(&self, py: Python, bytes: &[u8]) -> PyResult<()> {
         self.with(py, |r| r.restore(&self.scene, bytes)).map_err(|why| failure(py, Failure::Usage(why.to_string())))
     }
 
-    /// What every input is given at present.
+    /// Current value of every input.
     #[getter]
     fn inputs(&self, py: Python) -> Vec<f64> {
         self.with(py, |r| r.player.state.input.clone())
     }
 
-    /// The energy ledger, where one is kept.
+    /// The energy ledger, if it has one.
     fn energy<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         let (ledger, tick) = self.with(py, |r| (r.player.state.ledger.clone(), r.player.state.tick));
         ledger.map(|b| crate::measure::energy(py, &self.scene, &b, tick.saturating_sub(1))).transpose()

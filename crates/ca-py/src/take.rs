@@ -1,4 +1,4 @@
-//! Takes: what devices did, the forces they got, what was heard.
+//! Takes: device motion, forces and sound.
 
 use crate::error::{failure, file};
 use crate::measure::table;
@@ -14,16 +14,15 @@ use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Most samples of a hole in a sound, of all channels: an hour of one, and what says more is no take.
+/// Longest gap in a sound in samples of all channels, an hour of one; a larger gap is an error.
 const HOLE: u64 = 1 << 28;
 
-/// A take.
 #[pyclass(frozen, module = "cordis_anima._core")]
 pub struct Take {
     take: Arc<take::Take>,
 }
 
-/// What passed between the engine and one device.
+/// Frames between the engine and one device.
 #[derive(Default)]
 struct Hand {
     dof: usize,
@@ -72,7 +71,7 @@ struct Columns {
     rt: Vec<Vec<f64>>,
 }
 
-/// All events, or those up to where they are not wanted any more.
+/// Reads all events, or until the call is interrupted.
 fn events(take: &take::Take, wanted: &Wanted) -> Result<Columns, FileError> {
     let mut all = Columns::default();
     for s in &take.header.setups {
@@ -100,7 +99,7 @@ fn events(take: &take::Take, wanted: &Wanted) -> Result<Columns, FileError> {
                 h.cause.push(Cause::read(f.cause).name());
             }
             Event::Sound(tick, samples) => {
-                // what found no room is silence, so that time stays time
+                // lost sound becomes silence, so that times stay right
                 let there = all.sound.len() as u64;
                 let at = tick.checked_mul(take.header.channels.len() as u64);
                 let at = at.filter(|n| (there..=there + HOLE).contains(n)).ok_or_else(|| {
@@ -156,7 +155,7 @@ impl Take {
         Ok(Take { take: Arc::new(take) })
     }
 
-    /// What it says before its first frame.
+    /// Header of the take.
     fn about<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let h = &self.take.header;
         let d = PyDict::new(py);
@@ -179,7 +178,7 @@ impl Take {
         Ok((Model::of(loaded), self.take.header.options.rate))
     }
 
-    /// All of it: devices by name, sound, energy, real-time numbers, the length, faults, losses, and how it ends.
+    /// Everything in it: devices by name, sound, energy, real-time numbers, length, faults, losses, and its end.
     fn read<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (header, take) = (&self.take.header, self.take.clone());
         let found = apart(py, None, move |wanted| events(&take, wanted).and_then(|all| Ok((all, take.summary()?))))?;
@@ -218,13 +217,13 @@ impl Take {
         Ok(d)
     }
 
-    /// The page of a film of it: see `cordis_anima.Take.view`.
+    /// Page with a film of it: see `cordis_anima.Take.view`.
     fn view(&self, py: Python) -> PyResult<String> {
         let take = self.take.clone();
         apart(py, None, move |_| ca_film::take(&take, &catalog()))?.map_err(|e| failure(py, e))
     }
 
-    /// Plays it again: what was compared, and the first thing that is not as it was.
+    /// Replays it. Returns what was compared, and the first difference.
     fn replay<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let take = self.take.clone();
         let run = move |wanted: &Wanted| {

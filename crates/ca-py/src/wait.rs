@@ -1,8 +1,8 @@
-//! Long calls: one thread computes, while the calling thread looks for signals and reports progress.
+//! Long calls: a new thread computes, while the calling thread checks for signals and reports progress.
 //!
-//! Eigenvalues, compilation and a render of a fit cannot be interrupted, so a call does not wait for them. Ctrl-C ends the call at
-//! once. The computing thread ends at its next look at [`Wanted`], or when its work is done, and its result is dropped. It never
-//! holds the lock of the interpreter.
+//! Eigenvalues, compilation and a render of a fit cannot be interrupted, so Ctrl-C ends the call at once without
+//! waiting for them. The computing thread ends at its next check of [`Wanted`] or when its work is done, and its result
+//! is dropped. It never holds the interpreter lock.
 
 use pyo3::prelude::*;
 use std::sync::Arc;
@@ -10,14 +10,14 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::time::{Duration, Instant};
 
-/// Between two looks at signals.
+/// Interval between two checks for signals.
 const OFTEN: Duration = Duration::from_millis(20);
 /// Time that an interrupted call leaves its work to finish or remove a file.
 const GRACE: Duration = Duration::from_millis(60);
-/// Stack of a computing thread, as large as a main thread has \[bytes\].
+/// Stack of a computing thread, as large as for a main thread \[bytes\].
 const STACK: usize = 8 << 20;
 
-/// State that a call shares with its computing thread: progress, and a request to stop.
+/// State shared between a call and its computing thread: progress, and a request to stop.
 #[derive(Default)]
 pub struct Wanted {
     dropped: AtomicBool,
@@ -26,21 +26,21 @@ pub struct Wanted {
 }
 
 impl Wanted {
-    /// Reports progress; false if the work should stop.
+    /// Reports progress; returns false if the work should stop.
     pub fn goes_on(&self, done: u64, of: u64) -> bool {
         self.of.store(of, Relaxed);
         self.done.store(done, Relaxed);
         self.still()
     }
 
-    /// False if the work should stop.
+    /// Returns false if the work should stop.
     pub fn still(&self) -> bool {
         !self.dropped.load(Relaxed)
     }
 }
 
-/// Runs `work` on a new thread. A signal or an exception of `progress(done, of)` ends the call early with an error, `ended` with
-/// `None`.
+/// Runs `work` on a new thread. A signal or an exception of `progress(done, of)` ends the call early with an error,
+/// `ended` ends it with `None`.
 pub fn unless<R: Send + 'static>(
     py: Python,
     progress: Option<Py<PyAny>>,
@@ -88,7 +88,7 @@ pub fn apart<R: Send + 'static>(
     found.ok_or_else(|| crate::error::failure(py, ca_lab::Failure::Stopped))
 }
 
-/// Waits until `done`, for a limited time. A signal ends the wait with an error.
+/// Waits until `done`, up to `limit`. A signal ends the wait with an error.
 pub fn until(py: Python, limit: Duration, done: impl Fn() -> bool) -> PyResult<bool> {
     let begun = Instant::now();
     while !done() {
@@ -101,20 +101,19 @@ pub fn until(py: Python, limit: Duration, done: impl Fn() -> bool) -> PyResult<b
     Ok(true)
 }
 
-/// Looks at signals now and then, for work that is done by the thread that called.
+/// Checks for signals from time to time, for work on the calling thread.
 pub struct Look {
     last: Instant,
-    /// what a signal raised
+    /// Error raised by a signal.
     pub error: Option<PyErr>,
 }
 
 impl Look {
-    /// From now on.
     pub fn new() -> Look {
         Look { last: Instant::now(), error: None }
     }
 
-    /// False where a signal ends the work.
+    /// Returns false if a signal ends the work.
     pub fn goes_on(&mut self) -> bool {
         if self.error.is_none() && self.last.elapsed() >= OFTEN {
             self.last = Instant::now();

@@ -1,7 +1,7 @@
-//! The package as Python sees it: its tests, its documents, its types.
+//! Tests the package from Python: its tests, doctests and types.
 //!
-//! Decides for one test here that runs those in `python/`, in an environment of its own: what this crate does is only
-//! seen from there, on a system like Unix. Where there is no Python, or no index of packages, it is skipped.
+//! One test runs everything in `python/` in a separate environment on Unix, because the crate is only usable from
+//! Python. It is skipped without Python or a package index.
 
 #![cfg(unix)]
 
@@ -19,7 +19,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().expect("the workspace")
 }
 
-/// The interpreter with all packages, if it can be had.
+/// The interpreter with all packages, if available.
 #[track_caller]
 fn python() -> Option<PathBuf> {
     let made =
@@ -31,7 +31,7 @@ fn python() -> Option<PathBuf> {
     Some(PathBuf::from(String::from_utf8(made.stdout).expect("a path in UTF-8").trim()))
 }
 
-/// The files of the package, and those of its folders.
+/// Copies the package with its folders.
 fn copy(from: &Path, to: &Path) {
     std::fs::create_dir(to).expect("a folder");
     for file in std::fs::read_dir(from).expect("a folder of the package").flatten() {
@@ -44,21 +44,20 @@ fn copy(from: &Path, to: &Path) {
     }
 }
 
-/// By its name `tests/run` tells it from all other tests.
+/// `tests/run` recognises it by its name.
 #[test]
 fn everything_in_python() {
     let Some(python) = python() else { return };
-    // these look for `CA_LONG` themselves
+    // these tests read `CA_LONG` themselves
     long_form("the notebook that trains, others a second time, most tasks of sweeps, most calls of a render");
     let exe = std::env::current_exe().expect("this test");
     let deps = exe.parent().expect("its folder");
-    // what cargo has built for this test
     let built = [deps.join("lib_core.so"), deps.join("../lib_core.so"), deps.join("lib_core.dylib")];
     let built = built.iter().find(|p| p.exists()).expect("the compiled half");
     let folder = tempfile::tempdir().expect("a folder");
     let package = folder.path().join("cordis_anima");
     copy(&root().join("crates/ca-py/python/cordis_anima"), &package);
-    // with what debuggers want it is large
+    // linked, because it is large with debug information
     std::os::unix::fs::symlink(built, package.join("_core.abi3.so")).expect("a link");
     let command = deps.join("../ca");
     assert!(command.exists(), "`cargo test --workspace` builds the command, which the package is compared with");

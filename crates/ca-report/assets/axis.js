@@ -1,7 +1,7 @@
-// An axis of a plot: places of values, ticks, and the text of numbers.
+// Axis of a plot: positions of values, ticks, and texts of numbers.
 "use strict";
 
-// as many digits as a number has, at most six
+// formats a number with up to six digits
 const plain = v => {
   if (v == null) return "–";
   const a = Math.abs(v);
@@ -15,19 +15,19 @@ const exponent = v => {
 };
 
 class Axis {
-  // about: label, unit, log and range, as the report writes them
+  // about: label, unit, log and range, from the report
   constructor(about) {
     this.about = about;
     this.log = about.log;
     this.name = about.label + (about.unit ? " [" + about.unit + "]" : "");
   }
 
-  // the values at both ends
+  // sets the values at both ends
   show(low, high) {
     [this.low, this.high] = [low, high];
   }
 
-  // the pixels at both ends; along an axis up they go down
+  // sets the pixels at both ends; on the vertical axis they decrease
   place(from, to) {
     [this.from, this.to] = [from, to];
   }
@@ -36,25 +36,25 @@ class Axis {
     return this.log ? Math.log10(v) : v;
   }
 
-  // the pixel of a value
+  // returns the pixel of a value
   at(v) {
     const low = this.#scaled(this.low), high = this.#scaled(this.high);
     return this.from + (this.#scaled(v) - low) / (high - low) * (this.to - this.from);
   }
 
-  // the value of a pixel
+  // returns the value of a pixel
   of(pixel) {
     const low = this.#scaled(this.low), high = this.#scaled(this.high);
     const v = low + (pixel - this.from) / (this.to - this.from) * (high - low);
     return this.log ? 10 ** v : v;
   }
 
-  // values and texts of the ticks, at most `most` of them where the axis is linear
+  // returns values and texts of the ticks, on a linear axis at most `most`
   ticks(most) {
     return this.log ? this.#decades() : this.#steps(Math.max(2, most));
   }
 
-  // 1, 2 and 5 of each decade over up to four decades, the decades alone over more
+  // 1, 2 and 5 of each decade for up to four decades, otherwise decades
   #decades() {
     const from = Math.floor(Math.log10(this.low)), to = Math.ceil(Math.log10(this.high)), ticks = [];
     const skip = Math.max(1, Math.ceil((to - from) / 8));
@@ -76,14 +76,14 @@ class Axis {
     return ticks.map(t => [t, text(t)]);
   }
 
-  // the whole range of the values along x
+  // returns the full range along x
   wholeAlong(first, last) {
     if (this.about.range) return this.about.range;
     if (first < last) return [first, last];
     return this.log ? [first / 2, first * 2] : [first - 0.5, first + 0.5];
   }
 
-  // the range for values up to `high`: with a margin, or whole decades
+  // returns the range for values from `low` to `high`: with a margin, or whole decades
   aroundUp(low, high) {
     if (this.about.range) return this.about.range;
     if (this.log) {

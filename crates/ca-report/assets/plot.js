@@ -1,9 +1,9 @@
-// A plot on a canvas: curves over one grid, a picture behind them, marks, and a legend with the values at the pointer.
-// A drag shows less of x, a double click all of it.
+// Plot on a canvas: curves over one grid, a picture behind them, marks, and a legend with the values at the pointer. A
+// drag zooms along x, a double click shows all.
 "use strict";
 
 class Plot {
-  // `x` and each of `columns`: numbers, null where there is none; `image` stands behind the curves
+  // `x` and each of `columns` are numbers, null for a gap; `image` is behind the curves
   constructor(place, about, x, columns, image) {
     Object.assign(this, { place, about, grid: x, columns, image, events: new EventTarget() });
     this.x = new Axis(about.x);
@@ -83,7 +83,7 @@ class Plot {
     this.over.addEventListener("dblclick", () => send("zoom", null));
   }
 
-  // the value of x at a pixel of `over`, and back
+  // converts a pixel of `over` to a value of x, and back
   valueAt(pixel) {
     return this.x.of(this.x.from + pixel);
   }
@@ -101,7 +101,7 @@ class Plot {
     this.draw();
   }
 
-  // the values at a place of x in the legend, none where it is null
+  // shows the values at x in the legend, none for null
   point(value) {
     const i = value == null ? null : this.#nearest(value);
     const inside = i != null && this.grid[i] >= this.x.low && this.grid[i] <= this.x.high;
@@ -110,7 +110,7 @@ class Plot {
     this.entries.forEach((e, n) => e.value.textContent = inside ? plain(n ? this.columns[n - 1][i] : this.grid[i]) : "–");
   }
 
-  // the first place of the grid that is not below a value
+  // returns the index of the first grid point at or above a value
   #from(value) {
     let low = 0, high = this.grid.length;
     while (low < high) {
@@ -130,7 +130,7 @@ class Plot {
   draw() {
     const ratio = devicePixelRatio || 1, c = this.canvas.getContext("2d"), width = this.place.clientWidth;
     const height = this.image ? 300 : 240;
-    // one point beyond each edge, so that lines go on to it
+    // one point beyond each edge, so that lines reach it
     this.first = Math.max(0, this.#from(this.x.low) - 1);
     this.end = Math.min(this.grid.length, this.#from(this.x.high) + 2);
     this.width = width;
@@ -231,7 +231,7 @@ class Plot {
     for (let i = this.first; i < this.end; i++) if (y[i] != null) visit(this.x.at(this.grid[i]), this.y.at(y[i]));
   }
 
-  // of all points in a column of pixels: the first, the least, the greatest and the last
+  // draws the first, smallest, largest and last of all points in a column of pixels
   #line(c, y, spanGaps) {
     let column = null, pen = false;
     const flush = () => {
@@ -276,7 +276,7 @@ class Plot {
     });
   }
 
-  // words that would cover others are left out; a zoom shows them
+  // a text that would cover another is left out until a zoom separates them
   #marks(c, [left, top, width, height]) {
     const taken = [];
     c.font = "11px system-ui, sans-serif";

@@ -1,5 +1,5 @@
-// Draws the plots of the page from its data, in step with the players. Attributes of the root element count what went
-// wrong, for tests: data-errors and data-violations; data-ready has the number of plots drawn.
+// Draws the plots of the page from its data, synchronised with the players. For tests, attributes of the root element
+// count errors (data-errors, data-violations), and data-ready has the number of plots drawn.
 "use strict";
 (() => {
   const root = document.documentElement.dataset;
@@ -10,7 +10,7 @@
 
   const data = JSON.parse(document.getElementById("data").textContent);
 
-  // 32-bit floats, least byte first
+  // decodes 32-bit little-endian floats
   const unpack = text => {
     const bytes = Uint8Array.from(atob(text), c => c.charCodeAt(0)), view = new DataView(bytes.buffer);
     return Array.from({ length: bytes.length / 4 }, (_, i) => view.getFloat32(4 * i, true));
@@ -27,7 +27,7 @@
     return new Plot(place, about, x, columns, image);
   };
 
-  // plots over time share the place of the pointer and what is shown of x; a click in one goes to that time in the sound
+  // plots over time share pointer and range of x; a click in one moves the sound to that time
   const join = plots => {
     const overTime = plots.filter(p => p.about.x.unit === "s" && !p.x.log);
     for (const p of plots) {

@@ -1,15 +1,14 @@
-//! Curves of any length in bounded memory: the least and the greatest of each stretch of time.
+//! Curves of any length in bounded memory, as minimum and maximum of each interval.
 //!
-//! Decides to keep both extremes of a stretch, in the order in which they came, rather than every n-th value: a peak of
-//! one sample is on the page however long the sound. How long it will be need not be known: where the columns are full,
-//! neighbours are joined and each is twice as wide.
+//! Both extremes of an interval are stored in the order of their time, not every n-th value, so a peak of one sample
+//! stays visible in any length. The length need not be known: full columns are joined in pairs of twice the width.
 
 use crate::plot::Grid;
 
-/// Columns at the end: this many, up to twice as many.
+/// Smallest number of columns of a long curve; the largest is twice that.
 const COLUMNS: usize = 512;
 
-/// The least and the greatest of a column, each with the number of its frame. Without any value, both are NaN.
+/// Minimum and maximum of a column, each with the number of its frame; NaN without values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Extremes {
     least: (f64, u64),
@@ -35,20 +34,20 @@ impl Extremes {
 pub struct Envelope {
     rate: f64,
     curves: usize,
-    /// frames of a column
+    /// Frames of a column.
     width: u64,
     frames: u64,
-    /// (columns × curves)
+    /// Extremes (columns × curves).
     columns: Vec<Extremes>,
 }
 
 impl Envelope {
-    /// `curves` curves of `rate` \[Hz\] frames a second from time 0.
+    /// Returns an empty envelope of `curves` curves with `rate` frames a second \[Hz\], from time 0.
     pub fn new(rate: f64, curves: usize) -> Envelope {
         Envelope { rate, curves, width: 1, frames: 0, columns: Vec::new() }
     }
 
-    /// One more frame, a value of each curve. What is not finite is a gap.
+    /// Appends a frame, one value for each curve. Non-finite values are gaps.
     pub fn push(&mut self, frame: &[f64]) {
         if self.frames.is_multiple_of(self.width) {
             if self.columns.len() == 2 * COLUMNS * self.curves {
@@ -66,7 +65,7 @@ impl Envelope {
         self.frames += 1;
     }
 
-    /// Frames so far.
+    /// Returns the number of frames so far.
     pub fn frames(&self) -> u64 {
         self.frames
     }
@@ -84,8 +83,7 @@ impl Envelope {
         self.width *= 2;
     }
 
-    /// Where the points of the curves stand in time \[s\]: one for each frame while there are few, else two for each
-    /// column.
+    /// Returns the times of the points \[s\]: one for each frame of a short curve, two for each column of a long one.
     pub fn grid(&self) -> Grid {
         let columns = self.columns.len() / self.curves.max(1);
         if self.width == 1 {
@@ -95,7 +93,7 @@ impl Envelope {
         Grid::Even { start: 0.5 * step, step, n: 2 * columns }
     }
 
-    /// The points of one curve.
+    /// Returns the points of one curve.
     pub fn curve(&self, k: usize) -> Vec<f64> {
         let columns = self.columns.iter().skip(k).step_by(self.curves.max(1));
         if self.width == 1 {
@@ -110,7 +108,7 @@ impl Envelope {
 mod tests {
     use super::*;
 
-    /// Every peak survives, at its time, whatever the length.
+    /// Every peak stays at its time, for any length.
     #[test]
     fn a_peak_of_one_frame_stays() {
         for frames in [1_u64, 2, 700, 1023, 1024, 1025, 5000, 1_000_003] {
@@ -127,7 +125,7 @@ mod tests {
                 assert!(shown == 1 || at == frames - 1, "twice only where it is alone in its column");
                 let (there, here) = (at as f64 / 1000.0, start + i as f64 * step);
                 assert!((here - there).abs() <= 2.0 * step, "{frames}: {there} s is shown at {here} s");
-                // what falls is shown falling, from the first value to the last
+                // a falling curve falls, from the first value to the last
                 assert!(ramp.windows(2).all(|w| w[0] >= w[1]));
                 assert_eq!((ramp[0], ramp[n - 1]), (0.0, -((frames - 1) as f64)));
             }

@@ -1,9 +1,8 @@
-//! One page of HTML about a sound and the model that made it, whole in one file.
+//! Writes one HTML page about a sound and the model that made it, in a single file.
 //!
-//! Decides that this crate takes plain data and gives a text: it knows neither files nor scenes, so that the command and
-//! Python tell the same of different things. The page needs no network: scripts, styles, pictures and sound are
-//! in it, and a policy in its head forbids the rest. Words, tables, pictures and sound are there without
-//! scripts; the scripts in `assets/` draw the plots.
+//! The crate turns plain data into a text. It uses neither files nor scenes, so the command and Python make the same
+//! reports. The page works without a network: scripts, styles, pictures and sound are in it, and a policy in its head
+//! forbids anything else. Texts, tables, pictures and sound need no scripts; the scripts in `assets/` draw the plots.
 //!
 //! ```
 //! use ca_report::{Axis, Block, Curve, Grid, Plot, Report, Section, Sound};

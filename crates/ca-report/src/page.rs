@@ -1,8 +1,7 @@
-//! The page itself: head, contents, sections, and the data of the plots.
+//! Writes the page: head, contents, sections, and the data of the plots.
 //!
-//! Decides that no text of a model can become markup: maud escapes what it is given, and in the data, which stands in a
-//! script element, every `<` is written as a JSON escape, so that no word in it ends the element. What is not escaped is
-//! the style and the scripts of this crate.
+//! Text of a model cannot become markup. `maud` escapes it, and the data in the script element have every `<` as a JSON
+//! escape, so that no text ends the element. Only the style and the scripts of this crate are not escaped.
 
 use crate::plot::Plot;
 use crate::report::{Block, Picture, Report, Section, Table, Weight};
@@ -13,10 +12,10 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde_json::{Value as Json, json};
 
 const STYLE: &str = include_str!("../assets/report.css");
-/// In the order in which they need each other.
+/// Scripts in the order of their dependencies.
 const SCRIPTS: [&str; 3] =
     [include_str!("../assets/axis.js"), include_str!("../assets/plot.js"), include_str!("../assets/report.js")];
-/// Nothing from anywhere but this file.
+/// Policy that forbids loading anything outside this file.
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; \
                       media-src data:; base-uri 'none'; form-action 'none'";
 
@@ -24,7 +23,7 @@ fn data_uri(media: &str, bytes: &[u8]) -> String {
     format!("data:{media};base64,{}", STANDARD.encode(bytes))
 }
 
-/// Four digits of a number.
+/// Formats a number with four digits.
 fn digits(v: f64) -> String {
     if v == 0.0 {
         return "0".into();
@@ -33,7 +32,7 @@ fn digits(v: f64) -> String {
     if (0..=6).contains(&places) { format!("{v:.*}", places as usize) } else { format!("{v:.3e}") }
 }
 
-/// A text in which what stands in backquotes is a name.
+/// Formats a text with names in backquotes.
 fn words(text: &str) -> Markup {
     if text.matches('`').count() % 2 == 1 {
         return html! { (text) };
@@ -46,13 +45,12 @@ fn words(text: &str) -> Markup {
 }
 
 impl Report {
-    /// The page.
+    /// Returns the page.
     pub fn html(&self) -> String {
         page(self)
     }
 }
 
-/// The page. Plots are numbered as they come.
 fn page(report: &Report) -> String {
     let mut plots: Vec<Json> = Vec::new();
     let sections: Vec<Markup> = report.sections.iter().enumerate().map(|(i, s)| section(i, s, &mut plots)).collect();
@@ -107,7 +105,7 @@ fn page(report: &Report) -> String {
     whole.into_string()
 }
 
-/// The moving instrument, in step with the first player.
+/// Writes the moving instrument, synchronised with the first player.
 fn film_box(picture: &Picture) -> Markup {
     html! {
         figure id="film" {
@@ -201,7 +199,7 @@ fn figure(plot: &Plot, plots: &mut Vec<Json>) -> Markup {
     }
 }
 
-/// Whether the numbers of a column stand to the right: most of its cells begin like one.
+/// Returns true for a column of numbers: most of its cells begin like one.
 fn is_number(table: &Table, column: usize) -> bool {
     let begins = |c: &String| c.starts_with(|c: char| c.is_ascii_digit() || "+-∞".contains(c));
     let numbers = table.rows.iter().filter(|r| r.get(column).is_some_and(begins)).count();
@@ -232,7 +230,7 @@ mod tests {
     use super::*;
     use crate::plot::{Axis, Curve, Grid, Mark};
 
-    /// Words that end an element, an attribute or a text, wherever a model can put words.
+    /// Texts that end an element, an attribute or a text, at every place where a model can put text.
     #[test]
     fn no_text_becomes_markup() {
         const EVIL: &str = "</script><script>alert(1)</script>\"'><img src=x onerror=alert(1)>&amp;<!--]]>";
@@ -264,7 +262,7 @@ mod tests {
         // title, h1, subtitle, contents, note, h2, text, player, caption, aria-label, label and unit of an axis,
         // curve, table twice, source twice
         assert_eq!(page.matches(shown).count(), 17);
-        // the data says what it was given
+        // the data contain the text unchanged
         let (_, data) = page.split_once("id=\"data\">").unwrap();
         let data: Json = serde_json::from_str(data.split_once("</script>").unwrap().0).unwrap();
         let p = &data["plots"][0];
@@ -273,7 +271,7 @@ mod tests {
         }
     }
 
-    /// The weight of a page without sound and plots: its style and scripts.
+    /// Size of a page without sound and plots, which is its style and scripts.
     #[test]
     fn an_empty_page_is_light_and_asks_for_nothing() {
         let page = Report::new("t", "s").html();

@@ -1,10 +1,10 @@
-//! The strongest partial of a sound, and how a level falls.
+//! Strongest partial of a sound, and decay of a level.
 
 use crate::{LOWEST, Sound, Spectrum};
 
-/// Powers of the bins of a column.
+/// Returns the powers of the bins of a column, or `None` for an empty one.
 pub fn spectrum(column: &[f64], rate: f64) -> Option<Spectrum> {
-    // as a sound it would be cut off at full scale
+    // `Sound` would clip it at full scale
     let top = column.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let mut sound = Sound::new(rate, &["probe".into()]);
     for v in column {
@@ -15,8 +15,8 @@ pub fn spectrum(column: &[f64], rate: f64) -> Option<Spectrum> {
     Some(found)
 }
 
-/// Frequency of the strongest partial \[Hz\], by a parabola through the levels about the strongest bin that stands above
-/// its neighbours: what rises towards an end of the range is none.
+/// Returns the frequency of the strongest partial \[Hz\], by a parabola through the levels around its bin. The bin
+/// stands above both neighbours, which excludes a rise towards an end of the range.
 pub fn partial(s: &Spectrum) -> Option<f64> {
     let p = s.power.first()?;
     let lowest = (LOWEST / s.step).ceil().max(1.0) as usize;
@@ -25,15 +25,15 @@ pub fn partial(s: &Spectrum) -> Option<f64> {
     Some(apex(p, at) * s.step)
 }
 
-/// The bin of a peak, by a parabola through the levels of `at`, which has a bin on either side, and of its neighbours.
+/// Returns a peak position in bins, by a parabola through the levels of `at` and both neighbours, which must exist.
 pub fn apex(powers: &[f64], at: usize) -> f64 {
     let [l, m, r] = [at - 1, at, at + 1].map(|i| libm::log(powers[i].max(f64::MIN_POSITIVE)));
     let bend = l - 2.0 * m + r;
     at as f64 + if bend < 0.0 { 0.5 * (l - r) / bend } else { 0.0 }
 }
 
-/// The slope of the line through levels \[dB\] from the loudest on, as long as they are less than `depth` below it, per level; and
-/// through how many of them it goes. `None` without two.
+/// Fits a line to levels \[dB\] from the loudest on, while they are less than `depth` below it. Returns its slope per
+/// level and the number of levels, or `None` for fewer than two.
 pub fn fall(levels: &[f64], depth: f64) -> Option<(f64, usize)> {
     let (loudest, top) = levels.iter().copied().enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
     let tail = levels[loudest..].iter().take_while(|l| **l > top - depth);

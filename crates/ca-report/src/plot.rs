@@ -1,96 +1,95 @@
-//! Plots as data: axes with units, curves over one grid, marks, an image behind them.
+//! Plots as data: axes with units, curves over one grid, marks, and an image behind them.
 //!
-//! Decides that all curves of a plot share their grid, as the library that draws them wants it, and that numbers travel
-//! as 32-bit floats: seven digits, which is more than a screen shows, in a third of the room of text. What is not finite
-//! is a gap. Axes that are not logarithmic get the prefix of the metric system that keeps their numbers readable.
+//! All curves of a plot share a grid, as the drawing script requires. Numbers are 32-bit floats: their seven digits
+//! exceed the resolution of a screen, at a third of the size of text. Non-finite values are gaps. Linear axes get the
+//! metric prefix that makes their numbers readable.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value as Json, json};
 
-/// Where the points of all curves stand along x.
+/// Points of all curves along x.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Grid {
-    /// at equal distances
+    /// Evenly spaced points.
     Even {
-        /// the first
+        /// First point.
         start: f64,
-        /// from one to the next
+        /// Distance of points.
         step: f64,
-        /// how many
+        /// Number of points.
         n: usize,
     },
-    /// each where it says, rising
+    /// Any points, ascending.
     Points(Vec<f64>),
 }
 
-/// An axis.
+/// Axis of a plot.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Axis {
-    /// what is shown
+    /// Quantity.
     pub label: String,
-    /// its unit; empty for a number
+    /// Unit; empty for a pure number.
     pub unit: String,
-    /// equal distances are equal ratios; what is not above 0 is not shown
+    /// True for a logarithmic axis; values not above 0 are hidden.
     pub log: bool,
-    /// what is shown at first, where it is not what there is
+    /// Initial range; `None` shows all values.
     pub range: Option<[f64; 2]>,
 }
 
 impl Axis {
-    /// An axis of equal distances.
+    /// Returns a linear axis.
     pub fn linear(label: &str, unit: &str) -> Axis {
         Axis { label: label.into(), unit: unit.into(), ..Axis::default() }
     }
 
-    /// An axis of equal ratios.
+    /// Returns a logarithmic axis.
     pub fn log(label: &str, unit: &str) -> Axis {
         Axis { log: true, ..Axis::linear(label, unit) }
     }
 
-    /// Shows this range at first.
+    /// Sets the initial range.
     #[must_use]
     pub fn over(self, from: f64, to: f64) -> Axis {
         Axis { range: Some([from, to]), ..self }
     }
 
-    /// The sound's and everybody's: seconds.
+    /// Returns the axis of time \[s\].
     pub fn time() -> Axis {
         Axis::linear("time", "s")
     }
 }
 
-/// How a curve is drawn.
+/// Style of a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Look {
-    /// from point to point
+    /// Line between points.
     Line,
-    /// each point by itself
+    /// Separate points.
     Points,
-    /// each point by itself, and a line through them
+    /// Points and a line through them.
     Both,
-    /// a column up to each point
+    /// Bar up to each point.
     Bars,
 }
 
-/// A curve.
+/// Curve of a plot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// its name
+    /// Its name.
     pub name: String,
-    /// a value for each point of the grid
+    /// One value for each point of the grid.
     pub y: Vec<f64>,
-    /// how it is drawn
+    /// Its style.
     pub look: Look,
 }
 
 impl Curve {
-    /// A line.
+    /// Returns a curve drawn as a line.
     pub fn line(name: &str, y: Vec<f64>) -> Curve {
         Curve { name: name.into(), y, look: Look::Line }
     }
 
-    /// Least, greatest and last value that there is.
     fn extent(&self) -> Option<[f64; 3]> {
         let some = || self.y.iter().copied().filter(|v| v.is_finite());
         let last = some().next_back()?;
@@ -98,69 +97,68 @@ impl Curve {
     }
 }
 
-/// A word beside a place.
+/// Text at a place of a plot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// where along x
+    /// Place along x.
     pub x: f64,
-    /// beside a point at this height; along the whole height where `None`
+    /// Height of the point beside it; `None` for the whole height.
     pub y: Option<f64>,
-    /// the word
+    /// The text.
     pub text: String,
 }
 
-/// A picture behind the curves, as large as the ranges of the axes.
+/// Picture behind the curves, which fills the ranges of the axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
-    /// a PNG
+    /// PNG file.
     pub png: Vec<u8>,
-    /// what its colours mean: words for the first and the last, and the colours between as `#rrggbb`
+    /// Colour scale: texts for its ends, and its colours as `#rrggbb`.
     pub key: (String, String, Vec<String>),
 }
 
-/// A plot.
+/// Plot with its title.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plot {
-    /// what it shows
+    /// Title.
     pub title: String,
-    /// along
+    /// Horizontal axis.
     pub x: Axis,
-    /// up
+    /// Vertical axis.
     pub y: Axis,
-    /// where the points stand
+    /// Points along x.
     pub grid: Grid,
-    /// the curves
+    /// Curves.
     pub curves: Vec<Curve>,
-    /// words
+    /// Texts.
     pub marks: Vec<Mark>,
-    /// behind them
+    /// Picture behind the curves.
     pub image: Option<Image>,
 }
 
-/// A point with a name, for [`Plot::scatter`].
+/// Named point for [`Plot::scatter`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
-    /// its name
+    /// Its name.
     pub name: String,
-    /// along
+    /// Horizontal value.
     pub x: f64,
-    /// up
+    /// Vertical value.
     pub y: f64,
-    /// one of those to look at, joined by a line
+    /// True for a point of the front, which is joined by a line.
     pub front: bool,
 }
 
-/// What a curve is called, and its least, greatest and last value, if it has any.
 type Extent = (String, Option<[f64; 3]>);
 
-/// Prefixes of the metric system: factor and letter.
+/// Metric prefixes: factor and letter.
 const PREFIXES: [(f64, &str); 9] =
     [(1e-15, "f"), (1e-12, "p"), (1e-9, "n"), (1e-6, "µ"), (1e-3, "m"), (1.0, ""), (1e3, "k"), (1e6, "M"), (1e9, "G")];
 
-/// Units that take them; seconds and decibels stay as they are.
+/// Units that take a prefix; seconds and decibels do not.
 const METRIC: [&str; 5] = ["m", "N", "J", "W", "Hz"];
 
-/// The prefix for an axis of `unit` with values up to `most`.
+/// Returns the prefix for an axis of `unit` with values up to `most`.
 fn prefix(unit: &str, most: f64) -> (f64, &'static str) {
     let fits = PREFIXES.iter().rev().find(|p| most >= p.0);
     match fits {
@@ -169,23 +167,23 @@ fn prefix(unit: &str, most: f64) -> (f64, &'static str) {
     }
 }
 
-/// Numbers as the script reads them: 32-bit floats, least byte first.
+/// Encodes numbers as the script reads them: 32-bit floats, little-endian.
 fn packed(values: impl Iterator<Item = f64>) -> String {
     STANDARD.encode(values.flat_map(|v| (v as f32).to_le_bytes()).collect::<Vec<u8>>())
 }
 
 impl Plot {
-    /// A plot of curves over time \[s\].
+    /// Returns a plot of curves over time \[s\].
     pub fn over_time(title: &str, y: Axis, grid: Grid, curves: Vec<Curve>) -> Plot {
         Plot { title: title.into(), x: Axis::time(), y, grid, curves, marks: Vec::new(), image: None }
     }
 
-    /// Points with names; those of the front are joined, and have a curve of their own.
+    /// Returns a plot of named points. Points of the front are a separate curve and joined by a line.
     pub fn scatter(title: &str, x: Axis, y: Axis, front: &str, others: &str, points: &[Point]) -> Plot {
         let mut points: Vec<&Point> = points.iter().filter(|p| p.x.is_finite() && p.y.is_finite()).collect();
         points.sort_by(|a, b| a.x.total_cmp(&b.x));
         let x = match (points.first(), points.last()) {
-            // room for points and words at the edges
+            // margin for points and texts at the edges
             (Some(a), Some(b)) if x.log && x.range.is_none() && a.x > 0.0 => {
                 let room = (b.x / a.x).powf(0.04).max(1.05);
                 x.over(a.x / room, b.x * room)
@@ -207,26 +205,25 @@ impl Plot {
         }
     }
 
-    /// Whether there is anything to draw.
+    /// Returns true if there is nothing to draw.
     pub(crate) fn is_empty(&self) -> bool {
         self.image.is_none() && self.curves.iter().all(|c| c.extent().is_none())
     }
 
-    /// Factor and unit of the axis up.
     fn scale(&self) -> (f64, String) {
         let most = self.curves.iter().filter_map(Curve::extent).map(|e| e[1].max(-e[0])).fold(0.0, f64::max);
         let (factor, letter) = if self.y.log { (1.0, "") } else { prefix(&self.y.unit, most) };
         (factor, format!("{letter}{}", self.y.unit))
     }
 
-    /// For those who cannot see it: each curve with its least, greatest and last value, in the unit that is shown.
+    /// Returns minimum, maximum and last value of each curve in the displayed unit, as text beside the plot.
     pub(crate) fn ranges(&self) -> (String, Vec<Extent>) {
         let (factor, unit) = self.scale();
         let row = |c: &Curve| (c.name.clone(), c.extent().map(|e| e.map(|v| v / factor)));
         (unit, self.curves.iter().map(row).collect())
     }
 
-    /// What the script draws.
+    /// Returns the data for the script.
     pub(crate) fn json(&self, id: &str) -> Json {
         let (factor, unit) = self.scale();
         let axis = |a: &Axis, unit: &str, factor: f64| json!({"label": a.label, "unit": unit, "log": a.log, "range": a.range.map(|r| r.map(|v| v / factor))});

@@ -1,102 +1,101 @@
-//! A report: what is on a page, as plain data, before it is a text.
+//! Content of a page as plain data.
 //!
-//! Decides that a report is put together from sections and blocks by whoever knows what it is about, and that
-//! what they look like is decided in [`crate::page`] alone.
+//! Callers build a report from sections and blocks; [`crate::page`] alone decides how these look.
 
 use crate::plot::Plot;
 use crate::sound::Sound;
 
-/// How much a note matters.
+/// Importance of a note.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Weight {
-    /// good to know
+    /// Useful to know.
     Note,
-    /// something is not as meant
+    /// Result that differs from the intention.
     Warning,
 }
 
-/// A table; cells that are numbers stand to the right.
+/// Table; columns of numbers are aligned to the right.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
-    /// names of the columns; none for a table of names and values
+    /// Names of the columns; empty for a table of names and values.
     pub head: Vec<String>,
-    /// cells, as many as there are columns
+    /// Cells, one for each column.
     pub rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    /// Names and values.
+    /// Returns a table of names and values.
     pub fn pairs(rows: impl IntoIterator<Item = (&'static str, String)>) -> Table {
         Table { head: Vec::new(), rows: rows.into_iter().map(|(name, value)| vec![name.into(), value]).collect() }
     }
 
-    /// A table with names of columns.
+    /// Returns a table with names of columns.
     pub fn new(head: &[&str], rows: Vec<Vec<String>>) -> Table {
         Table { head: head.iter().map(|h| (*h).to_owned()).collect(), rows }
     }
 }
 
-/// A piece of a section.
+/// Piece of a section.
 #[derive(Clone, Debug)]
 pub enum Block {
-    /// a paragraph; names stand in backquotes, as in all texts but titles and sources
+    /// Paragraph; names stand in backquotes, as in all texts except titles and sources.
     Text(String),
-    /// players
+    /// Players of a sound.
     Sound(Sound),
-    /// a plot
+    /// Plot.
     Plot(Plot),
-    /// a table
+    /// Table.
     Table(Table),
-    /// text as it is, with a name
+    /// Verbatim text, with a name.
     Source(String, String),
 }
 
-/// The moving instrument at the top of a page: what a script of its own draws.
+/// Moving instrument at the top of a page, drawn by an additional script.
 #[derive(Clone, Debug)]
 pub struct Picture {
-    /// what the script is told of it, without its bytes
+    /// Data for the script, without the pictures.
     pub about: serde_json::Value,
-    /// the pictures, as the script reads them
+    /// Pictures, as the script reads them.
     pub bytes: Vec<u8>,
-    /// the script
+    /// The script.
     pub script: String,
-    /// what is not as it was, in words; or nothing
+    /// Description of what the film leaves out; may be empty.
     pub told: String,
 }
 
-/// A part of the page, in its table of contents.
+/// Section, which is listed in the contents.
 #[derive(Clone, Debug)]
 pub struct Section {
-    /// its title
+    /// Its title.
     pub title: String,
-    /// what is in it
+    /// Its blocks.
     pub blocks: Vec<Block>,
 }
 
 impl Section {
-    /// A section.
+    /// Returns a section.
     pub fn new(title: &str, blocks: Vec<Block>) -> Section {
         Section { title: title.into(), blocks }
     }
 }
 
-/// All that is on the page.
+/// All content of a page.
 #[derive(Clone, Debug)]
 pub struct Report {
-    /// what it is about
+    /// Subject.
     pub title: String,
-    /// one line below: of what, by whom
+    /// Line below the title: model and author.
     pub subtitle: String,
-    /// the moving instrument, where there is one
+    /// Moving instrument, if there is one.
     pub picture: Option<Picture>,
-    /// what a reader must know before all else
+    /// Notes at the top of the page.
     pub notes: Vec<(Weight, String)>,
-    /// the parts, in order
+    /// Sections in order.
     pub sections: Vec<Section>,
 }
 
 impl Report {
-    /// A page with nothing on it yet.
+    /// Returns an empty page.
     pub fn new(title: &str, subtitle: &str) -> Report {
         Report {
             title: title.into(),

@@ -1,43 +1,41 @@
-//! Sound as a page holds it: a player, a waveform, and what was too loud or not finite.
+//! Sound of a page: a player, a waveform, and counts of samples that were clipped or not finite.
 //!
-//! Decides on 16-bit WAV inside the page: every browser plays it, and half the size of floats is what a page can bear.
-//! Of a long sound the page holds the beginning ([`KEPT`]) and says so; waveform and counts are of all of it. With more
-//! than two channels each has a player of its own, since outputs of a model are no loudspeakers around a room.
-
+//! The page has 16-bit WAV: every browser plays it, and it is half as large as floats. A long sound is stored in part
+//! ([`KEPT`]) and the page says so; waveform and counts cover all of it. With more than two channels each has a
+//! separate player, since outputs of a model are not surround channels.
 use crate::envelope::Envelope;
 use crate::plot::{Axis, Curve, Plot};
 use std::io::Cursor;
 
-/// Samples of all channels that a page holds: 87 s of two channels at 48 kHz, 22 MB of page.
+/// Largest number of stored samples, over all channels: 87 s of two channels at 48 kHz, 22 MB of page.
 pub const KEPT: usize = 1 << 23;
-/// Channels that get a player, a curve of the spectrum and a curve of the waveform.
+/// Largest number of channels with a player, a spectrum and a waveform.
 pub const CHANNELS: usize = 8;
 
-/// A sound, taken as it goes.
+/// Sound that is filled step by step.
 #[derive(Clone, Debug)]
 pub struct Sound {
     rate: f64,
     names: Vec<String>,
-    /// frames that came
     frames: u64,
     peak: Vec<f64>,
     clipped: u64,
     broken: u64,
-    /// interleaved, within ±1
+    /// Stored samples, interleaved, within ±1.
     kept: Vec<f32>,
     waves: Envelope,
 }
 
 impl Sound {
-    /// Nothing yet, at `rate` \[Hz\], of channels with these names.
+    /// Returns an empty sound at `rate` \[Hz\] with the names of its channels.
     pub fn new(rate: f64, names: &[String]) -> Sound {
         let waves = Envelope::new(rate, names.len());
         let peak = vec![0.0; names.len()];
         Sound { rate, names: names.to_vec(), frames: 0, peak, clipped: 0, broken: 0, kept: Vec::new(), waves }
     }
 
-    /// Whole frames of interleaved samples, full scale ±1. What is beyond it is cut off, what is not finite becomes
-    /// silence, and both are counted.
+    /// Appends whole frames of interleaved samples with full scale ±1. Larger samples are clipped, non-finite samples
+    /// become silence, and both are counted.
     pub fn push(&mut self, frames: &[f64]) {
         let n = self.names.len();
         for frame in frames.chunks_exact(n.max(1)).filter(|f| f.len() == n) {
@@ -56,47 +54,47 @@ impl Sound {
         }
     }
 
-    /// \[Hz\]
+    /// Returns the sound rate \[Hz\].
     pub fn rate(&self) -> f64 {
         self.rate
     }
 
-    /// Names of the channels.
+    /// Returns the names of the channels.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// Length \[s\].
+    /// Returns the length \[s\].
     pub fn seconds(&self) -> f64 {
         self.frames as f64 / self.rate
     }
 
-    /// Length of what the page holds \[s\].
+    /// Returns the length that the page stores \[s\].
     pub fn held(&self) -> f64 {
         (self.kept.len() / self.names.len().max(1)) as f64 / self.rate
     }
 
-    /// Greatest |sample| of each channel before anything was cut off.
+    /// Returns the largest |sample| of each channel before clipping.
     pub fn peak(&self) -> &[f64] {
         &self.peak
     }
 
-    /// Samples cut off at ±1.
+    /// Returns the number of samples that were clipped at ±1.
     pub fn clipped(&self) -> u64 {
         self.clipped
     }
 
-    /// Samples that were not finite.
+    /// Returns the number of samples that were not finite.
     pub fn broken(&self) -> u64 {
         self.broken
     }
 
-    /// Samples of one channel that the page holds.
+    /// Returns the stored samples of one channel.
     pub(crate) fn channel(&self, k: usize) -> Vec<f64> {
         self.kept.iter().skip(k).step_by(self.names.len().max(1)).map(|x| f64::from(*x)).collect()
     }
 
-    /// What the players play: a name and a WAV file each.
+    /// Returns the players: a name and a WAV file each.
     pub(crate) fn players(&self) -> Vec<(String, Vec<u8>)> {
         let n = self.names.len();
         if self.kept.is_empty() {
@@ -127,7 +125,7 @@ impl Sound {
         file.into_inner()
     }
 
-    /// Sound pressure, so to speak, over time: full scale is ±1.
+    /// Returns the plot of the samples over time; full scale is ±1.
     pub fn waveform(&self) -> Plot {
         let curves = self.names.iter().enumerate().take(CHANNELS);
         let curves = curves.map(|(k, name)| Curve::line(name, self.waves.curve(k))).collect();

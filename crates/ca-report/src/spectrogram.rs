@@ -1,30 +1,28 @@
-//! How the spectrum of a sound changes, as a picture.
+//! Spectrogram of a sound, as a picture.
 //!
-//! Decides on a picture made here rather than numbers drawn by the page: it is a tenth of their size and there without a
-//! script. Pitch is heard in ratios, so rows are; between bins they are interpolated, where they hold several they show
-//! the loudest. Windows overlap at least by half however long the sound, so that no moment is left out; a column shows
-//! the loudest of its windows.
+//! The picture is made here: it has a tenth of the size of its numbers and is visible without a script. Rows are spaced
+//! by equal ratios, as pitch is heard; rows between bins are interpolated, rows of several bins show the loudest.
+//! Windows overlap at least by half, so no moment is left out; a column shows the loudest of its windows.
 
 use crate::plot::{Axis, Curve, Grid, Image, Look, Plot};
 use crate::sound::{CHANNELS, Sound};
 use crate::spectrum::{Hann, decibel};
 
-/// Length of a window \[s\], at most.
+/// Longest window \[s\].
 const WINDOW: f64 = 0.1;
-/// Most columns and all rows.
+/// Largest number of columns, and number of rows.
 const COLUMNS: usize = 640;
 const ROWS: usize = 220;
 /// Lowest row \[Hz\].
 const LOWEST: f64 = 40.0;
-/// From the loudest to what is black \[dB\].
+/// Range from the loudest level to black \[dB\].
 const DEPTH: f64 = 90.0;
-/// Steps of the colours: finer ones cost room and are not seen.
+/// Number of colour steps; finer steps are larger and not visible.
 const STEPS: usize = 60;
-/// From nothing to the loudest; brighter is louder for any eye and on paper.
+/// Colours from silence to the loudest level. Brightness increases, also for colour-blind readers and in print.
 const COLOURS: [[u8; 3]; 6] =
     [[8, 8, 20], [42, 22, 92], [122, 32, 110], [204, 62, 74], [246, 146, 52], [252, 246, 190]];
 
-/// A colour from the scale, 0 to 1.
 fn colour(share: f64) -> [u8; 3] {
     let at = share.clamp(0.0, 1.0) * (COLOURS.len() - 1) as f64;
     let i = (at as usize).min(COLOURS.len() - 2);
@@ -35,7 +33,7 @@ fn colour(share: f64) -> [u8; 3] {
     })
 }
 
-/// Power at the row from `low` to `high` \[bins\].
+/// Returns the power of the row from `low` to `high` \[bins\].
 fn row(power: &[f64], low: f64, high: f64) -> f64 {
     let last = power.len() - 1;
     let (first, end) = (low.ceil() as usize, (high.ceil() as usize).min(power.len()));
@@ -48,7 +46,7 @@ fn row(power: &[f64], low: f64, high: f64) -> f64 {
     power[i] + part * (power[(i + 1).min(last)] - power[i])
 }
 
-/// The spectrogram of what the page holds, the powers of all channels added; `None` of silence.
+/// Returns the spectrogram of the stored sound, with the powers of all channels added; `None` for silence.
 pub fn spectrogram(sound: &Sound) -> Option<Plot> {
     let channels: Vec<Vec<f64>> = (0..sound.names().len().min(CHANNELS)).map(|k| sound.channel(k)).collect();
     let n = channels.first().map_or(0, Vec::len);
@@ -60,7 +58,7 @@ pub fn spectrogram(sound: &Sound) -> Option<Plot> {
     let size = (longest + 1).next_power_of_two() / 2;
     let mut hann = Hann::new(size, size);
     let columns = COLUMNS.min(n.div_ceil(size / 16 + 1));
-    // windows of a column
+    // windows for each column
     let each = (2 * n).div_ceil(size * columns).max(1);
     let step = sound.rate() / size as f64;
     let edge = |r: usize| LOWEST * (highest / LOWEST).powf(r as f64 / ROWS as f64) / step;
@@ -74,7 +72,7 @@ pub fn spectrogram(sound: &Sound) -> Option<Plot> {
             hann.add(samples, start, &mut power);
         }
         for r in 0..ROWS {
-            // the highest row is on top
+            // the top row is the highest frequency
             let cell = &mut cells[(ROWS - 1 - r) * columns + i / each];
             *cell = cell.max(row(&power, edge(r), edge(r + 1)));
         }
@@ -102,7 +100,7 @@ pub fn spectrogram(sound: &Sound) -> Option<Plot> {
     })
 }
 
-/// A picture of `width` pixels a row, each a colour of a palette.
+/// Encodes a picture with rows of `width` pixels, as indices into a palette.
 fn png(width: usize, pixels: &[u8], palette: &[u8]) -> Option<Vec<u8>> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, width as u32, (pixels.len() / width) as u32);
@@ -120,7 +118,7 @@ fn png(width: usize, pixels: &[u8], palette: &[u8]) -> Option<Vec<u8>> {
 mod tests {
     use super::*;
 
-    /// Width and colours, as places in the palette.
+    /// Returns the width and the palette indices.
     fn pixels(plot: &Plot) -> (usize, Vec<u8>) {
         let mut decoder = png::Decoder::new(std::io::Cursor::new(&plot.image.as_ref().unwrap().png));
         decoder.set_transformations(png::Transformations::IDENTITY);
@@ -131,12 +129,12 @@ mod tests {
         (info.width as usize, all)
     }
 
-    /// The row of a frequency, from the top.
+    /// Returns the row of a frequency, from the top.
     fn row_of(f: f64) -> usize {
         ROWS - 1 - ((f / LOWEST).ln() / (24_000.0 / LOWEST).ln() * ROWS as f64) as usize
     }
 
-    /// One second at 300 Hz, one at 5 kHz, in one channel each: each half is brightest in its row.
+    /// One second at 300 Hz, then one at 5 kHz in the other channel: each half is brightest in its row.
     #[test]
     fn the_picture_shows_what_sounds_when() {
         let mut s = Sound::new(48_000.0, &["a".into(), "b".into()]);
@@ -151,12 +149,11 @@ mod tests {
             let bright = (0..ROWS).max_by_key(|r| indices[r * width + column]).unwrap();
             assert!(bright.abs_diff(row_of(f)) <= 1, "{f} Hz stands in row {bright}, not {}", row_of(f));
             assert!(usize::from(indices[bright * width + column]) >= STEPS - 1);
-            // far from it nothing
             assert_eq!(indices[row_of(1300.0) * width + column], 0);
         }
     }
 
-    /// A click of one sample is as bright as can be, wherever it is in half a minute.
+    /// A click of one sample is visible at any time within half a minute.
     #[test]
     fn no_moment_is_left_out() {
         let n = 30 * 48_000;

@@ -1,9 +1,9 @@
-//! The spectrum of a sound, in levels of sines.
+//! Spectrum of a sound, in levels of sines.
 //!
-//! Decides that a sine at full scale reads 0 dB wherever it lies: Hann windows, scaled by their sum, on transforms at
-//! least twice as long as the window, so that a sine between two bins reads at most 0.4 dB less. A sound longer than a
-//! window is cut into windows that overlap by half, whose powers are averaged. The page has room for so many columns of
-//! equal ratios; each shows the loudest bin in it, at the frequency of that bin.
+//! A sine at full scale reads 0 dB at any frequency. Hann windows are scaled by their sum and transforms are at least
+//! twice as long as the window, so a sine between two bins reads at most 0.4 dB less. A sound longer than a window is
+//! cut into windows that overlap by half, and their powers are averaged. The plot has columns of equal ratios; each
+//! shows its loudest bin, at the frequency of that bin.
 
 use crate::plot::{Axis, Curve, Grid, Mark, Plot};
 use crate::sound::{CHANNELS, Sound};
@@ -11,14 +11,13 @@ use realfft::RealFftPlanner;
 
 /// Longest window: bins 0.37 Hz apart at 48 kHz, before padding.
 const WINDOW: usize = 1 << 17;
-/// Most points of a curve.
 const COLUMNS: usize = 1500;
-/// From the lowest pitch that is heard up \[Hz\].
+/// Lowest frequency shown, about the lowest audible pitch \[Hz\].
 pub const LOWEST: f64 = 20.0;
-/// How far below the loudest is shown \[dB\].
+/// Range of levels below the loudest \[dB\].
 const DEPTH: f64 = 120.0;
 
-/// A Hann window and its transform.
+/// Hann window with its transform.
 pub struct Hann {
     window: Vec<f64>,
     size: usize,
@@ -28,28 +27,28 @@ pub struct Hann {
 }
 
 impl Hann {
-    /// Of `n` samples, on a transform of `size` samples, at least as many.
+    /// Makes a window of `n` samples for a transform of `size` samples, at least `n`.
     pub fn new(n: usize, size: usize) -> Hann {
         let turn = std::f64::consts::TAU / n.max(1) as f64;
-        // so scaled that a sine of amplitude A has a quarter of A² at its bin
+        // scaled so that a sine of amplitude A has a quarter of A² at its bin
         let window = (0..n).map(|i| (1.0 - libm::cos(turn * (i as f64 + 0.5))) / n as f64).collect();
         let fft = RealFftPlanner::new().plan_fft_forward(size);
         let (input, output) = (fft.make_input_vec(), fft.make_output_vec());
         Hann { window, size, fft, input, output }
     }
 
-    /// Samples of the window.
+    /// Returns the length of the window in samples.
     pub fn length(&self) -> usize {
         self.window.len()
     }
 
-    /// Samples of the transform.
+    /// Returns the length of the transform in samples.
     pub fn size(&self) -> usize {
         self.size
     }
 
-    /// Adds the power of each bin to `power`; a sine of amplitude A has A² at its bin. The window begins at `start`,
-    /// which may lie before the sound; what is missing is silence.
+    /// Adds the power of each bin to `power`; a sine of amplitude A has A² at its bin. The window begins at sample
+    /// `start`, which may be negative; samples outside the sound are 0.
     pub fn add(&mut self, sound: &[f64], start: isize, power: &mut [f64]) {
         let (missing, first) = (start.min(0).unsigned_abs(), start.max(0).unsigned_abs());
         let there = sound.get(first..).unwrap_or_default();
@@ -61,7 +60,7 @@ impl Hann {
         power.iter_mut().zip(&self.output).for_each(|(p, c)| *p += 4.0 * c.norm_sqr());
     }
 
-    /// The power of each bin of the window from sample `start` on, in place of what `power` held.
+    /// Sets `power` to the powers of the window that begins at sample `start`.
     pub fn powers(&mut self, sound: &[f64], start: usize, power: &mut Vec<f64>) {
         power.clear();
         power.resize(self.size / 2 + 1, 0.0);
@@ -69,22 +68,22 @@ impl Hann {
     }
 }
 
-/// Level of a power \[dB\]; −∞ for none.
+/// Returns the level of a power \[dB\], −∞ for 0.
 pub(crate) fn decibel(power: f64) -> f64 {
     10.0 * power.log10()
 }
 
-/// Levels of a sound.
+/// Spectrum of all channels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
-    /// between bins \[Hz\]
+    /// Distance of bins \[Hz\].
     pub step: f64,
-    /// power of each channel, bin by bin, from 0 Hz; a sine of amplitude A has A² at its bin
+    /// Power of each channel, bin by bin, from 0 Hz; a sine of amplitude A has A² at its bin.
     pub power: Vec<Vec<f64>>,
 }
 
 impl Spectrum {
-    /// Of what the page holds of a sound; `None` without any.
+    /// Computes the spectrum of the stored part of a sound; `None` for an empty sound.
     pub fn of(sound: &Sound) -> Option<Spectrum> {
         let channels: Vec<Vec<f64>> = (0..sound.names().len().min(CHANNELS)).map(|k| sound.channel(k)).collect();
         let n = channels.first().map_or(0, Vec::len);
@@ -107,7 +106,7 @@ impl Spectrum {
         Some(Spectrum { step: sound.rate() / size as f64, power: power.collect() })
     }
 
-    /// The plot, with marks at frequencies \[Hz\]; `None` of silence.
+    /// Returns the plot, with marks at frequencies \[Hz\]; `None` for silence.
     pub fn plot(&self, names: &[String], marks: Vec<Mark>) -> Option<Plot> {
         let top = self.power.iter().flatten().copied().fold(0.0, f64::max);
         let highest = self.step * self.power.first()?.len() as f64;
@@ -130,7 +129,7 @@ impl Spectrum {
             bin = end;
         }
         let top = decibel(top);
-        // what is far below is nothing but rounding
+        // levels far below the loudest are rounding
         y.iter_mut().flatten().for_each(|v| *v = v.max(top - DEPTH));
         Some(Plot {
             title: "Spectrum".into(),
@@ -156,7 +155,7 @@ mod tests {
         s
     }
 
-    /// Right bin and right level, for lengths of one window and of several, on bins and between them.
+    /// Bin and level are right for lengths of one window and of several, on bins and between them.
     #[test]
     fn a_sine_stands_where_it_is_and_reads_its_level() {
         for seconds in [0.1, 1.0, 2.7, 9.3] {
@@ -164,7 +163,7 @@ mod tests {
                 let s = Spectrum::of(&sine(seconds, f, level)).unwrap();
                 let bin = (0..s.power[0].len()).max_by(|a, b| s.power[0][*a].total_cmp(&s.power[0][*b])).unwrap();
                 let off = bin as f64 * s.step - f;
-                // the neighbour at negative frequency biases a low sine in a short window
+                // the image at negative frequency biases a low sine in a short window
                 let wide = if seconds * f < 20.0 { 2.0 } else { 0.51 };
                 assert!(off.abs() <= wide * s.step, "{f} Hz in {seconds} s stands {off} Hz away, bins {}", s.step);
                 let (is, want) = (decibel(s.power[0][bin]), 20.0 * level.log10());

@@ -1,4 +1,4 @@
-//! Answers to requests of `ca set`, `ca arm` and the like, which pages send too.
+//! Answers to requests from `ca set`, `ca arm` and similar commands, and from pages.
 
 use crate::host::Language;
 use crate::refused::Refused;
@@ -10,14 +10,14 @@ use ca_haptic::serve::Recorder;
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 
-/// Longest name that is searched \[bytes\].
+/// Longest name that is looked up \[bytes\].
 const LONGEST: usize = 300;
 
-/// Changes a number of the model that is not live, as by `--set`: its name and value.
+/// Changes a number of the model that is not live, as `--set` does: its name and value.
 pub type Change<'a> = &'a mut dyn FnMut(&str, &str) -> Result<(), Refused>;
 
-/// Answers a request; sets `leave` if it ends the program. With `change`, names that are not live parameters are numbers of the
-/// model, which is then compiled again.
+/// Answers a request; sets `leave` if it ends the program. With `change`, names that are not live parameters are
+/// numbers of the model, which is then recompiled.
 pub fn answer(
     recorder: &mut Recorder,
     language: &dyn Language,
@@ -87,7 +87,7 @@ pub fn answer(
     }
 }
 
-/// The value of a live parameter \[SI\].
+/// Returns the value of a live parameter \[SI\].
 ///
 /// # Errors
 /// If the parameter does not exist, or the text is not a quantity of its unit.
@@ -110,12 +110,12 @@ pub fn value(recorder: &Recorder, language: &dyn Language, name: &str, given: Gi
     }
 }
 
-/// A live parameter as JSON; a bound that is infinite is null.
+/// Describes a live parameter as JSON, with null for an infinite bound.
 fn param(p: &LiveParam) -> Value {
     json!({"name": p.name, "value": p.value, "min": p.min, "max": p.max, "unit": p.unit.symbol, "doc": p.doc})
 }
 
-/// The output of the sound, and the outputs to choose from.
+/// Lists the sound output and the outputs to choose from.
 fn outputs(recorder: &mut Recorder) -> Reply {
     let o = recorder.outputs();
     let choices: Vec<String> = o.choices.iter().map(|c| format!("`{c}`")).collect();

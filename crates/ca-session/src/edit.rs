@@ -1,34 +1,35 @@
-//! Edits of the model while it plays: a text that was saved, and numbers that were changed.
+//! Edits of the model while it plays: a saved text and changed numbers.
 //!
 //! The [`Maker`] compiles; this module decides what is compiled and when. A version with errors is reported and changes
-//! nothing. If several changes were refused together, each is tried alone, so that a wrong one does not take a good one along.
+//! nothing. If several changes are refused together, each is tried alone, so that a wrong one does not discard a right
+//! one.
 
 use crate::host::{Made, Maker, Making};
 use crate::refused::Refused;
 use ca_haptic::engine::Setup;
 use std::collections::VecDeque;
 
-/// Numbers that are changed at most, and the longest name or value \[bytes\].
+/// Largest number of changed numbers, and the longest name or value \[bytes\].
 const MOST: usize = 200;
 const LONGEST: usize = 300;
 
 /// Name and value of a number of the model.
 type Number = (String, String);
 
-/// The changes of the numbers, and the compilation under way.
+/// Changes of the numbers, and the present compilation.
 pub(crate) struct Edit {
     maker: Box<dyn Maker>,
-    /// numbers that were changed since the start, in order
+    /// Numbers changed since the start, in order.
     changes: Vec<Number>,
-    /// the changes that are being compiled
+    /// Changes in the present compilation.
     tried: Vec<Number>,
-    /// the changes of the last version that was good
+    /// Changes in the last valid version.
     good: Vec<Number>,
-    /// changes that were refused together, to be tried one by one
+    /// Changes that were refused together, to be tried one by one.
     singly: VecDeque<Number>,
-    /// something changed since the last compilation began
+    /// Something changed since the last compilation began.
     again: bool,
-    /// the next version begins as at load
+    /// The next version starts as at load.
     anew: bool,
 }
 
@@ -45,12 +46,12 @@ impl Edit {
         }
     }
 
-    /// Begins again as at load, with the numbers as they are.
+    /// Starts again as at load, with the present numbers.
     pub(crate) fn restart(&mut self) {
         (self.again, self.anew) = (true, true);
     }
 
-    /// Changes a number of the model, as by `--set`.
+    /// Changes a number of the model, as `--set` does.
     pub(crate) fn change(&mut self, name: &str, value: &str) -> Result<(), Refused> {
         if self.changes.len() >= MOST && !self.changes.iter().any(|c| c.0 == name) {
             return Err(format!("{MOST} numbers are changed already; write them into the file of the model").into());
@@ -63,8 +64,8 @@ impl Edit {
         Ok(())
     }
 
-    /// Takes a version that was compiled for devices of these setups, or the reason why there is none, and begins the next
-    /// compilation. To be called every few milliseconds.
+    /// Returns a version that was compiled for devices of these setups, or the reason for its failure, and begins the
+    /// next compilation. Call it every few milliseconds.
     pub(crate) fn turn(&mut self, setups: &[Setup]) -> Option<Result<Box<Made>, Refused>> {
         self.again |= self.maker.is_new();
         if let Some(why) = self.maker.gone() {
@@ -77,7 +78,7 @@ impl Edit {
         };
         match made {
             Some(Ok(_)) => self.good.clone_from(&self.tried),
-            // refused changes are dropped; those that came since are tried
+            // refused changes are dropped; later ones are tried
             Some(Err(_)) => {
                 let now = core::mem::replace(&mut self.changes, self.good.clone());
                 now.into_iter().filter(|c| !self.tried.contains(c)).for_each(|c| put(&mut self.changes, c));
@@ -103,7 +104,7 @@ impl Edit {
     }
 }
 
-/// Adds a change, in the place of an earlier one of the same number.
+/// Adds a change, replacing an earlier one of the same number.
 fn put(changes: &mut Vec<Number>, change: Number) {
     changes.retain(|c| c.0 != change.0);
     changes.push(change);

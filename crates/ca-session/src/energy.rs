@@ -1,22 +1,22 @@
-//! Energy of motion, as the page shows it.
+//! Kinetic energy for the page.
 //!
-//! It is computed from the pictures, since a scene has an energy ledger only on request. The sums go by the names that the
-//! author of the model wrote, such as a string or a hammer.
+//! The energy is computed from the pictures, since a scene has an energy ledger only on request. The sums are by the
+//! names that the author of the model wrote, such as a string or a hammer.
 
 use ca_core::{Location, Scene};
 
-/// Names at most; masses of further names count under the last.
+/// Largest number of names; masses of further names count under the last.
 const NAMES: usize = 6;
 
-/// The masses of a scene, summed by name.
+/// Masses of a scene, summed by name.
 pub(crate) struct KineticEnergy {
     names: Vec<String>,
-    /// places in the state, which sum, and ½ m/T² \[J/m²\] at load
+    /// Index in the state, index of the sum, and ½ m/T² \[J/m²\] at load.
     masses: Vec<(usize, usize, f64)>,
 }
 
 impl KineticEnergy {
-    /// All masses of a scene that can move.
+    /// Takes all masses of a scene that can move.
     pub(crate) fn new(scene: &Scene) -> KineticEnergy {
         let (mut names, mut masses): (Vec<String>, _) = (Vec::new(), Vec::new());
         let mut more = false;
@@ -24,7 +24,7 @@ impl KineticEnergy {
             let Some(symbol) = scene.symbols.get(k) else { continue };
             let Location::Mat(at) = symbol.location else { continue };
             let places = at as usize..at as usize + if symbol.axes > 1 { 3 } else { 1 };
-            // C = T²/m; 0 of what no force moves
+            // C = T²/m; 0 for a MAT that no force moves
             let of = |p: usize| scene.initial.coef.get(2 * scene.counts.n_mat + p).filter(|c| **c > 0.0);
             let moves: Vec<(usize, f64)> = places.filter_map(|p| Some((p, 0.5 / *of(p)?))).collect();
             if moves.is_empty() {
@@ -48,12 +48,11 @@ impl KineticEnergy {
         KineticEnergy { names, masses }
     }
 
-    /// The name of each sum.
     pub(crate) fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// The energy of each sum \[J\]; `d` has the displacements in a tick \[m\].
+    /// Returns the energy of each sum \[J\]; `d` has the displacements in a tick \[m\].
     pub(crate) fn of(&self, d: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0; self.names.len()];
         for (place, sum, half) in &self.masses {

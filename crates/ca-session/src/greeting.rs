@@ -1,4 +1,4 @@
-//! The message `scene`: everything that a page shows and plays.
+//! Message `scene`: everything that a page shows and plays.
 
 use crate::energy::KineticEnergy;
 use crate::protocol::{Message, Param, PortInfo, PortRole};
@@ -7,7 +7,8 @@ use ca_core::{Input, InputRole, LiveParam, Scene};
 use ca_view::Drawing;
 use std::collections::BTreeSet;
 
-/// The message `scene` of version `generation` of the model called `model`. `stability` says in words what is proven.
+/// Makes the message `scene` for version `generation` of the model named `model`. `stability` describes the proven
+/// stability.
 pub fn greeting(scene: &Scene, drawing: &Drawing, model: &str, generation: u32, stability: String) -> Message {
     let params = scene.controls().params().iter().map(param).collect();
     let ports = scene.inputs.iter().enumerate().map(|(k, i)| port(scene, drawing, k, i)).collect();
@@ -29,16 +30,17 @@ pub fn greeting(scene: &Scene, drawing: &Drawing, model: &str, generation: u32, 
     }
 }
 
-/// A live parameter; a bound that is infinite is left out.
+/// Describes a live parameter, without infinite bounds.
 fn param(p: &LiveParam) -> Param {
     let finite = |v: f64| v.is_finite().then_some(v);
     let (unit, doc) = (p.unit.symbol.into(), p.doc.clone());
     Param { name: p.name.clone(), value: p.value, min: finite(p.min), max: finite(p.max), unit, doc }
 }
 
-/// The keys that play, lowest first, or none.
+/// Returns the keys that play, lowest first, or `None`.
 ///
-/// A port that drives a parameter, such as the loudness of all notes, makes no key sound by itself.
+/// A port that only drives a parameter, such as the loudness of all notes, does not give keys, unless there are no
+/// others.
 fn notes(scene: &Scene) -> Option<Vec<u8>> {
     let range = |i: &Input| match i.midi?.source {
         MidiSource::Note { low, high } => Some(low..=high),

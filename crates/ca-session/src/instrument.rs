@@ -1,7 +1,7 @@
-//! A session together with its engine, for programs without threads.
+//! A session with its engine, for programs without threads.
 //!
-//! `ca play` runs the engine on a thread of real time and everything else beside it. Here the caller asks for gesture frames,
-//! and all parts run in turn. Time is the time of the model.
+//! `ca play` runs the engine on a real-time thread and everything else beside it. Here the caller requests gesture
+//! frames, and all parts run one after the other. Time is the time of the model.
 
 use crate::greeting::greeting;
 use crate::midi::Midi;
@@ -18,23 +18,23 @@ use std::time::Duration;
 
 /// Pictures a second.
 const PICTURES: u32 = 60;
-/// Gesture frames between two turns of the recorder, at most.
+/// Largest number of gesture frames between two calls of the recorder.
 const TURN: u64 = 32;
 
-/// One instrument without devices.
+/// An instrument without devices.
 pub struct Instrument {
     live: Live,
     shared: Arc<Shared>,
     recorder: Recorder,
     session: Session,
     midi: Midi,
-    /// gesture frames so far, and the length of one \[s\]
+    /// Gesture frames so far, and the length of one \[s\].
     frames: u64,
     period: f64,
 }
 
 impl Instrument {
-    /// An instrument at rest. Pages that are open are greeted; sound and pictures go to `sink`.
+    /// Makes an instrument at rest, greets open pages, and sends sound and pictures to `sink`.
     pub fn new(scene: &Arc<Scene>, parts: Parts, sink: Box<dyn Pages>) -> Instrument {
         let drawing = Arc::new(Drawing::new(scene));
         let stability = parts.language.stability(scene);
@@ -52,7 +52,7 @@ impl Instrument {
         Instrument { live, shared, recorder, session, midi: Midi::new(scene), frames: 0, period: rate.recip() }
     }
 
-    /// Time of the model.
+    /// Returns the time of the model.
     pub fn now(&self) -> Duration {
         Duration::from_secs_f64(self.frames as f64 * self.period)
     }
@@ -75,13 +75,13 @@ impl Instrument {
         }
     }
 
-    /// Answers a request of a page. True if it ends the program.
+    /// Answers a request of a page. Returns true if it ends the program.
     pub fn ask(&mut self, page: u64, asked: NumberedRequest) -> bool {
         let now = self.now();
         self.session.ask(&mut self.recorder, &mut self.midi, (page, asked), now)
     }
 
-    /// A page was closed.
+    /// Ends what a closed page held.
     pub fn left(&mut self, page: u64) {
         self.session.left(&mut self.recorder, page);
     }

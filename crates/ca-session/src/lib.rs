@@ -1,12 +1,12 @@
 //! One playing instrument, as a page and a program use it, without operating system, threads and transport.
 //!
-//! [`Session`] answers requests of pages and hands new versions of the model to the recorder; [`PageSink`] sends pictures,
-//! sound and news; [`Midi`] plays MIDI, [`osc`] the packets of OSC; [`answer`](fn@answer) serves `ca set` and the like. [`Instrument`] is all of
-//! them with an engine, for programs without threads. [`protocol`] has a type for each
-//! message between the page of `ca play` and the program.
+//! [`Session`] answers requests of pages and passes new versions of the model to the recorder. [`PageSink`] sends
+//! pictures, sound and news. [`Midi`] plays MIDI, [`osc`] plays OSC packets, and [`answer`](fn@answer) serves `ca set`
+//! and similar commands. [`Instrument`] combines them with an engine, for programs without threads. [`protocol`] has a
+//! type for each message between the page of `ca play` and the program.
 //!
-//! The traits in this crate name everything else: pages ([`Pages`]), the language ([`Language`]), the compiler
-//! ([`Maker`]) and files ([`Files`]). The caller gives the time.
+//! Traits stand for everything else: pages ([`Pages`]), the language ([`Language`]), the compiler ([`Maker`]) and files
+//! ([`Files`]). The caller gives the time.
 #![forbid(unsafe_code)]
 
 mod answer;

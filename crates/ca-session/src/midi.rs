@@ -1,8 +1,8 @@
-//! MIDI into ports and live parameters of a running model.
+//! MIDI to ports and live parameters of a running model.
 //!
-//! A port moves by MIDI as its `midi` says. A controller that no port follows can be bound to a live parameter while the
-//! model plays ([`Midi::learn`]). Everything ends in the recorder, so that a take has it. Events that move nothing are
-//! reported once.
+//! A port moves by MIDI as its `midi` says. A controller that no port follows can be bound to a live parameter while
+//! the model plays ([`Midi::learn`]). Everything passes through the recorder, so that a take contains it. Events that
+//! move nothing are reported once.
 
 use crate::refused::Refused;
 use ca_core::Scene;
@@ -19,18 +19,18 @@ type Control = (u8, u8);
 /// MIDI of all cables. The caller's clock gives the times.
 pub struct Midi {
     live: LiveMidi,
-    /// the parameter that a controller sets
+    /// Parameter that each bound controller sets.
     bound: BTreeMap<Control, String>,
-    /// the parameter that the next controller is bound to
+    /// Parameter that the next controller is bound to.
     learning: Option<String>,
-    /// controllers that were reported to move nothing
+    /// Controllers reported to move nothing.
     reported: BTreeSet<Control>,
-    /// ports that the pedal held and that come up: when, and where they go then
+    /// Ports that were held by the pedal and return to rest: end of the return, name and next motion.
     lifted: Vec<(Duration, String, Glide)>,
 }
 
 impl Midi {
-    /// The ports of a scene, with no note held.
+    /// Takes the ports of a scene, with no note held.
     pub fn new(scene: &Scene) -> Midi {
         Midi {
             live: LiveMidi::new(&port_maps(scene)),
@@ -41,13 +41,13 @@ impl Midi {
         }
     }
 
-    /// Another version of the model plays: notes that were held end with their ports.
+    /// Changes to another version of the model: held notes end with their ports.
     pub fn version(&mut self, scene: &Scene) {
         self.live = LiveMidi::new(&port_maps(scene));
         self.lifted.clear();
     }
 
-    /// Moves ports whose time has come. To be called every few milliseconds.
+    /// Starts motions that are due. Call it every few milliseconds.
     pub fn turn(&mut self, recorder: &mut Recorder, now: Duration) {
         while let Some(due) = self.lifted.iter().position(|l| l.0 <= now) {
             let (_, name, glide) = self.lifted.swap_remove(due);
@@ -56,12 +56,12 @@ impl Midi {
         }
     }
 
-    /// Plays whole events that came without a cable.
+    /// Plays whole events that do not come from a cable.
     pub fn play(&mut self, recorder: &mut Recorder, bytes: &[u8], now: Duration) {
         self.feed(recorder, &mut Cable::default(), bytes, now);
     }
 
-    /// Plays bytes as they come by a cable.
+    /// Plays bytes from a cable.
     pub fn feed(&mut self, recorder: &mut Recorder, cable: &mut Cable, bytes: &[u8], now: Duration) {
         for played in self.live.feed(cable, bytes) {
             let done = match played {
@@ -78,7 +78,7 @@ impl Midi {
         }
     }
 
-    /// Moves a port at once, or once it has come up.
+    /// Moves a port now, or first to rest and then on.
     fn port(
         &mut self,
         recorder: &mut Recorder,
@@ -99,7 +99,7 @@ impl Midi {
     fn control(&mut self, recorder: &mut Recorder, at: Control, part: f64, used: bool) -> Result<(), Refused> {
         if let Some(name) = self.learning.take() {
             recorder.say(false, format!("controller {} on channel {} sets `{name}`", at.1, at.0));
-            // one controller a parameter
+            // one controller for each parameter
             self.bound.retain(|_, n| *n != name);
             self.bound.insert(at, name);
         }
@@ -116,8 +116,8 @@ impl Midi {
         Ok(())
     }
 
-    /// The next controller that moves sets this live parameter from then on, between its bounds. Without a name no
-    /// controller is waited for.
+    /// Binds the next controller that moves to this live parameter, between its bounds. Without a name, cancels the
+    /// binding.
     ///
     /// # Errors
     /// If the parameter does not exist, or lacks bounds.
@@ -136,18 +136,17 @@ impl Midi {
         Ok(())
     }
 
-    /// The parameter that waits for a controller.
+    /// Returns the parameter that waits for a controller.
     pub fn learning(&self) -> Option<&str> {
         self.learning.as_deref()
     }
 
-    /// Channel, number and parameter of each controller that is bound.
+    /// Returns channel, number and parameter of each bound controller.
     pub fn bound(&self) -> impl Iterator<Item = (u8, u8, &str)> {
         self.bound.iter().map(|((channel, number), name)| (*channel, *number, name.as_str()))
     }
 }
 
-/// Reports why MIDI did nothing.
 fn complain(recorder: &mut Recorder, done: Result<(), Refused>) {
     if let Err(why) = done {
         recorder.say(true, format!("MIDI: {why}"));

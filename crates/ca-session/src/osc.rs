@@ -1,15 +1,15 @@
-//! Open Sound Control: what a packet plays, and its answers. The caller has the socket.
+//! Open Sound Control: plays packets and makes their answers. The caller owns the socket.
 //!
-//! Time tags count as now, and a bundle sets all its values in one tick. A mistake is answered by `/error`. A packet has at
-//! most [`LARGEST`] bytes, which also bounds how deep bundles nest.
+//! Time tags are ignored: everything applies now. A bundle sets all its values in one tick. An error is answered by
+//! `/error`. A packet has at most [`LARGEST`] bytes, which also bounds the nesting of bundles.
 //!
 //! | message | effect |
 //! |---|---|
 //! | `/param NAME VALUE`, `/param/NAME VALUE` | sets a live parameter, a number \[SI\] or a text with a unit |
-//! | `/port NAME VALUE [SECONDS]` | sends a position port \[m\] or a force port \[N\] |
+//! | `/port NAME VALUE [SECONDS]` | moves a position port \[m\] or a force port \[N\] |
 //! | `/note KEY VELOCITY [CHANNEL]`, `/control NUMBER VALUE [CHANNEL]` | as MIDI |
-//! | `/gesture 1`, `/gesture 0` | the model's own gesture |
-//! | `/state` | is answered by `/param NAME VALUE MIN MAX` for each, and `/tick N` |
+//! | `/gesture 1`, `/gesture 0` | starts or stops the model's own gesture |
+//! | `/state` | is answered by `/param NAME VALUE MIN MAX` for each parameter, and `/tick N` |
 
 use crate::answer::value;
 use crate::host::Language;
@@ -21,32 +21,32 @@ use ca_haptic::serve::Recorder;
 use rosc::{OscMessage, OscPacket, OscType, decoder, encoder};
 use std::time::Duration;
 
-/// The largest packet \[bytes\].
+/// Largest packet \[bytes\].
 pub const LARGEST: usize = 4096;
 
-/// The parts that a packet plays.
+/// Parts that a packet plays.
 pub struct Target<'a> {
-    /// takes ports, parameters and gestures
+    /// Receives ports, parameters and gestures.
     pub recorder: &'a mut Recorder,
-    /// takes notes and controllers
+    /// Receives notes and controllers.
     pub midi: &'a mut Midi,
-    /// reads texts with units
+    /// Parses texts with units.
     pub language: &'a dyn Language,
-    /// the time of the caller's clock
+    /// Time of the caller's clock.
     pub now: Duration,
 }
 
-/// The settings of a packet, and its wrong messages with their address and reason.
+/// Values set by a packet, and its invalid messages with address and reason.
 #[derive(Default)]
 struct Outcome {
     sets: Vec<(String, f64)>,
     wrong: Vec<(String, String)>,
-    /// a message asks for the state
+    /// True if a message requests the state.
     asked: bool,
 }
 
-/// Plays a packet and gives the packets of its answer. `admit` takes the token off an address, or refuses it; of a packet with
-/// a refused address nothing is used.
+/// Plays a packet and returns the packets of its answer. `admit` removes the token from an address, or refuses it. A
+/// packet with a refused address has no effect.
 pub fn play(packet: &[u8], admit: &dyn Fn(&str) -> Result<String, String>, target: &mut Target<'_>) -> Vec<Vec<u8>> {
     let decoded = match decoder::decode_udp(packet) {
         _ if packet.len() > LARGEST => Err(format!("a packet has at most {LARGEST} bytes")),
@@ -74,7 +74,7 @@ pub fn play(packet: &[u8], admit: &dyn Fn(&str) -> Result<String, String>, targe
     replies.into_iter().filter_map(encoded).collect()
 }
 
-/// Takes the token off all addresses.
+/// Removes the token from all addresses.
 fn strip(packet: &mut OscPacket, admit: &dyn Fn(&str) -> Result<String, String>) -> Result<(), String> {
     match packet {
         OscPacket::Bundle(bundle) => bundle.content.iter_mut().try_for_each(|p| strip(p, admit)),
@@ -88,7 +88,7 @@ fn strip(packet: &mut OscPacket, admit: &dyn Fn(&str) -> Result<String, String>)
 fn apply(packet: OscPacket, target: &mut Target<'_>, done: &mut Outcome) {
     match packet {
         OscPacket::Bundle(bundle) => bundle.content.into_iter().for_each(|p| apply(p, target, done)),
-        // answered once for a packet
+        // answered once per packet
         OscPacket::Message(m) if m.addr == "/state" => done.asked = true,
         OscPacket::Message(m) => {
             let why = message(&m, target, &mut done.sets).err();
@@ -160,7 +160,7 @@ fn truth(v: &OscType) -> Result<bool, Refused> {
     }
 }
 
-/// The bytes of an event of a channel, the first where none is given.
+/// Returns the bytes of a channel event, by default on channel 1.
 fn midi(status: u8, data: [&OscType; 2], channel: &[OscType]) -> Result<[u8; 3], Refused> {
     let byte = |v: &OscType, range: core::ops::RangeInclusive<f64>| -> Result<u8, Refused> {
         let n = number(v)?.round();

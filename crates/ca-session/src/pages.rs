@@ -1,10 +1,10 @@
-//! The pages that are open, as a session and its sink use them.
+//! Open pages, as a session and its sink use them.
 
 use crate::protocol::Message;
 
-/// The pages that are open. No method waits for a page.
+/// Open pages. No method waits for a page.
 pub trait Pages {
-    /// Sends the message `scene` to all pages, and to each page that comes later.
+    /// Sends the message `scene` to all pages, and to each later page.
     fn greet(&self, scene: &Message);
 
     /// Sends a message to one page.
@@ -13,18 +13,18 @@ pub trait Pages {
     /// Sends a message to all pages.
     fn tell_all(&self, message: &Message);
 
-    /// Pages that are open.
+    /// Returns the number of open pages.
     fn count(&self) -> usize;
 
-    /// True if a page is open.
+    /// Returns true if a page is open.
     fn is_seen(&self) -> bool {
         self.count() > 0
     }
 
-    /// True if a page wants sound.
+    /// Returns true if a page wants sound.
     fn is_heard(&self) -> bool;
 
-    /// Sends a picture ([`binary::view`](crate::protocol::binary::view)). It replaces one that was not fetched yet.
+    /// Sends a picture ([`binary::view`](crate::protocol::binary::view)), in place of one not yet fetched.
     fn view(&self, picture: &[u8]);
 
     /// Sends sound ([`binary::sound`](crate::protocol::binary::sound)) to the pages that want it.

@@ -1,7 +1,7 @@
 //! Pictures, sound and news for the pages.
 //!
-//! Without a page nothing is drawn or sent. Sound is sent in blocks of 5 ms, because a message for each gesture frame would
-//! cost the page more than playing it.
+//! Without a page nothing is drawn or sent. Sound is sent in blocks of 5 ms, because a message for each gesture frame
+//! would cost the page more than playing the sound.
 
 use crate::energy::KineticEnergy;
 use crate::pages::Pages;
@@ -13,13 +13,13 @@ use ca_io::FileError;
 use ca_view::Drawing;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Samples of a block, for each channel.
+/// Samples per block and channel.
 const BLOCK: usize = 256;
 
-/// Pictures for each message `energy`.
+/// Pictures per message `energy`.
 const ENERGIES: u64 = 3;
 
-/// The last statistics of the engine.
+/// Last statistics of the engine.
 #[derive(Clone, Default)]
 pub(crate) struct Stats(Arc<Mutex<Option<StatsSnapshot>>>);
 
@@ -29,10 +29,10 @@ impl Stats {
     }
 }
 
-/// A drawing and the version of the scene that it shows.
+/// A drawing with the version of the scene that it shows.
 type Drawn = (u32, Arc<Drawing>);
 
-/// The drawing of the next version of the scene, from the session to the sink.
+/// Passes the drawing of the next version of the scene from the session to the sink.
 #[derive(Clone, Default)]
 pub(crate) struct Coming(Arc<Mutex<Option<Drawn>>>);
 
@@ -48,23 +48,23 @@ pub struct PageSink {
     drawing: Arc<Drawing>,
     channels: usize,
     stats: Stats,
-    /// the drawing of the version that comes next
+    /// Drawing of the next version.
     coming: Coming,
-    /// which version is drawn, and since when
+    /// Version that is drawn, and its first tick.
     generation: u32,
     since: u64,
-    /// tick of the first sample of `samples`
+    /// Tick of the first sample of `samples`.
     tick: u64,
     samples: Vec<f64>,
     message: Vec<u8>,
     energy: KineticEnergy,
-    /// time of a sample \[s\]
+    /// Time per sample \[s\].
     sample: f64,
     pictures: u64,
 }
 
 impl PageSink {
-    /// A sink for `pages`, which shows `scene` as `drawing` has it.
+    /// Makes a sink for `pages`, which shows `scene` in `drawing`.
     pub fn new(pages: Box<dyn Pages>, drawing: Arc<Drawing>, scene: &Scene) -> PageSink {
         PageSink {
             pages,
@@ -104,7 +104,7 @@ impl Sink for PageSink {
         }
         let next = self.tick + (self.samples.len() / self.channels.max(1)) as u64;
         if self.samples.is_empty() || tick != next {
-            // the page finds a gap by the tick
+            // the page recognises a gap by the tick
             self.samples.clear();
             self.tick = tick;
         }
@@ -118,7 +118,7 @@ impl Sink for PageSink {
     }
 
     fn view(&mut self, tick: u64, x: &[f64]) -> Result<(), FileError> {
-        // pictures of the version before do not belong to this one
+        // skips pictures of the previous version
         if self.pages.is_seen() && tick >= self.since {
             binary::view(&mut self.message, self.generation, tick as f64);
             self.drawing.view(x, &mut self.message);

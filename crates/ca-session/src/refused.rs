@@ -1,18 +1,18 @@
-//! Why a request is refused.
+//! Refusals of requests.
 
 use ca_haptic::serve;
 use ca_haptic::serve::audio::NoChoice;
 use std::fmt;
 
-/// Why a request is refused; nothing has changed then.
+/// Reason why a request is refused; nothing has changed then.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Refused {
-    /// the engine does not take the order
+    /// The engine does not accept the order.
     Engine(serve::Refused),
-    /// outputs cannot be chosen
+    /// Outputs cannot be chosen.
     Output(NoChoice),
-    /// the request does not fit, comes at the wrong time, or the host cannot do it; in words
+    /// The request does not fit, comes at the wrong time, or the host cannot carry it out; in words.
     Text(String),
 }
 
@@ -52,7 +52,6 @@ impl From<String> for Refused {
     }
 }
 
-/// An answer to a request is a text.
 impl From<Refused> for String {
     fn from(why: Refused) -> String {
         why.to_string()

@@ -1,7 +1,7 @@
-//! The requests of pages, and the state that pages share.
+//! Requests of pages, and the state that pages share.
 //!
-//! A page asks as `ca set` and `ca disarm` do, by the same words and with the same answers. One page at a time holds a mass;
-//! it is released when that page closes. A page arms forces only where the command line allows it.
+//! A page sends the same requests as `ca set` and `ca disarm`, and gets the same answers. One page at a time holds a
+//! mass; the mass is released when that page closes. A page arms forces only if the command line allows it.
 
 use crate::answer::answer;
 use crate::edit::Edit;
@@ -23,32 +23,32 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::Duration;
 
-/// Between two messages `state`.
+/// Time between two messages `state`.
 const NEWS: Duration = Duration::from_millis(250);
 
 /// Longest name of a sound device \[bytes\].
 const NAME: usize = 300;
 
-/// Longest MIDI of a request \[bytes\]: as much as a chord needs.
+/// Longest MIDI of a request \[bytes\]: enough for a chord.
 const MIDI: usize = 96;
 
-/// The parts that the host gives a session.
+/// Parts of a session that the host provides.
 pub struct Parts {
-    /// the pages
+    /// Pages.
     pub pages: Box<dyn Pages>,
-    /// the language of the model
+    /// Language of the model.
     pub language: Box<dyn Language>,
-    /// compiles edits
+    /// Compiles edits.
     pub maker: Box<dyn Maker>,
-    /// writes files
+    /// Writes files.
     pub files: Box<dyn Files>,
-    /// name of the model
+    /// Name of the model.
     pub name: String,
-    /// a page may arm forces
+    /// Allows a page to arm forces.
     pub allow_arm: bool,
 }
 
-/// One instrument that plays, with its pages.
+/// One playing instrument with its pages.
 pub struct Session {
     pages: Box<dyn Pages>,
     language: Box<dyn Language>,
@@ -59,26 +59,26 @@ pub struct Session {
     drawing: Arc<Drawing>,
     scene: Arc<Scene>,
     stats: Stats,
-    /// what plays the sound besides the page
+    /// Host of the sound output, or the page.
     sound: String,
-    /// the page that holds a mass
+    /// Page that holds a mass.
     holder: Option<u64>,
-    /// version of the model that plays
+    /// Version of the model that plays.
     generation: u32,
     coming: Coming,
-    /// the version that the engine was given
+    /// Version that the engine was given.
     next: Option<(Arc<Scene>, Arc<Drawing>)>,
-    /// the model's own gesture begins with the next version
+    /// Starts the model's own gesture with the next version.
     plays: bool,
-    /// when the next message `state` is due
+    /// Time of the next message `state`.
     news: Duration,
 }
 
-/// An answer in words, and the mass that was asked for.
+/// An answer in words, and the requested mass.
 type Answer = Result<(String, Option<Picked>), Refused>;
 
 impl Session {
-    /// A session that plays `scene`, whose pages are fed by `sink`.
+    /// Makes a session that plays `scene`, and whose pages receive from `sink`.
     pub fn new(parts: Parts, scene: Arc<Scene>, drawing: Arc<Drawing>, sink: &PageSink) -> Session {
         let Parts { pages, language, maker, files, name, allow_arm } = parts;
         Session {
@@ -101,12 +101,12 @@ impl Session {
         }
     }
 
-    /// Something other than the page plays the sound, or again the page.
+    /// Sets the host of the sound output, which may be the page.
     pub fn sounds_by(&mut self, host: &str) {
         self.sound = host.into();
     }
 
-    /// Changes a number of the model, as by `--set`.
+    /// Changes a number of the model, as `--set` does.
     ///
     /// # Errors
     /// If there are too many changes, or one is too long.
@@ -114,13 +114,13 @@ impl Session {
         self.edit.change(name, value)
     }
 
-    /// Ends the session; what is still being written ends with the result.
+    /// Ends the session; files being written end when the result is dropped.
     pub fn close(self) -> Box<dyn Files> {
         self.files
     }
 
-    /// Reports files that were finished and takes new versions of the model; without `setups` no version. To be called every
-    /// few milliseconds. False while the engine changes to another version: requests then wait.
+    /// Reports finished files, and adopts new versions of the model if `setups` is given. Call it every few
+    /// milliseconds. Returns false while the engine changes to another version: requests then wait.
     pub fn turn(&mut self, recorder: &mut Recorder, midi: &mut Midi, setups: Option<&[Setup]>) -> bool {
         self.files.turn(recorder);
         if recorder.is_swapping() {
@@ -132,7 +132,7 @@ impl Session {
         !recorder.is_swapping()
     }
 
-    /// Answers a request of a page. True if it ends the program.
+    /// Answers a request of a page. Returns true if it ends the program.
     pub fn ask(
         &mut self,
         recorder: &mut Recorder,
@@ -147,7 +147,7 @@ impl Session {
             Ok((text, picked)) => (true, text, picked),
             Err(why) => (false, why.to_string(), None),
         };
-        // a request without a number is answered only if it is refused
+        // a request without an id is answered only if it is refused
         if id.is_some() || !ok {
             let id = id.unwrap_or(Value::Null);
             self.pages.tell(client, &Message::Reply { id, ok, text, picked });
@@ -155,7 +155,7 @@ impl Session {
         leave
     }
 
-    /// A page was closed: it releases its mass.
+    /// Releases the mass held by a page that was closed.
     pub fn left(&mut self, recorder: &mut Recorder, client: u64) {
         if self.holder == Some(client) {
             self.holder = None;
@@ -165,7 +165,7 @@ impl Session {
         }
     }
 
-    /// Sends the message `state`, if it is due.
+    /// Sends the message `state` if it is due.
     pub fn news(&mut self, recorder: &mut Recorder, midi: &Midi, shared: &Shared, now: Duration) {
         if now >= self.news && self.pages.is_seen() {
             self.news = now + NEWS;
@@ -173,7 +173,7 @@ impl Session {
         }
     }
 
-    /// Shows a version of the model that the engine plays now, and gives the engine one that was made.
+    /// Shows the version that the engine now plays, and gives the engine a newly compiled one.
     fn version(&mut self, recorder: &mut Recorder, midi: &mut Midi, setups: &[Setup]) {
         if let Some((scene, drawing)) = self.next.take() {
             midi.version(&scene);
@@ -309,14 +309,13 @@ impl Session {
         }
     }
 
-    /// Number in the drawing and number of the MAT of a request.
+    /// Returns the number in the drawing and the index of the MAT for a request.
     fn mass(&self, mass: Option<u64>) -> Result<(u64, usize), Refused> {
         let drawn = mass.ok_or("`mass` is a number of the drawing")?;
         let mass = usize::try_from(drawn).ok().and_then(|n| self.drawing.scene_mass(n));
         mass.map(|mass| (drawn, mass)).ok_or_else(|| format!("{drawn}: there is no such mass to touch").into())
     }
 
-    /// Name and kind of a mass.
     fn pick(&self, mass: Option<u64>) -> Answer {
         let (drawn, mass) = self.mass(mass)?;
         let symbol = self.scene.symbols.get(mass).ok_or("no such mass")?;
@@ -324,7 +323,6 @@ impl Session {
         Ok((name.clone(), Some(Picked { mass: drawn, name, kind: symbol.code.into() })))
     }
 
-    /// The message `state`.
     fn state(&self, recorder: &mut Recorder, midi: &Midi, shared: &Shared) -> Message {
         let (_, tick) = recorder.progress();
         let stats = self.stats.get();
@@ -362,7 +360,7 @@ impl Session {
     }
 }
 
-/// One number, or three.
+/// Parses one or three numbers.
 fn vector(by: Option<&[f64]>) -> Result<[f64; 3], Refused> {
     match by {
         Some([u]) => Ok([*u, 0.0, 0.0]),

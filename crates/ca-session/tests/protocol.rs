@@ -1,4 +1,4 @@
-//! The messages as they go over the wire, and the pages that are generated from their types.
+//! Tests of the messages on the wire, and of the pages generated from their types.
 
 #[path = "../../../tests/src/skipped.rs"]
 mod skipped;
@@ -12,7 +12,6 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// A file of this workspace.
 fn file(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)
 }
@@ -28,7 +27,7 @@ fn the_pages_are_as_the_types_say() {
     }
 }
 
-/// The program and the page agree on each message that either of them names, by the page's own words.
+/// The program and the page use the same messages, according to the page's own text.
 #[test]
 fn the_page_sends_and_takes_each_message() {
     let folder = file("crates/ca-play/page");
@@ -66,7 +65,7 @@ fn the_types_of_the_page_hold() {
     assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stdout));
 }
 
-/// Texts that the program sent before there were types.
+/// The bytes are those sent before there were types.
 #[test]
 fn messages_are_the_same_bytes_as_ever() {
     let scene = Message::Scene {

@@ -1,4 +1,4 @@
-//! A session without a page, a thread and a file: what it answers, and what it sends.
+//! Tests of the answers and messages of a session without a page, a thread and a file.
 
 use ca_core::{LiveParam, Scene};
 use ca_haptic::engine::Setup;
@@ -37,7 +37,7 @@ fn scene(changes: &[(String, String)]) -> Result<Arc<Scene>, Refused> {
     scene.map(|c| Arc::new(c.scene)).map_err(|found| format!("{found:?}").into())
 }
 
-/// Everything that pages were sent.
+/// Everything sent to the pages.
 #[derive(Clone, Default)]
 struct FakePages(Rc<RefCell<Sent>>);
 
@@ -52,7 +52,6 @@ impl FakePages {
     fn put(&self, message: &Message) {
         self.0.borrow_mut().texts.push(serde_json::from_str(&message.text()).unwrap());
     }
-    /// The last message of this kind.
     fn last(&self, kind: &str) -> Value {
         self.0.borrow().texts.iter().rfind(|m| m["type"] == kind).cloned().unwrap_or_default()
     }
@@ -97,7 +96,7 @@ impl Language for Numbers {
     }
 }
 
-/// Compiles at once.
+/// Compiles immediately.
 #[derive(Default)]
 struct Compiler(Option<Result<Box<Made>, Refused>>);
 
@@ -156,7 +155,6 @@ fn instrument() -> (Instrument, FakePages) {
     (Instrument::new(&scene(&[]).unwrap(), parts, Box::new(pages.clone())), pages)
 }
 
-/// The answer to a request of page 1.
 fn ask(instrument: &mut Instrument, pages: &FakePages, request: Value) -> (bool, String) {
     let mut request = request;
     request["id"] = json!(9);
@@ -174,7 +172,7 @@ fn a_session_plays_and_answers_without_threads() {
     let drawn = (0..3).find(|m| ask(&mut i, &pages, json!({"type": "pick", "mass": m})).1 == "bob").unwrap();
     assert_eq!(pages.last("reply")["kind"], "MAS");
 
-    // a hand pulls the mass, and lets go
+    // a hand pulls the mass and releases it
     assert_eq!(ask(&mut i, &pages, json!({"type": "grab", "mass": drawn})), (true, "held".into()));
     assert_eq!(ask(&mut i, &pages, json!({"type": "drag", "by": [1e-3]})).1, "pulled");
     i.play(1000);
@@ -189,7 +187,7 @@ fn a_session_plays_and_answers_without_threads() {
     assert!(sent.pictures > 10 && sent.sound.chunks(4).any(|s| s != [0; 4]));
     drop(sent);
 
-    // values, with their units, and what is refused
+    // values with units, and refused requests
     assert_eq!(ask(&mut i, &pages, json!({"type": "set", "values": {"k": "700 N/m"}})), (true, "k = 700".into()));
     for (request, why) in [
         (json!({"type": "set", "values": {"kk": 1}}), "did you mean `k`?"),
@@ -203,7 +201,7 @@ fn a_session_plays_and_answers_without_threads() {
         let (ok, text) = ask(&mut i, &pages, request);
         assert!(!ok && text.contains(why), "{text}");
     }
-    // a controller that nothing follows is bound to a parameter
+    // a controller that no port follows is bound to a parameter
     assert!(ask(&mut i, &pages, json!({"type": "learn", "name": "k"})).0);
     assert!(ask(&mut i, &pages, json!({"type": "midi", "bytes": [0xb0, 74, 127]})).0);
     i.play(1000);

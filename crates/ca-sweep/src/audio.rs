@@ -1,30 +1,28 @@
-//! The sound of a run as the bytes of a file.
-//!
-//! Decides for whole files in memory: a run is short, and it appears with its fellows or not at all (`folder.rs`).
+//! Encodes the sound of a run in memory: a run is short, and its chunk appears whole or not at all (`folder.rs`).
 
 use ca_io::flac;
 use ca_io::format::Format;
 use ca_io::sound;
 use ca_lab::Failure;
 
-/// In which form sounds are kept.
+/// Format of sound files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Audio {
-    /// 24 bits, about half the size
+    /// FLAC with 24 bits, about half the size.
     Flac,
-    /// 32-bit floats
+    /// WAV with 32-bit floats.
     Wav,
-    /// not at all
+    /// No sound files.
     None,
 }
 
 impl Audio {
-    /// By its name.
+    /// Returns the format of this name.
     pub fn named(name: &str) -> Option<Audio> {
         [Audio::Flac, Audio::Wav, Audio::None].into_iter().find(|a| a.name() == name)
     }
 
-    /// Its name, and the extension of its files.
+    /// Name of the format, which is also the extension of its files.
     pub fn name(self) -> &'static str {
         match self {
             Audio::Flac => "flac",
@@ -33,7 +31,7 @@ impl Audio {
         }
     }
 
-    /// Why sounds of this shape cannot be kept so.
+    /// Returns the reason why the format cannot hold sounds of this shape.
     pub fn refuses(self, channels: usize, rate: f64) -> Option<String> {
         match self {
             Audio::Flac => {
@@ -48,10 +46,10 @@ impl Audio {
         }
     }
 
-    /// The bytes of a file; none for [`Audio::None`]. Interleaved samples within ±1, whole frames.
+    /// Encodes interleaved samples within ±1, in whole frames; the result is empty for [`Audio::None`].
     ///
     /// # Errors
-    /// [`Failure::Failed`] where the encoder takes none of it.
+    /// [`Failure::Failed`] where the encoder fails.
     pub fn encode(self, samples: &[f32], channels: usize, rate: f64) -> Result<Vec<u8>, Failure> {
         match self {
             Audio::Flac => {

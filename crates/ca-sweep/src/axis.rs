@@ -1,53 +1,53 @@
-//! What is varied, and where on it a run lies.
+//! Axes of a sweep, and the position of a run on them.
 //!
-//! Decides that the place of a run on an axis depends on nothing but the scene, the seed, the number of the run and the
-//! name of the axis: not on who computes it, in which order, nor on which other axes there are. With `‖` for bytes one
-//! after the other, numbers as 8 bytes with the lowest first:
+//! The position of a run on an axis depends only on the scene, the seed, the index of the run and the name of the axis.
+//! It does not depend on which worker computes it, in which order, or on the other axes. With `‖` for concatenation of
+//! bytes, and numbers as 8 little-endian bytes:
 //!
-//! - seed of run i: the first 8 bytes of BLAKE3(hash of the scene, 32 bytes ‖ seed ‖ i) as a number, halved, so that a
-//!   column of whole numbers with a sign holds it;
-//! - place of run i on an axis, from 0 up to 1: the first 8 bytes of BLAKE3(seed of run i ‖ name), its upper 53 bits
-//!   over 2⁵³.
+//! - Seed of run i: the first 8 bytes of BLAKE3(hash of the scene, 32 bytes ‖ seed ‖ i) as a number, halved to fit a
+//!   column of signed integers.
+//! - Position of run i on an axis, in [0, 1): the first 8 bytes of BLAKE3(seed of run i ‖ name), upper 53 bits over
+//!   2⁵³.
 
 use ca_lab::Failure;
 use ca_model::Value;
 use ca_model::quantity;
 
-/// Most values on an axis.
+/// Maximum number of values on an axis.
 const MOST: usize = 1_000_000;
 
-/// What one parameter may be.
+/// Values that a parameter may have.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Space {
-    /// one of these
+    /// One of these values.
     List(Vec<Value>),
-    /// anything between, in SI units
+    /// Any value between two, in SI units.
     Range {
-        /// at one end
+        /// One end.
         from: f64,
-        /// at the other
+        /// The other end.
         to: f64,
-        /// equal ratios instead of equal differences
+        /// Equal ratios instead of equal differences.
         log: bool,
     },
 }
 
-/// A parameter and what it may be.
+/// Parameter and its possible values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// as `--set` knows it
+    /// Name in the syntax of `--set`.
     pub name: String,
-    /// what it may be
+    /// Possible values.
     pub space: Space,
-    /// both ends as written, with their units, where it goes from one to the other
+    /// Both ends of a range as written, with their units.
     pub ends: Option<[Value; 2]>,
 }
 
 impl Axis {
-    /// One of these values.
+    /// Makes an axis from a list of values.
     ///
     /// # Errors
-    /// [`Failure::Usage`] where there is none.
+    /// [`Failure::Usage`] where there are none, or too many.
     pub fn list(name: &str, values: Vec<Value>) -> Result<Axis, Failure> {
         if values.is_empty() || values.len() > MOST {
             return Err(Failure::Usage(format!("`{name}` has {} values: 1 to {MOST}", values.len())));
@@ -55,10 +55,10 @@ impl Axis {
         Ok(Axis { name: name.into(), space: Space::List(values), ends: None })
     }
 
-    /// From one value to another, numbers or quantities: `steps` of them, or anything between.
+    /// Makes an axis from one number or quantity to another: `steps` values, or any value between.
     ///
     /// # Errors
-    /// [`Failure::Usage`] where there is no way from one to the other.
+    /// [`Failure::Usage`] where the ends are not numbers, or have different signs with `log`.
     pub fn range(name: &str, ends: [Value; 2], log: bool, steps: Option<u64>) -> Result<Axis, Failure> {
         let usage = |what: String| Err(Failure::Usage(format!("`{name}` {what}")));
         let [Some(from), Some(to)] = [ends[0].number(), ends[1].number()] else {
@@ -81,7 +81,7 @@ impl Axis {
         Ok(Axis { name: name.into(), space: Space::List(values), ends: Some(ends) })
     }
 
-    /// At `u`, from 0 up to 1.
+    /// Value at position `u` in [0, 1).
     pub fn at(&self, u: f64) -> Value {
         match &self.space {
             Space::List(values) => values[((u * values.len() as f64) as usize).min(values.len() - 1)].clone(),
@@ -89,8 +89,7 @@ impl Axis {
         }
     }
 
-    /// A value on it as somebody would write it: of what is drawn or counted between two quantities, six digits and
-    /// their unit.
+    /// Formats a value on the axis: six digits and the unit if the axis goes from one quantity to another.
     pub fn shown(&self, value: &Value) -> String {
         let (Value::Num(v), Some([from, to])) = (value, &self.ends) else { return value.shown() };
         let dim = |end: &Value| match end {
@@ -101,7 +100,7 @@ impl Axis {
         format!("{} {unit}", quantity::Plain(quantity::six(*v))).trim_end().to_owned()
     }
 
-    /// How many values, where that can be counted.
+    /// Number of values; `None` for a range.
     pub fn count(&self) -> Option<u64> {
         match &self.space {
             Space::List(values) => Some(values.len() as u64),
@@ -109,7 +108,7 @@ impl Axis {
         }
     }
 
-    /// Whether all of it are numbers.
+    /// Returns whether all values are numbers.
     pub fn is_numeric(&self) -> bool {
         match &self.space {
             Space::List(values) => values.iter().all(|v| v.number().is_some()),
@@ -119,7 +118,7 @@ impl Axis {
 }
 
 fn between(from: f64, to: f64, log: bool, u: f64) -> f64 {
-    // the same bits on every machine
+    // libm gives the same bits on every machine
     if log { from * libm::pow(to / from, u) } else { from + (to - from) * u }
 }
 
@@ -132,12 +131,12 @@ fn word(parts: &[&[u8]]) -> u64 {
     hash.as_bytes().first_chunk().map_or(0, |b| u64::from_le_bytes(*b))
 }
 
-/// The seed of a run.
+/// Seed of a run.
 pub fn seed(scene: &blake3::Hash, seed: u64, index: u64) -> u64 {
     word(&[scene.as_bytes(), &seed.to_le_bytes(), &index.to_le_bytes()]) >> 1
 }
 
-/// Where a run of this seed lies on the axis of this name, from 0 up to 1.
+/// Position of the run with this seed on the axis of this name, in [0, 1).
 pub fn place(seed: u64, name: &str) -> f64 {
     (word(&[&seed.to_le_bytes(), name.as_bytes()]) >> 11) as f64 * 2f64.powi(-53)
 }

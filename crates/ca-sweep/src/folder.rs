@@ -1,4 +1,4 @@
-//! A sweep in a folder: sounds and rows, in chunks that appear whole or not at all.
+//! Stores a sweep in a folder: sounds and rows, in chunks that appear whole or not at all.
 //!
 //! ```text
 //! FOLDER/
@@ -8,9 +8,9 @@
 //!   times.parquet         the time that each run took
 //! ```
 //!
-//! Decides that a chunk is a folder which takes its name when it is finished: workers share nothing but the file system,
-//! what one of them left half done does not count, and what is there need not be done again. Times are kept apart from
-//! the manifest, which so is the same file to the byte whoever wrote it.
+//! A chunk is a folder that gets its final name when it is complete. So workers share nothing but the file system,
+//! partial work does not count, and a complete chunk is not computed again. Times are stored separately, so that the
+//! manifest is the same to the byte for every worker.
 
 use super::{Audio, RunTable, Sweep, TIMES};
 use crate::axis::Space;
@@ -24,16 +24,15 @@ use std::hash::{BuildHasher as _, Hasher as _};
 use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
-/// Rows of a chunk.
 const ROWS: &str = "rows.parquet";
 const MANIFEST: &str = "manifest.parquet";
 const TIME: &str = "times.parquet";
 const ASKED: &str = "sweep.toml";
 
-/// Most chunks of a folder.
+/// Maximum number of chunks.
 const MOST: u64 = 1_000_000;
 
-/// Where a sweep goes.
+/// Folder of a sweep.
 pub struct Folder {
     path: PathBuf,
     audio: Audio,
@@ -45,15 +44,15 @@ fn failed(path: &Path, what: &str, e: &std::io::Error) -> Failure {
     Failure::Failed(format!("`{}`: {what}: {}", path.display(), reason(e)))
 }
 
-/// A name beside `path` that nobody else has.
+/// Returns a unique name beside `path`.
 fn aside(path: &Path) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    // random: numbers of processes come back, and are the same on other machines
+    // random, since process ids are reused and may be equal on other machines
     let random = RandomState::new().build_hasher().finish();
     path.with_file_name(format!(".{name}.{random:016x}.part"))
 }
 
-/// What a sweep computes, as a text: the same of equal sweeps, and of no others.
+/// Describes a sweep as text; equal sweeps, and only these, have equal text.
 pub fn text(sweep: &Sweep, audio: &str, chunk: u64) -> String {
     let ask = sweep.ask();
     let mut text = String::from("# What every worker of this folder computes.\n");
@@ -89,7 +88,6 @@ pub fn text(sweep: &Sweep, audio: &str, chunk: u64) -> String {
     text
 }
 
-/// A value in TOML.
 fn toml(value: &Value) -> String {
     match value {
         Value::Num(v) => format!("{v:?}"),
@@ -98,17 +96,16 @@ fn toml(value: &Value) -> String {
     }
 }
 
-/// Runs that are written at once where nothing is said: enough chunks for many workers, of so few files that a folder
-/// opens.
+/// Default number of runs per chunk: enough chunks for many workers, and few enough files for a folder.
 pub fn chunk(runs: u64) -> u64 {
     runs.div_ceil(64).clamp(1, 100)
 }
 
 impl Folder {
-    /// Makes the folder, or goes on with the one that is there. `chunk` runs are written at once.
+    /// Makes the folder, or continues an existing one. `chunk` is the number of runs per chunk.
     ///
     /// # Errors
-    /// [`Failure::Usage`] where the folder holds something else, or sounds of this shape cannot be kept so;
+    /// [`Failure::Usage`] where the folder holds something else, or the format cannot hold sounds of this shape;
     /// [`Failure::Failed`] where it cannot be written.
     pub fn open(path: &Path, sweep: &Sweep, audio: Audio, chunk: u64) -> Result<Folder, Failure> {
         if !(1..=1_000_000).contains(&chunk) {
@@ -132,7 +129,7 @@ impl Folder {
             Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(failed(&asked, "it cannot be read", &e)),
             Err(_) => {}
         }
-        // another worker may be at the same point
+        // another worker may be creating the folder too
         let ours = |name: &str| name.contains(ASKED) || name.starts_with("runs-") || name.starts_with(".runs-");
         let mut files = std::fs::read_dir(path).into_iter().flatten().flatten();
         if files.any(|f| !ours(&f.file_name().to_string_lossy())) {
@@ -140,7 +137,7 @@ impl Folder {
             return Err(Failure::Usage(format!("{what}; choose another folder")));
         }
         std::fs::create_dir_all(path).map_err(|e| failed(path, "it cannot be made", &e))?;
-        // workers begin at the same time, and all of them write the same
+        // workers that begin at the same time write the same text
         atomic_file::write(&asked, text.as_bytes())?;
         Ok(folder)
     }
@@ -149,12 +146,12 @@ impl Folder {
         text(sweep, self.audio.name(), self.chunk)
     }
 
-    /// How many chunks there are to be.
+    /// Number of chunks.
     pub fn chunks(&self) -> u64 {
         self.runs.div_ceil(self.chunk)
     }
 
-    /// Numbers of the first run of a chunk, and of the one after its last.
+    /// Index of the first run of a chunk, and of the one after its last.
     pub fn span(&self, chunk: u64) -> (u64, u64) {
         (chunk * self.chunk, ((chunk + 1) * self.chunk).min(self.runs))
     }
@@ -168,7 +165,7 @@ impl Folder {
         self.path.join(format!("runs-{}", self.digits(chunk * self.chunk)))
     }
 
-    /// Whether a chunk is there, with all its rows: a power cut may leave a file without its end.
+    /// Returns whether a chunk exists with complete rows; a power cut may truncate a file.
     pub fn has(&self, chunk: u64) -> bool {
         let whole = |mut file: std::fs::File| -> std::io::Result<bool> {
             let mut end = [0; 4];
@@ -179,13 +176,13 @@ impl Folder {
         std::fs::File::open(self.home(chunk).join(ROWS)).and_then(whole).unwrap_or(false)
     }
 
-    /// Plays the runs of a chunk and puts it in its place. `each` is asked now and then whether to go on, with the status
-    /// of a run when it is done.
+    /// Plays the runs of a chunk and stores it. `each` is called regularly, with the status of a run when it is done,
+    /// and returns whether to go on.
     ///
     /// # Errors
-    /// [`Failure::Stopped`] where `each` says no, [`Failure::Failed`] where the folder cannot be written.
+    /// [`Failure::Stopped`] where `each` returns false; [`Failure::Failed`] where the folder cannot be written.
     pub fn fill(&self, sweep: &Sweep, chunk: u64, each: &mut dyn FnMut(Option<&str>) -> bool) -> Result<(), Failure> {
-        // another process may do the same sweep
+        // another process may play the same sweep
         if self.has(chunk) {
             return Ok(());
         }
@@ -193,7 +190,7 @@ impl Folder {
         let part = aside(&home);
         std::fs::create_dir(&part).map_err(|e| failed(&part, "it cannot be made", &e))?;
         let done = self.play(sweep, chunk, &part, each).and_then(|()| {
-            // what is there without its rows is nothing
+            // a chunk without rows is incomplete
             if home.exists() && !self.has(chunk) {
                 let _ = std::fs::remove_dir_all(&home);
             }
@@ -203,7 +200,7 @@ impl Folder {
             let _ = std::fs::remove_dir_all(&part);
         }
         match done {
-            // another worker was quicker, with the same
+            // another worker stored the same chunk first
             Err(Failure::Failed(_)) if self.has(chunk) => Ok(()),
             done => done,
         }
@@ -242,10 +239,10 @@ impl Folder {
         table.write(&part.join(ROWS), &[])
     }
 
-    /// The table of all runs, written into the folder; `None` where some are missing.
+    /// Writes the tables of all runs and returns their rows; `None` where some are missing.
     ///
     /// # Errors
-    /// [`Failure::Failed`] where a chunk cannot be read or the folder not be written.
+    /// [`Failure::Failed`] where a chunk cannot be read or the folder cannot be written.
     pub fn gather(&self, sweep: &Sweep) -> Result<Option<RunTable>, Failure> {
         let mut all = RunTable::default();
         for chunk in 0..self.chunks() {
@@ -254,7 +251,7 @@ impl Folder {
             }
             all.append(RunTable::read(&self.home(chunk).join(ROWS))?)?;
         }
-        // a folder that is done may be one that nobody can write
+        // a complete folder may be read-only
         if [MANIFEST, TIME].iter().all(|name| self.path.join(name).exists()) {
             return Ok(Some(all));
         }
@@ -270,7 +267,7 @@ impl Folder {
         for (name, table) in [(MANIFEST, manifest), (TIME, times)] {
             table.write(&self.path.join(name), &about)?;
         }
-        // what killed workers left behind
+        // left over from killed workers
         for file in std::fs::read_dir(&self.path).into_iter().flatten().flatten() {
             let name = file.file_name();
             let name = name.to_string_lossy();

@@ -1,8 +1,8 @@
-//! One scene played many times, each time with other values.
+//! Plays one scene many times, each time with other values.
 //!
-//! Decides that a run is a function of the scene, the seed and its number (`axis.rs`), so that any worker may compute any
-//! run, in any order, again or for the first time, and all of them find the same; and that a bad run is a row like any
-//! other, which says what went wrong.
+//! A run is a function of the scene, the seed and the index of the run (`axis.rs`). So any worker can compute any run,
+//! in any order and repeatedly, with the same result. A failed run is a row like any other, with a status and a
+//! message.
 #![forbid(unsafe_code)]
 
 mod audio;
@@ -27,98 +27,98 @@ use ca_lab::play::{self, BLOCK, Length};
 use ca_lab::{Failure, bytes};
 use ca_model::Value;
 
-/// Most runs of a sweep.
+/// Maximum number of runs.
 const MOST: u64 = 1 << 40;
 
-/// Columns that are not the same every time: the time that a run took.
+/// Columns that differ each time: run time, and run time over duration.
 pub const TIMES: [&str; 2] = ["run_time", "rtf"];
-/// All other columns that no axis is called by.
+/// Other column names that an axis does not get.
 const OWN: [&str; 13] = [
     "index", "status", "message", "failed", "module", "frames", "peak", "rms", "partial", "t60", "residual", "seed",
     "scene",
 ];
 
-/// The column of an axis: its name, if no other column has it.
+/// Returns the column of an axis: its name, with the prefix `param.` if another column has that name.
 pub fn column(axis: &Axis) -> String {
-    // the last of them are what data sets put beside the columns
+    // the last list holds names that data sets add to the columns
     let taken = OWN.iter().chain(&TIMES).chain(&["file", "audio", "done", "run"]).any(|n| *n == axis.name);
     if taken { format!("param.{}", axis.name) } else { axis.name.clone() }
 }
 
-/// What is asked of a sweep.
+/// Specification of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepSpec {
-    /// what is varied
+    /// Axes along which values vary.
     pub axes: Vec<Axis>,
-    /// how many runs are drawn; without, every combination of values is played, the last axis first
+    /// Number of random runs; if `None`, every combination of values is played, the last axis varying fastest.
     pub runs: Option<u64>,
-    /// where drawing begins
+    /// Seed of the random values.
     pub seed: u64,
-    /// how long each is played \[s\]; without, as its model says
+    /// Duration of a run \[s\]; as its model if `None`.
     pub seconds: Option<f64>,
-    /// sound rate \[Hz\]; that of the model if none
+    /// Sound rate \[Hz\]; as the model if `None`.
     pub rate: Option<f64>,
-    /// whether the energy ledger is kept
+    /// True to compute the energy ledger.
     pub energy: bool,
-    /// whether pitch and decay are measured
+    /// True to measure pitch and decay.
     pub measure: bool,
 }
 
-/// A sweep, ready for any of its runs.
+/// Sweep that is ready to play any of its runs.
 pub struct Sweep {
     loaded: Loaded,
     ask: SweepSpec,
     gesture: Option<Gesture>,
     hash: blake3::Hash,
-    /// hash of the gesture, if there is one
     played: Option<String>,
     runs: u64,
     channels: usize,
     rate: f64,
 }
 
-/// What became of a run.
+/// Result of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunRow {
-    /// its number
+    /// Index of the run.
     pub index: u64,
-    /// its seed
+    /// Seed of the run.
     pub seed: u64,
-    /// its value on each axis
+    /// Value on each axis.
     pub values: Vec<Value>,
-    /// `ok`, `clipped`, `unstable`, `refused` (an input had no value) or `invalid` (there is no such scene)
+    /// One of `ok`, `clipped`, `unstable`, `refused` (an input lacked a value), `mute` (neither outputs nor probes),
+    /// `gained` (the scheme made more energy than it received) and `invalid` (the model does not compile).
     pub status: &'static str,
-    /// what went wrong; empty where nothing did
+    /// Description of the failure; empty without one.
     pub message: String,
-    /// when it diverged \[s\]
+    /// Time of divergence \[s\].
     pub failed: Option<f64>,
-    /// the module to blame
+    /// Module that caused the divergence.
     pub module: Option<String>,
-    /// samples of each channel
+    /// Samples per channel.
     pub frames: u64,
-    /// greatest |sample| before the ceiling; 1 is full scale
+    /// Greatest |sample| before the ceiling; 1 is full scale.
     pub peak: f64,
-    /// root mean square of all samples
+    /// Root mean square of all samples.
     pub rms: f64,
-    /// strongest partial \[Hz\]
+    /// Strongest partial \[Hz\].
     pub partial: Option<f64>,
-    /// time in which it falls by 60 dB \[s\]
+    /// Time in which the sound falls by 60 dB \[s\].
     pub t60: Option<f64>,
-    /// energy that the ledger misses, as a share of what there was
+    /// Residual of the energy ledger, relative to its peak.
     pub residual: Option<f64>,
-    /// names its scene among machines; empty where there is none
+    /// Hash of its scene, the same on all machines; empty without a scene.
     pub hash: String,
-    /// time of playing \[s\]
+    /// Run time \[s\].
     pub run_time: f64,
-    /// that over its length
+    /// Run time over duration.
     pub rtf: f64,
 }
 
 impl Sweep {
-    /// Of a model, whose values stay where no axis varies them.
+    /// Prepares a sweep of a model; values that no axis varies stay as they are.
     ///
     /// # Errors
-    /// [`Failure::Usage`] where the axes make no sense, [`Failure::Found`] where the model has errors as it is.
+    /// [`Failure::Usage`] where an axis is invalid; [`Failure::Found`] where the model has errors.
     pub fn new(loaded: Loaded, ask: SweepSpec, gesture: Option<Gesture>) -> Result<Sweep, Failure> {
         for (k, axis) in ask.axes.iter().enumerate() {
             if ask.axes[..k].iter().any(|a| a.name == axis.name) {
@@ -137,7 +137,7 @@ impl Sweep {
         let runs = runs.filter(|n| (1..=MOST).contains(n));
         let runs = runs.ok_or_else(|| Failure::Usage(format!("a sweep has 1 to {MOST} runs")))?;
         let scene = loaded.compile(&Options { rate: ask.rate, ..Options::default() })?;
-        // what a gesture cannot drive is said before the first run
+        // reports a gesture that does not fit before the first run
         Performance::new(&scene, gesture.as_ref())?;
         let (channels, rate) = (scene.counts.channels, scene.rate);
         let hash = bytes::named(&loaded, rate)?;
@@ -145,12 +145,12 @@ impl Sweep {
         Ok(Sweep { loaded, ask, gesture, hash, played, runs, channels, rate })
     }
 
-    /// How many runs there are.
+    /// Number of runs.
     pub fn runs(&self) -> u64 {
         self.runs
     }
 
-    /// Sound channels of a run.
+    /// Number of sound channels of a run.
     pub fn channels(&self) -> usize {
         self.channels
     }
@@ -160,12 +160,12 @@ impl Sweep {
         self.rate
     }
 
-    /// What was asked.
+    /// Specification of the sweep.
     pub fn ask(&self) -> &SweepSpec {
         &self.ask
     }
 
-    /// What names the scene among machines.
+    /// Hash of the scene, the same on all machines.
     pub fn hash(&self) -> String {
         self.hash.to_hex().to_string()
     }
@@ -190,10 +190,10 @@ impl Sweep {
         values
     }
 
-    /// Plays a run: its row and its sound, interleaved. `goes_on` is asked now and then.
+    /// Plays a run and returns its row and its interleaved sound. `goes_on` is called now and then.
     ///
     /// # Errors
-    /// [`Failure::Stopped`] where `goes_on` says no.
+    /// [`Failure::Stopped`] where `goes_on` returns false.
     pub fn run(&self, index: u64, goes_on: &mut dyn FnMut() -> bool) -> Result<(RunRow, Vec<f32>), Failure> {
         let mut row = RunRow {
             index,
@@ -258,7 +258,7 @@ impl Sweep {
         row.rtf = row.run_time * scene.rate / played.frames as f64;
         row.peak = level.peak.iter().copied().fold(0.0, f64::max);
         row.rms = measure::rms(&sound);
-        // what diverged has no pitch
+        // the pitch of a diverged sound means nothing
         if self.ask.measure && channels > 0 && played.diverged_at.is_none() {
             let found = measure::measures(&sound, channels, scene.rate);
             (row.partial, row.t60) = (found.partial, found.t60);
@@ -273,7 +273,7 @@ impl Sweep {
         Ok(sound)
     }
 
-    /// Rows as columns.
+    /// Converts rows to columns.
     pub fn table(&self, rows: &[RunRow]) -> RunTable {
         let mut columns: Vec<(String, Column)> = Vec::new();
         let mut add = |name: &str, column: Column| columns.push((name.into(), column));
@@ -308,7 +308,7 @@ impl Sweep {
     }
 }
 
-/// Whether something may be varied at all.
+/// Refuses an axis that cannot be varied.
 fn varied(axis: &Axis) -> Result<(), Failure> {
     if axis.name != "rate.sound" {
         return Ok(());
@@ -317,7 +317,7 @@ fn varied(axis: &Axis) -> Result<(), Failure> {
     Err(Failure::Usage(format!("{what}; make a sweep of each rate")))
 }
 
-/// How many values an axis has, where every combination is played.
+/// Returns the number of values of an axis, or an error if it is a range.
 fn counted(axis: &Axis) -> Result<u64, Failure> {
     axis.count().ok_or_else(|| {
         let what = format!("`{}` may be anything between two values", axis.name);
@@ -325,7 +325,7 @@ fn counted(axis: &Axis) -> Result<u64, Failure> {
     })
 }
 
-/// Whether a quantity is of the kind that a parameter takes: once for a range, of which numbers are drawn.
+/// Refuses a quantity in a unit that the parameter does not take, once for a range of random values.
 fn measured_so(loaded: &Loaded, name: &str, end: &Value) -> Result<(), Failure> {
     let mut model = loaded.clone();
     load::set(&mut model, name, end.clone())?;

@@ -1,4 +1,4 @@
-//! A sweep as a text: `*.sweep.toml`.
+//! Reads a sweep from a text file, `*.sweep.toml`.
 //!
 //! ```toml
 //! model = "plucked_string"              # a file, or a bundled model
@@ -15,7 +15,7 @@
 //! "low.n" = [10, 20, 40]
 //! ```
 //!
-//! Decides that what it names is looked for beside it, and that whatever it says wrongly is reported with its line.
+//! Files are looked up beside the plan. Errors name the line.
 
 use super::{Audio, Axis, MOST, Sweep, SweepSpec, counted, folder, measured_so, varied};
 use ca_compile::Options;
@@ -46,19 +46,18 @@ const KEYS: [&str; 14] = [
     "vary",
 ];
 
-/// A sweep and where it goes.
+/// Sweep with its output.
 pub struct Plan {
-    /// what is played
+    /// The sweep.
     pub sweep: Sweep,
-    /// how sounds are kept
+    /// Format of sound files.
     pub audio: Audio,
-    /// runs that are written at once
+    /// Runs per chunk.
     pub chunk: u64,
-    /// where to: as written, or the name of the plan beside it
+    /// Output folder: as written, or named after the plan and beside it.
     pub folder: PathBuf,
 }
 
-/// A text and its name, for what is said of it.
 struct Text<'a> {
     text: &'a str,
     file: &'a str,
@@ -74,7 +73,7 @@ impl Text<'_> {
         Failure::Usage(format!("{}{line}: {what}", self.file))
     }
 
-    /// Adds where it stands to what is wrong with it.
+    /// Adds the line to a usage error.
     fn at<T>(&self, item: &Item, done: Result<T, Failure>) -> Result<T, Failure> {
         done.map_err(|e| match e {
             Failure::Usage(what) => self.wrong(item.span(), &what),
@@ -82,13 +81,12 @@ impl Text<'_> {
         })
     }
 
-    /// Findings about this text.
     fn found(&self, diags: Diags) -> Failure {
         let model = Model { file: self.file.into(), text: self.text.into(), ..Model::default() };
         Failure::Found(Box::new(Found { model, diags }))
     }
 
-    /// Findings about a value that the model was given from here: they point here.
+    /// Moves findings about a value in the model to its place in the plan.
     fn placed<T>(&self, item: Option<&Item>, done: Result<T, Failure>) -> Result<T, Failure> {
         done.map_err(|e| {
             let Failure::Found(mut found) = e else { return e };
@@ -100,7 +98,7 @@ impl Text<'_> {
         })
     }
 
-    /// A number above 0 in this unit, as of a model.
+    /// Reads a number above 0 in this unit, as in a model.
     fn number(&self, table: &dyn TableLike, key: &str, unit: Unit, what: &str) -> Result<Option<f64>, Failure> {
         let Some(item) = table.get(key) else { return Ok(None) };
         let value = item.as_value().and_then(value);
@@ -111,7 +109,7 @@ impl Text<'_> {
         read.map(Some).map_err(|diags| self.found(diags))
     }
 
-    /// What to say of a name with a dot that does not stand in quotes: TOML reads it as a table in a table.
+    /// Error for a name with a dot outside quotes, which TOML reads as a nested table.
     fn unquoted(&self, name: &str, item: &Item) -> Failure {
         let (mut whole, mut inner) = (name.to_owned(), item);
         while let Some((key, next)) = inner.as_table().and_then(|t| t.iter().next()) {
@@ -135,7 +133,6 @@ impl Text<'_> {
         read(item).map(Some).ok_or_else(|| self.wrong(item.span(), &format!("`{key}` is {what}")))
     }
 
-    /// Keys that are none.
     fn known(&self, table: &dyn TableLike, keys: &[&str]) -> Result<(), Failure> {
         let Some((wrong, item)) = table.iter().find(|(k, _)| !keys.contains(k)) else { return Ok(()) };
         let at = table.key(wrong).and_then(toml_edit::Key::span).or(item.span());
@@ -173,8 +170,7 @@ fn value(item: &toml_edit::Value) -> Option<Value> {
 /// Reads a plan.
 ///
 /// # Errors
-/// [`Failure::Failed`] where the file cannot be read, [`Failure::Usage`] with the line of what makes no sense, and what
-/// [`Sweep::new`] says.
+/// [`Failure::Failed`] if the file cannot be read; [`Failure::Usage`] with the line of an error; and as [`Sweep::new`].
 pub fn read(path: &Path) -> Result<Plan, Failure> {
     let text = load::text(path)?;
     let file = path.display().to_string();

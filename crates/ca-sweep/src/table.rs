@@ -1,7 +1,7 @@
-//! Rows as columns, in Parquet files.
+//! Rows of a sweep as columns, in Parquet files.
 //!
-//! Decides for Parquet, which data frames, databases and libraries of data sets open; without compression, since a row is
-//! 200 bytes beside a sound of 100 000. The same table is the same file to the byte.
+//! Data frames, databases and data-set libraries open Parquet. Files are not compressed, since a row has 200 bytes and
+//! its sound has 100 000. Equal tables give equal files to the byte.
 
 use ca_lab::Failure;
 use parquet::basic::{ConvertedType, Repetition, Type as Physical};
@@ -20,18 +20,18 @@ use std::sync::Arc;
 /// Values of a column; `None` where a row has none.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Column {
-    /// whole numbers, all there
+    /// Integers, present in every row.
     Whole(Vec<i64>),
-    /// numbers
+    /// Numbers.
     Number(Vec<Option<f64>>),
-    /// texts
+    /// Texts.
     Text(Vec<Option<String>>),
 }
 
-/// Named columns of one length.
+/// Named columns of equal length.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RunTable {
-    /// in order
+    /// Columns in order.
     pub columns: Vec<(String, Column)>,
 }
 
@@ -52,15 +52,15 @@ fn levels<T>(values: &[Option<T>]) -> Vec<i16> {
 }
 
 impl RunTable {
-    /// The column of this name.
+    /// Returns the column of this name.
     pub fn column(&self, name: &str) -> Option<&Column> {
         self.columns.iter().find(|c| c.0 == name).map(|c| &c.1)
     }
 
-    /// Rows of another table below its own.
+    /// Appends the rows of another table.
     ///
     /// # Errors
-    /// [`Failure::Failed`] where its columns are others.
+    /// [`Failure::Failed`] where the columns differ.
     pub fn append(&mut self, other: RunTable) -> Result<(), Failure> {
         if self.columns.is_empty() {
             *self = other;
@@ -74,13 +74,13 @@ impl RunTable {
         Ok(())
     }
 
-    /// These columns in one table, all others in the other one.
+    /// Moves the named columns into the first table, all others into the second.
     pub fn split(self, names: &[&str]) -> (RunTable, RunTable) {
         let (with, without) = self.columns.into_iter().partition(|c| names.contains(&c.0.as_str()));
         (RunTable { columns: with }, RunTable { columns: without })
     }
 
-    /// Writes it into a file, with what is said of it in its metadata.
+    /// Writes the table to a file, with `about` as metadata.
     ///
     /// # Errors
     /// [`Failure::Failed`] with the file's name.
@@ -126,10 +126,10 @@ impl RunTable {
         file.into_inner()
     }
 
-    /// Reads what [`RunTable::write`] wrote.
+    /// Reads a file written by [`RunTable::write`].
     ///
     /// # Errors
-    /// [`Failure::Failed`] where there is no such file, or it is damaged.
+    /// [`Failure::Failed`] where the file does not exist or is damaged.
     pub fn read(path: &Path) -> Result<RunTable, Failure> {
         let fail = |e: String| Failure::Failed(format!("`{}`: it cannot be read: {e}", path.display()));
         let file = std::fs::File::open(path).map_err(|e| fail(ca_lab::load::reason(&e)))?;

@@ -1,26 +1,27 @@
-//! Where the energy of the hands went: one table, from the forces on the wire to the heat of every link.
+//! Energy account of the hands: one table from the forces sent to the devices to the heat of every link.
 //!
-//! Decides on joules of the hand, so that what a finger gave is what a finger feels: joules of the model times the one
-//! scale of the equivalence. What crossed at a key of another scale is first made joules of the model there. Links are
-//! summed by their name in the file, since twelve keys have twelve of each. What no row explains is the residual.
+//! All rows are in joules at the hand, so that energy given by a finger compares with energy felt by it. Joules of the
+//! model are multiplied by the common scale of the equivalence. Energy at a key with another scale is first converted
+//! to joules of the model there. Links are summed by their name in the file, because twelve keys have twelve copies of
+//! each. The residual is the energy that no row explains.
 
 use ca_core::equivalence::Gains;
 use ca_core::{Ledger, Scene};
 use ca_haptic::engine::{Engine, Port};
 
-/// The rows \[J\], and what they do not explain.
+/// Rows of the account \[J\].
 #[derive(Clone, Debug)]
 pub struct Account {
-    /// what came in: given by the hands, added by guard and device, made by the border, from other ports, by changes
+    /// Energy sources: hands, guard and device, rate boundary, other ports, and changes.
     pub sources: Vec<(String, f64)>,
-    /// where it is: lost in links and masses, stored, taken by the scheme
+    /// Energy sinks: losses in links and masses, stored energy, and the error of the scheme.
     pub sinks: Vec<(String, f64)>,
-    /// largest energy stored and lost so far
+    /// Peak of the energy stored and lost so far.
     pub peak: f64,
 }
 
 impl Account {
-    /// Of an engine that keeps the energy ledger; `None` where it does not.
+    /// Reads the account of an engine. Returns `None` if the engine runs without the energy ledger.
     pub fn of(engine: &Engine) -> Option<Account> {
         let scene = &engine.scene;
         let ledger = engine.state.ledger.as_ref()?;
@@ -30,7 +31,8 @@ impl Account {
         let removed = hand(|p, k| p.chain.ledger.removed(k));
         let b = ledger.balance();
         let received: f64 = ledger.hands.iter().map(|e| e.received).sum();
-        // by the ledger of the scene: a hand that is sent no force gives nothing to a model that receives all the same
+        // uses the ledger of the scene: a hand without force feedback gives nothing, but its model still receives
+        // energy
         let leak = scale * received - hand(|p, k| p.chain.ledger.asked[k]);
         let sources = vec![
             ("given by the hands".into(), given),
@@ -46,19 +48,19 @@ impl Account {
         Some(Account { sources, sinks, peak: scale * b.peak })
     }
 
-    /// What no row explains \[J\].
+    /// Energy that no row explains \[J\].
     pub fn residual(&self) -> f64 {
         let sum = |rows: &[(String, f64)]| rows.iter().map(|r| r.1).sum::<f64>();
         sum(&self.sources) - sum(&self.sinks)
     }
 }
 
-/// The sum over the degrees of freedom of a device that move something, as joules of the hand at the common scale.
+/// Sums `f` over the used degrees of freedom of a device, in joules at the hand at the common scale.
 fn at_hand(port: &Port, scale: f64, f: fn(&Port, usize) -> f64) -> f64 {
     let mut seen = 0_u32;
     let mut sum = 0.0;
     for l in &port.links {
-        // two ports of one degree of freedom are one hand
+        // two ports at one degree of freedom belong to one hand
         if seen >> l.dof & 1 == 0 {
             sum += f(port, l.dof) * scale / Gains::energy(l.gains);
         }
@@ -67,7 +69,7 @@ fn at_hand(port: &Port, scale: f64, f: fn(&Port, usize) -> f64) -> f64 {
     sum
 }
 
-/// The line of the file that a link comes from: without its own index, those of instances as `[*]`.
+/// Returns the name of a link in its file: without its own index, and with `[*]` for the index of an instance.
 fn line(name: &str) -> String {
     let own = name.rfind('[').filter(|i| !name[*i..].contains('.')).unwrap_or(name.len());
     let mut parts = name[..own].split('[');
@@ -79,7 +81,7 @@ fn line(name: &str) -> String {
     line
 }
 
-/// Heat of links, by their name in the file, most first.
+/// Heat of the links, summed by their name in the file, largest first.
 fn lost(scene: &Scene, ledger: &Ledger) -> Vec<(String, f64)> {
     let mut list: Vec<(String, f64)> = Vec::new();
     let mut links: Vec<_> = ca_core::internal::scene::audited_links(scene).collect();

@@ -1,13 +1,16 @@
-//! Demands of a model on a device, before it is played.
+//! Compares the stiffness, force and travel that a model needs with the limits of a device, before the model is played.
 //!
-//! The stiffness of a key is the larger of two: the sum that the compiler certifies (all contacts closed, live parameters at
-//! their stiffest), and the steepest place of the force over the whole travel of the device, with everything behind the key at
-//! rest. The second one finds a law that stiffens without end. Two limits are reported: the stiffness of the profile, and what
-//! stays passive with the friction of the device, K ≤ b/(κT), where κT is the delay of the border and one frame more, because a
-//! real device takes each force a frame later (docs/numerics.md §5.2: κ = 2). A frame is one of the device if those are longer.
-//! A stiffer key is softened while it is played ([`coupling`]). Every hard stop makes a force beyond the
-//! largest: the report says where in the travel it begins. A gesture of the model, or a rest of a key, beyond the travel
-//! of the device cannot be played: that is a fault too.
+//! The stiffness of a key is the larger of two values. The first is the sum that the compiler certifies, with all
+//! contacts closed and live parameters at their stiffest. The second is the steepest slope of the force over the whole
+//! travel of the device, with everything behind the key at rest; it also covers laws that stiffen without limit.
+//!
+//! Two stiffness limits are reported: the stiffness in the profile, and the passive limit K ≤ b/(κT) for the device's
+//! friction b. κT is the delay of the rate boundary plus one frame, because a real device applies each force a frame
+//! later (docs/numerics.md §5.2: κ = 2). T is the frame of the device if that is longer than the frame of the model.
+//!
+//! A stiffer key is softened while it is played ([`coupling`]). Every hard stop exceeds the largest force, so the
+//! report says where in the travel that begins. It is also a fault if a gesture or the rest position of a key lies
+//! beyond the travel of the device.
 
 use ca_core::equivalence::Gains;
 use ca_core::{Scene, Unit};
@@ -19,57 +22,57 @@ use ca_haptic::profile::Profile;
 use ca_lab::facts::border::quantity;
 use ca_model::quantity::{short, show};
 
-/// A key against the device, in the units of the hand.
+/// Comparison of a key with the device, in units at the hand.
 pub struct LimitRow<'a> {
-    /// name of the key
+    /// Name of the key.
     pub name: &'a str,
-    /// its degree of freedom
+    /// Degree of freedom of the key.
     pub dof: u32,
-    /// its scale
+    /// Scale between model and hand.
     pub gains: Gains,
-    /// what it presents over the travel
+    /// Force and stiffness of the key over the travel.
     pub presented: Presented,
-    /// where it is softened while it is played, the stiffness that is felt \[N/m\]
+    /// Stiffness at the hand after softening \[N/m\], if the key is softened.
     pub felt: Option<f64>,
-    /// no coupling fits it
+    /// True if no coupling fits the key.
     pub too_stiff: bool,
-    /// largest force within the travel \[N\]
+    /// Largest force within the travel \[N\].
     pub force: f64,
-    /// where in the travel the force first passes the largest of the device, from the rest of the key \[m\]
+    /// Distance from the rest position of the key at which the force first exceeds the limit of the device \[m\].
     pub saturates: Option<f64>,
-    /// links straight on it, stiffest first, with their stiffness in the hand
+    /// Links attached directly to the key with their stiffness at the hand, stiffest first.
     pub links: Vec<(&'a str, f64)>,
-    /// the device has this degree of freedom
+    /// True if the device has this degree of freedom.
     pub there: bool,
-    /// least and largest position that its rest and its gesture ask for \[m\]
+    /// Range of positions that the rest and the gesture of the key require \[m\].
     pub asks: [f64; 2],
 }
 
 impl LimitRow<'_> {
-    /// Stiffness in the hand \[N/m\].
+    /// Stiffness at the hand \[N/m\].
     pub fn k(&self) -> f64 {
         self.presented.k()
     }
 }
 
-/// All that is asked.
+/// Demands of all keys on a device.
 pub struct DeviceDemands<'a> {
-    /// the device
+    /// The device.
     pub profile: &'a Profile,
-    /// a key each
+    /// One row per key.
     pub rows: Vec<LimitRow<'a>>,
-    /// what it holds
+    /// Limits of the device.
     pub held: Held,
-    /// gesture frames a second
+    /// Gesture rate of the model \[Hz\].
     pub rate: f64,
-    /// names of the devices of the model that were compared
+    /// Names of the compared devices of the model.
     pub devices: Vec<&'a str>,
-    /// forces reach the hand
+    /// True if forces reach the hand.
     pub feedback: bool,
 }
 
 impl<'a> DeviceDemands<'a> {
-    /// Compares. The devices of the model that bear the profile's name are meant, or all where none does.
+    /// Compares the devices of the model named like the profile, or all devices if none has that name.
     pub fn new(scene: &'a Scene, profile: &'a Profile) -> DeviceDemands<'a> {
         let mut devices: Vec<&str> =
             scene.inputs.iter().filter_map(|i| i.device.as_ref()).map(|d| d.0.as_str()).collect();
@@ -97,17 +100,17 @@ impl<'a> DeviceDemands<'a> {
         }
     }
 
-    /// Keys at degrees of freedom that the device lacks.
+    /// Returns keys at degrees of freedom that the device lacks.
     pub fn missing(&self) -> Vec<&LimitRow<'a>> {
         self.rows.iter().filter(|r| !r.there).collect()
     }
 
-    /// True if the device sends fewer frames than the model has.
+    /// Returns true if the frame rate of the device is below the gesture rate of the model.
     pub fn slow(&self) -> bool {
         self.profile.rate < self.rate * (1.0 - 1e-9)
     }
 
-    /// Keys the device cannot render, and which limit they pass.
+    /// Returns whether a key exceeds the stiffness of the profile, and whether it exceeds the passive limit.
     pub fn beyond(&self, r: &LimitRow) -> [bool; 2] {
         let feedback = self.feedback;
         [
@@ -116,7 +119,7 @@ impl<'a> DeviceDemands<'a> {
         ]
     }
 
-    /// The hold on a key that is firmer than springs, beyond the reach of the device.
+    /// Describes friction or damping at a key that is too strong for the device.
     fn firmly(&self, r: &LimitRow) -> Option<String> {
         let (z, b) = (r.presented.viscosity, self.profile.body.friction);
         if !self.feedback || !r.presented.is_rigid(b) {
@@ -128,21 +131,21 @@ impl<'a> DeviceDemands<'a> {
         }
     }
 
-    /// True if a key is to be where the device cannot bring it.
+    /// Returns true if a key must reach positions outside the range of the device.
     pub fn outside(&self, r: &LimitRow) -> bool {
         let [low, high] = self.profile.range;
         let slack = 1e-6 * (high - low);
         r.asks[0] < low - slack || r.asks[1] > high + slack
     }
 
-    /// True if the device cannot give all that is asked.
+    /// Returns true if the device cannot meet all demands.
     pub fn too_much(&self) -> bool {
         !self.missing().is_empty()
             || self.rows.iter().any(|r| self.outside(r))
             || self.rows.iter().any(|r| self.beyond(r).contains(&true) || self.firmly(r).is_some())
     }
 
-    /// The result of a key, in words.
+    /// Describes the result for a key in words.
     pub fn verdict(&self, r: &LimitRow) -> String {
         if !r.there {
             return "not on this device".into();
@@ -172,12 +175,12 @@ impl<'a> DeviceDemands<'a> {
     }
 }
 
-/// Three digits of a force.
+/// Formats a force with three digits.
 pub fn newton(v: f64) -> String {
     show(short(v).parse().unwrap_or(v), Unit::NEWTON)
 }
 
-/// Device port number `t` of the scene.
+/// Compares device port `t` of the scene. Returns `None` if its device is not among `devices`.
 fn row<'a>(scene: &'a Scene, t: usize, profile: &Profile, devices: &[&str], needed: &Needed) -> Option<LimitRow<'a>> {
     let port = scene.ports.tgr[t];
     let input = &scene.inputs[port.input as usize];

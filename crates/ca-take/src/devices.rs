@@ -1,9 +1,9 @@
-//! The devices that a scene names, and their ports.
+//! Lists the devices that a scene names, and their ports.
 
 use ca_core::{Input, InputRole, Scene};
 use ca_haptic::frame::DOF;
 
-/// The devices a scene names, in order.
+/// Returns the names of the devices of a scene, in order.
 pub fn devices(scene: &Scene) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for i in scene.inputs.iter().filter(|i| i.role == InputRole::Device) {
@@ -16,13 +16,13 @@ pub fn devices(scene: &Scene) -> Vec<String> {
     names
 }
 
-/// One more than the highest DOF of a device that a scene uses, of those that a frame has room for.
+/// Returns the number of degrees of freedom of a device that a scene uses: its highest index plus one, at most `DOF`.
 pub fn dofs(scene: &Scene, device: &str) -> u32 {
     let all = of_device(scene, device).filter_map(|i| Some(i.device.as_ref()?.1 + 1)).max();
     all.unwrap_or(0).min(DOF as u32)
 }
 
-/// The ports of a device that no frame has room for: MIDI and gestures alone move them.
+/// Returns the ports of a device beyond the degrees of freedom of a frame. Only MIDI and gestures move them.
 pub fn beyond<'s>(scene: &'s Scene, device: &'s str) -> impl Iterator<Item = &'s Input> {
     let far = |i: &&Input| i.device.as_ref().is_some_and(|d| d.1 as usize >= DOF);
     of_device(scene, device).filter(far)

@@ -1,4 +1,4 @@
-//! Gestures from files, as they are named on a command line.
+//! Opens the gesture files named on a command line.
 
 use ca_core::Scene;
 use ca_io::gesture::{Gesture, Track, port_maps};
@@ -7,7 +7,7 @@ use ca_lab::{Failure, catalog};
 use ca_model::select::is_name;
 use std::path::Path;
 
-/// `key=take.wav`, unless there is a file of that very name in `folder`.
+/// Splits `key=take.wav` into port and file, unless `folder` has a file with that whole name.
 pub fn port_and_file<'a>(text: &'a str, folder: &Path) -> (Option<&'a str>, &'a Path) {
     match text.split_once('=') {
         Some((port, file)) if !folder.join(text).exists() && is_name(port) => (Some(port), Path::new(file)),
@@ -15,11 +15,13 @@ pub fn port_and_file<'a>(text: &'a str, folder: &Path) -> (Option<&'a str>, &'a 
     }
 }
 
-/// All files as one gesture; none of none. `rate` \[Hz\] is for arrays without times. A file is looked for in `folder`.
-/// Remarks on a file are handed to `note`.
+/// Opens all files as one gesture. Returns `None` if `files` is empty.
+///
+/// `rate` \[Hz\] applies to arrays without times. Paths are relative to `folder`. `note` receives remarks on a file.
 ///
 /// # Errors
-/// [`Failure::Usage`] where a file drives nothing or cannot be called by one port, and what its reader says.
+/// Returns [`Failure::Usage`] if a file drives nothing or if `PORT=` names a file with several tracks. Passes on the
+/// errors of the file readers.
 pub fn open(
     files: &[String],
     rate: Option<f64>,
@@ -32,7 +34,7 @@ pub fn open(
     for text in files {
         let (port, file) = port_and_file(text, folder);
         let file = &*folder.join(file);
-        // a rate is for arrays; among several files it is theirs alone
+        // among several files, the rate applies to arrays only
         let array = has_extension(file, "npy") || files.len() == 1;
         let gesture = if has_extension(file, "mcap") {
             ca_haptic::take::gesture(file, &catalog())?
@@ -55,7 +57,7 @@ pub fn open(
     Ok(if files.is_empty() { None } else { Some(Gesture::together(all)?) })
 }
 
-/// Refuses a single `ch0` that nobody is called by, with the way to name it.
+/// Refuses a single track `ch0` if nothing has that name, and explains how to name it.
 fn nameless(tracks: &[Track], scene: &Scene, file: &Path) -> Result<(), Failure> {
     let [one] = tracks else { return Ok(()) };
     let drives = |n: &str| scene.inputs.iter().any(|i| i.name == n) || scene.live.params.iter().any(|p| p.name == n);

@@ -1,7 +1,7 @@
-//! Gestures and takes as files: a gesture is opened, a take is made without a device.
+//! Opens gesture files and records takes without a device.
 //!
-//! Takes stand above the crates that play a scene: their format (MCAP) brings half as many packages as all below, and neither a fit nor
-//! a measurement needs them.
+//! This crate is separate from the crates that play a scene. The MCAP format of takes adds half as many packages as all
+//! those crates use, and neither fits nor measurements need it.
 #![forbid(unsafe_code)]
 
 pub mod account;

@@ -1,25 +1,27 @@
-//! The text of a model that is played, for its take.
+//! Text of the played model, as its take stores it.
 
 use ca_lab::load::{self, Loaded};
 use ca_lab::{Failure, bytes};
 use ca_model::{Entry, Model, Value, write};
 
-/// A model as a take holds it: a text, and the values that were changed since it was read.
+/// A model as a take stores it: its text, and the values changed since it was read.
 pub struct Original {
-    /// the model of the text
+    /// Model of the text.
     pub loaded: Loaded,
-    /// values that were changed, as names and values of `--set`
+    /// Changed values, as names and values of `--set`.
     pub changes: Vec<(String, String)>,
-    /// the model with these values
+    /// Model with these values.
     pub played: Loaded,
 }
 
 impl Original {
-    /// The text of the author where text and changes give the same model to the byte. Otherwise the model is written anew:
-    /// the order of modules in a new text may differ, and with it the bits of the sound, so the model of that text is played.
+    /// Keeps the author's text if text and changes reproduce the same model to the byte. Otherwise writes a new text.
+    ///
+    /// The order of modules in a new text may differ, and with it the bits of the sound. So the model of the new text
+    /// is played.
     ///
     /// # Errors
-    /// [`Failure::Found`] of a model with errors.
+    /// Returns [`Failure::Found`] if the model has errors.
     pub fn of(loaded: &Loaded) -> Result<Original, Failure> {
         let model = &loaded.model;
         if !model.text.is_empty() {
@@ -44,7 +46,7 @@ impl Original {
     }
 }
 
-/// Values of `to` that `from` lacks or has otherwise, by name.
+/// Values of `to` that are missing or different in `from`, by name.
 fn changes(from: &Model, to: &Model) -> Vec<(String, String)> {
     let mut all = Vec::new();
     let mut put = |name: String, new: &Value, old: Option<&Value>| {

@@ -1,7 +1,8 @@
-//! A take without a device: hands that move as a gesture says, the engine that serves them, and what it did.
+//! Records a take without a device: a gesture moves the simulated hands.
 //!
-//! Decides that a take is made by the real engine, with its guard, from frames as a device sends them: so it replays to
-//! the bit, and shows the forces a hand would have had. Built-in gestures of other ports are not played, as by a server.
+//! The real engine with its guard processes frames as a device sends them. So the take replays to the bit and contains
+//! the forces that a hand would have received. As in `ca serve`, built-in gestures of ports other than devices are not
+//! played.
 
 use crate::{Original, devices, dofs};
 use ca_compile::Options;
@@ -21,38 +22,38 @@ use ca_lab::{Failure, play};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Pictures of the scene a second.
+/// Pictures of the scene per second.
 const VIEWS: f64 = 60.0;
 
-/// How it is played.
+/// Options of a recording.
 #[derive(Clone, Debug, Default)]
 pub struct RecordOptions {
-    /// how long \[s\]; without, as of any play
+    /// Length \[s\]; if `None`, the default length of a performance.
     pub seconds: Option<f64>,
-    /// sound rate \[Hz\]; that of the model if none
+    /// Sound rate \[Hz\]; if `None`, the rate of the model.
     pub rate: Option<f64>,
-    /// whether the energy ledger is kept
+    /// Records the energy ledger.
     pub energy: bool,
-    /// whether forces are armed, as soon as the guard lets them
+    /// Arms the forces as soon as the guard allows it.
     pub forces: bool,
 }
 
-/// A performance of an engine whose devices do what a gesture says.
+/// An engine whose devices are moved by a gesture.
 struct Stage<'a> {
     hands: Performance<'a>,
     engine: Engine,
     controls: Controls,
     take: TakeWriter,
-    /// number of the next frame of the devices
+    /// Sequence number of the next device frame.
     seq: u64,
 }
 
-/// Plays a model into a take. `goes_on` is called with how many samples of how many there are.
+/// Plays a model and writes the take to `path`. Calls `goes_on` with the samples done and the total.
 ///
 /// # Errors
-/// [`Failure::Usage`] where something is driven that is no device and no live parameter, [`Failure::Found`] where the
-/// model has errors, [`Failure::Failed`] where the file is there already or cannot be written, and [`Failure::Stopped`];
-/// nothing is left of it then.
+/// Returns [`Failure::Usage`] if the gesture drives something other than a device or a live parameter,
+/// [`Failure::Found`] if the model has errors, and [`Failure::Failed`] if the file exists or cannot be written. Returns
+/// [`Failure::Stopped`] if `goes_on` returns false. The incomplete file is removed on failure.
 pub fn record(
     loaded: &Loaded,
     gesture: Option<&Gesture>,
@@ -81,7 +82,7 @@ pub fn record(
         return Err(Failure::Usage(format!("{what}; a take holds what devices did, which have {DOF} at most")));
     }
     let setups: Vec<Setup> = devices(&scene).iter().map(|name| setup(&scene, name)).collect();
-    // nobody else speaks here
+    // no other session takes part in the recording
     let own = engine::Options { session: 1, ..engine::Options::default() };
     let header = Header::new(&loaded.model, changes.clone(), options, &scene, setups.clone(), own);
     let take = TakeWriter::create(path, &header, &scene)?;
@@ -96,7 +97,7 @@ pub fn record(
     done
 }
 
-/// A device of that name: what is shipped of it, else one that nobody has described.
+/// Sets up the device `name` with its bundled profile, or with the `unknown` profile if there is none.
 fn setup(scene: &Scene, name: &str) -> Setup {
     let mut profile = Profile::shipped(name).or_else(|| Profile::shipped("unknown")).unwrap_or_else(|| unreachable!());
     profile.dof = profile.dof.max(dofs(scene, name));
@@ -127,7 +128,6 @@ impl Stage<'_> {
         Ok(self.take.record(&Record::Order { tick, port: None, order })?)
     }
 
-    /// One gesture frame.
     fn frame(&mut self, view: bool, second: bool) -> Result<(), Failure> {
         let due = self.engine.due();
         let mut sent: Vec<DeviceFrame> = Vec::new();
@@ -135,7 +135,7 @@ impl Stage<'_> {
             let mut frame = DeviceFrame::new(&p.name, p.profile.dof as usize);
             let ns = (due as f64 * self.engine.scene.rates.sample_dt * 1e9) as u64;
             (frame.session, frame.seq, frame.t_device_ns) = (1, self.seq + 1, ns);
-            // what nobody moves stays where the scene has it
+            // degrees of freedom without a gesture stay at the rest position of the scene
             for l in &p.links {
                 frame.pos[l.dof] = self.engine.scene.inputs[l.input].rest / l.gains.alpha;
             }
@@ -189,7 +189,7 @@ impl Stage<'_> {
         Ok(())
     }
 
-    /// A live parameter where it is not what it should be; clamped, as a signal is.
+    /// Sets a live parameter if its value differs, clamped to its range like a signal.
     fn set(&mut self, name: &str, value: f64) -> Result<(), Failure> {
         let Some(p) = self.controls.params().iter().position(|p| p.name == name) else { return Ok(()) };
         let param = &self.controls.params()[p];

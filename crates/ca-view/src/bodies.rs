@@ -1,9 +1,9 @@
-//! Bodies: masses on a line that hang together, each with a shape of its own: a row, a ring, a sheet, a net.
+//! Finds bodies: connected masses on a line, each with a shape: a row, a ring, a sheet, a net.
 //!
-//! Decides by what a generator made together, and by the links within: neighbours only are a row, also where the last is
-//! joined to the first a ring; nodes with two indices are a sheet. What was written mass by mass is looked at as a network:
-//! paths and circles are rows and rings, the rest is laid out by its distances ([`crate::spread`]). Masses that many others
-//! hang on (a bridge) are left out of that: without them what they tie together falls into its parts.
+//! Masses of one generator form a body, and their links decide its shape. Links between neighbours make a row, or a
+//! ring if the last is joined to the first; two indices make a sheet. Masses written one by one are analysed as a
+//! network: paths and circles become rows and rings, and others are laid out by distance ([`crate::spread`]). Masses
+//! with many links (a bridge) are removed first, so that the network falls into its parts.
 
 use crate::graph::{Graph, NONE};
 use crate::spread::{Adjacent, spread};
@@ -13,34 +13,34 @@ use std::f64::consts::PI;
 /// Smaller networks that are neither path nor circle are placed mass by mass.
 const NET: usize = 8;
 
-/// How the masses of a body stand.
+/// Arrangement of the masses of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
-    /// one behind the other, linked
+    /// Linked, one behind the other.
     Row,
-    /// one behind the other, each by itself, as the cells of a bank
+    /// One behind the other without links, as the cells of a bank.
     Cells,
-    /// in the plane
+    /// In the plane.
     Plane,
 }
 
-/// Masses with places of their own.
+/// Masses with relative places.
 #[derive(Debug)]
 pub struct Body {
-    /// its nodes
+    /// Nodes of the body.
     pub nodes: Vec<u32>,
-    /// where they stand across their motion, around the middle, in units of the larger side (nodes x 2)
+    /// Places across the motion, around the middle, in units of the larger side (nodes x 2).
     pub at: Vec<[f64; 2]>,
-    /// how they stand
+    /// Arrangement.
     pub shape: Shape,
-    /// larger and smaller side, of which the larger is 1
+    /// Extent in both directions; the larger is 1.
     pub sides: [f64; 2],
-    /// masses beside each other, which gives the length of a row among others
+    /// Number of masses along it, which gives the length of a row among others.
     pub long: usize,
 }
 
 impl Body {
-    /// Nodes at these places, which are moved to the middle and scaled.
+    /// Makes a body from nodes and places, which are centred and scaled.
     fn new(nodes: Vec<u32>, mut at: Vec<[f64; 2]>, shape: Shape, long: usize) -> Body {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for p in &at {
@@ -62,19 +62,18 @@ impl Body {
         Body { nodes, at, shape, sides: size.map(|s| s * scale), long }
     }
 
-    /// Nodes in a row, at these distances along it.
+    /// Makes a row of nodes at distances `along` it.
     fn row(nodes: Vec<u32>, along: impl Iterator<Item = f64>) -> Body {
         let long = nodes.len();
         Body::new(nodes, along.map(|u| [u, 0.0]).collect(), Shape::Row, long)
     }
 
-    /// Nodes in a row that do not hold each other.
     fn cells(nodes: Vec<u32>) -> Body {
         let n = nodes.len();
         Body { shape: Shape::Cells, ..Body::row(nodes, (0..n).map(|i| i as f64)) }
     }
 
-    /// Nodes in a circle, the first in front.
+    /// Makes a circle of nodes, the first in front.
     fn ring(nodes: Vec<u32>) -> Body {
         let (n, long) = (nodes.len() as f64, nodes.len());
         let at = |i: usize| {
@@ -85,27 +84,26 @@ impl Body {
     }
 }
 
-/// What links within an item join: places in it.
+/// Links within an item, by distance of their ends in it.
 #[derive(Clone, Copy, Default)]
 struct Within {
-    /// links of neighbours
+    /// Links of neighbours.
     next: usize,
-    /// links of places more than two apart, but for the first and the last
+    /// Links of masses more than two apart, except the first with the last.
     far: usize,
-    /// whether the first and the last are linked
+    /// True if the first and the last are linked.
     closed: bool,
-    /// whether there is one
     any: bool,
 }
 
 impl Within {
-    /// Whether `n` masses are a row, but for few links.
+    /// Returns true if `n` masses form a row, apart from a few links.
     fn is_row(&self, n: usize) -> bool {
         4 * self.far < n
     }
 }
 
-/// All bodies, and for each item whether its masses hang together in its order.
+/// Returns all bodies, and for each item whether its masses are linked in order.
 pub fn bodies(graph: &Graph) -> (Vec<Body>, Vec<bool>) {
     let mut within = vec![Within::default(); graph.items.len()];
     for e in graph.edges.iter().filter(|e| e.law.is_some()) {
@@ -155,7 +153,6 @@ pub fn bodies(graph: &Graph) -> (Vec<Body>, Vec<bool>) {
     (all, chained)
 }
 
-/// A network.
 fn net(graph: &Graph, nodes: Vec<u32>) -> Body {
     let adjacent = Adjacent::new(graph.len(), &nodes, &graph.edges.iter().filter(|e| e.law.is_some()).map(|e| e.ends));
     let at = spread(&adjacent);
@@ -163,7 +160,7 @@ fn net(graph: &Graph, nodes: Vec<u32>) -> Body {
     Body::new(nodes, at, Shape::Plane, long)
 }
 
-/// Bodies of masses that were written one by one.
+/// Finds bodies among masses that were written one by one.
 fn by_hand(graph: &Graph, taken: &mut [bool]) -> Vec<Body> {
     let moves = |n: usize| !(graph.is_fixed(n) || graph.is_port(n));
     let free: Vec<u32> = graph
@@ -191,7 +188,7 @@ fn by_hand(graph: &Graph, taken: &mut [bool]) -> Vec<Body> {
             continue;
         }
         let body = if path || circle {
-            // from the end that comes first, or the first of all, along the links
+            // from the first end, or from the first mass of a circle, along the links
             let mut order = vec![ends.first().copied().unwrap_or(part[0])];
             let mut before = usize::MAX;
             while order.len() < part.len() {
@@ -210,7 +207,7 @@ fn by_hand(graph: &Graph, taken: &mut [bool]) -> Vec<Body> {
         body.nodes.iter().for_each(|n| taken[*n as usize] = true);
         bodies.push(body);
     }
-    // cells that hang on no body, and on nothing in space, stand in a row, as those of a bank do
+    // cells without links to a body or to space stand in a row, like a bank
     let mut held = vec![false; graph.len()];
     for [a, b] in springs() {
         held[a as usize] |= taken[b as usize];

@@ -1,10 +1,9 @@
-//! Drawing: what of a compiled scene is drawn, where, and how it moves.
+//! Drawing of a compiled scene: its masses, their places and how they move.
 //!
-//! Decides that a drawing is made of the scene alone and never changes: places of the masses at rest, the direction in which
-//! each moves, links by what they join. The displacements of a state follow mass by mass, one number for what moves on a line
-//! and three in space, as they stand in the state. What a person should recognise is the instrument: strings are rows with
-//! their motion across, sheets lie in a plane and move along its normal, hammers stand at what they strike. Coordinates are
-//! numbers of the same scene on every machine.
+//! A drawing depends on the scene alone and never changes. It has the rest positions of the masses, the direction of
+//! each motion, and links by their ends. The displacements of a state follow mass by mass, one number on a line and
+//! three in space. The layout makes the instrument recognisable: strings are rows that move across, meshes lie in a
+//! plane and move along its normal, and hammers are at what they strike. Coordinates are the same on every machine.
 
 use crate::graph::{Edge, Graph, NONE, Source};
 use crate::{bodies, place, thin};
@@ -12,53 +11,52 @@ use ca_core::internal::op::layout::{Output, Tap};
 use ca_core::{InputRole, Scene};
 use serde_json::{Value, json};
 
-/// A range of a gesture above this \[m\] is that of a bow, which says nothing of the size of what it plays.
+/// A gesture with a range of at least this [m] is a bow stroke, which is not related to the size of the instrument.
 const STROKE: f64 = 0.05;
 
-/// Links of one kind.
 #[derive(Clone, Debug, PartialEq)]
 struct Links {
     kind: &'static str,
     contact: bool,
-    /// drawn masses, two by two
+    /// Indices of drawn masses, in pairs.
     ends: Vec<u32>,
 }
 
-/// What of a scene is drawn, and where.
+/// Drawing of a scene. Arrays marked "(masses)" have one entry for each drawn mass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawing {
-    /// where the displacement of each stands (masses)
+    /// Index of the displacement in the state (masses).
     pub(crate) source: Vec<Source>,
-    /// rest positions \[m\] (masses)
+    /// Rest positions \[m\] (masses).
     rest: Vec<[f64; 3]>,
-    /// directions of motion, 0 in space (masses)
+    /// Directions of motion, 0 in space (masses).
     axis: Vec<[f64; 3]>,
-    /// whether nothing moves it (masses)
+    /// True for fixed points (masses).
     fixed: Vec<bool>,
-    /// index into `kinds` (masses)
+    /// Index into `kinds` (masses).
     kind: Vec<u16>,
     kinds: Vec<&'static str>,
     links: Vec<Links>,
-    /// drawn mass in the middle, or none; centre \[m\], radius \[m\]
+    /// Drawn mass in the middle, if any; centre \[m\]; radius \[m\].
     spheres: Vec<(Option<u32>, [f64; 3], f64)>,
     up: [f64; 3],
-    /// number of the MAT of each drawn mass, or none (masses)
+    /// Number of the MAT of each drawn mass, if any (masses).
     mats: Vec<Option<u32>>,
-    /// drawn mass of each MAT, or none (MATs)
+    /// Drawn mass of each MAT, if any (MATs).
     drawn: Vec<Option<u32>>,
-    /// bytes of a view
+    /// Size of a view in bytes.
     pub(crate) bytes: usize,
-    /// how many masses there are, where not all are drawn
+    /// Total number of masses, if not all are drawn.
     of: Option<usize>,
 }
 
 impl Drawing {
-    /// Of a scene.
+    /// Lays out a scene.
     pub fn new(scene: &Scene) -> Drawing {
         Drawing::of_at_most(scene, thin::MOST)
     }
 
-    /// Of a scene, with about as many masses at most.
+    /// Lays out a scene with at most about `masses` masses.
     pub fn of_at_most(scene: &Scene, masses: usize) -> Drawing {
         let graph = Graph::new(scene);
         let (bodies, chained) = bodies::bodies(&graph);
@@ -86,10 +84,12 @@ impl Drawing {
         }
     }
 
-    /// The drawing as a page reads it: `masses`, for each in order its place at `rest` \[m\], the `axis` of its motion on a line
-    /// (zeros in `space`, where a view has three numbers of it), whether it is `fixed`, its `kind`, an index into `kinds`;
-    /// `links` by kind, with the masses at their `ends` two by two; `spheres` that hold others; the direction that is `up`; and,
-    /// where not all masses are drawn, `decimated`.
+    /// Returns the drawing in the form that pages read.
+    ///
+    /// Each mass has its place at `rest` \[m\], the `axis` of its motion on a line (zeros in `space`, where a view has
+    /// three numbers for it), whether it is `fixed`, and its `kind`, an index into `kinds`. `links` are grouped by
+    /// kind, with pairs of masses as `ends`. `spheres` hold other masses, `up` is the upward direction, and `decimated`
+    /// is set if not all masses are drawn.
     pub fn json(&self) -> Value {
         let flat = |all: &[[f64; 3]]| all.iter().flatten().map(|v| short(*v)).collect::<Vec<Value>>();
         let bits = |all: &mut dyn Iterator<Item = bool>| all.map(u8::from).collect::<Vec<u8>>();
@@ -113,13 +113,13 @@ impl Drawing {
         })
     }
 
-    /// How many masses are drawn.
+    /// Returns the number of drawn masses.
     pub fn masses(&self) -> usize {
         self.source.len()
     }
 
-    /// Appends the displacements \[m\] of the drawn masses at the positions `x` of a state: little-endian `f32`, one of a mass on
-    /// a line, three of one in space.
+    /// Appends the displacements \[m\] of the drawn masses at the positions `x` of a state, as little-endian `f32`: one
+    /// for a mass on a line, three in space.
     pub fn view(&self, x: &[f64], out: &mut Vec<u8>) {
         out.reserve(self.bytes);
         let at = |place: u32| x.get(place as usize).copied().unwrap_or(0.0) as f32;
@@ -132,19 +132,19 @@ impl Drawing {
         }
     }
 
-    /// The number of the MAT that is drawn there, in the order of the symbols of the scene; none for what is no MAT, as a moving
-    /// point.
+    /// Returns the number of the MAT at a drawn mass, in the order of the symbols; `None` for moving points and other
+    /// nodes.
     pub fn scene_mass(&self, drawn: usize) -> Option<usize> {
         self.mats.get(drawn).copied().flatten().map(|m| m as usize)
     }
 
-    /// Where the MAT of that number is drawn, if it is.
+    /// Returns the drawn mass of a MAT, if it is drawn.
     pub fn drawn_mass(&self, mass: usize) -> Option<usize> {
         self.drawn.get(mass).copied().flatten().map(|d| d as usize)
     }
 }
 
-/// How far a gesture of a scene moves a port at least, or else what it hears moves at full scale \[m\].
+/// Returns the smallest range of a gesture on a position port, else the usual motion of an output at full scale \[m\].
 fn motion(scene: &Scene) -> Option<f64> {
     let port = |name: &str| scene.inputs.iter().any(|i| i.name == name && i.role != InputRole::Force);
     let range = |points: &[[f64; 2]]| {
@@ -168,7 +168,6 @@ fn motion(scene: &Scene) -> Option<f64> {
     all.get(all.len() / 2).map(|gain| 2.0 / gain).filter(|m| m.is_finite())
 }
 
-/// Links between drawn masses, by kind.
 fn links(graph: &Graph, near: &[u32], number: &[u32], thinned: bool) -> Vec<Links> {
     let drawn = |e: &Edge| {
         let law = e.law?;
@@ -178,7 +177,7 @@ fn links(graph: &Graph, near: &[u32], number: &[u32], thinned: bool) -> Vec<Link
     };
     let mut all: Vec<(u16, [u32; 2])> = graph.edges.iter().filter_map(drawn).collect();
     if thinned {
-        // several links may have become the same
+        // thinning may have made several links equal
         all.sort_unstable();
         all.dedup();
     }
@@ -191,7 +190,7 @@ fn links(graph: &Graph, near: &[u32], number: &[u32], thinned: bool) -> Vec<Link
     links
 }
 
-/// A number with as many digits as are seen.
+/// Rounds a number to 7 digits, enough for a drawing.
 fn short(v: f64) -> Value {
     if v == 0.0 {
         return json!(0);

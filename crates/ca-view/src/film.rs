@@ -1,8 +1,8 @@
-//! A performance as a film: displacements of what is drawn, so many times a second, small enough for a page.
+//! Records a performance as a film: displacements at a fixed rate, small enough for a page.
 //!
-//! Decides for 16 bits a number, of the largest displacement on a line and in space each, and for the difference to the picture
-//! before, low bytes and high bytes apart, which a general compressor makes small: no codec of our own. What would be too
-//! much has fewer pictures a second first, and then fewer masses.
+//! A number has 16 bits, scaled by the largest displacement on a line or in space. Each picture is the difference from
+//! the one before, with low and high bytes separated, so that a general compressor works well without a special codec.
+//! A long film first gets fewer pictures a second, then fewer masses.
 
 use crate::drawing::Drawing;
 use crate::graph::Source;
@@ -12,30 +12,30 @@ use flate2::write::ZlibEncoder;
 use serde_json::{Value, json};
 use std::io::Write as _;
 
-/// Pictures a second, at most and at least.
+/// Largest number of pictures a second, and the rate below which masses are left out.
 const MOST: f64 = 60.0;
 const LEAST: f64 = 20.0;
-/// Numbers of a whole film: with 2 bytes each and as text, 5 MB at most.
+/// Numbers of a whole film: at 2 bytes each, and encoded as text, at most 5 MB.
 const NUMBERS: f64 = 1.8e6;
-/// Masses that are drawn in any case.
+/// Smallest number of masses to which a film is thinned.
 const FEW: usize = 100;
 
-/// A film.
+/// Film of a performance.
 pub struct Film {
     drawing: Drawing,
-    /// pictures a second
+    /// Pictures a second.
     rate: f64,
     numbers: usize,
-    /// whether a number is of a mass in space (numbers)
+    /// True for numbers of masses in space (numbers).
     space: Vec<bool>,
-    /// all pictures \[m\]
+    /// Displacements of all pictures \[m\].
     views: Vec<f32>,
     frames: usize,
     bytes: Vec<u8>,
 }
 
 impl Film {
-    /// For so many seconds of a scene.
+    /// Prepares a film of `seconds` of a scene.
     pub fn new(scene: &Scene, seconds: f64) -> Film {
         let mut drawing = Drawing::new(scene);
         let fits = |numbers: usize| NUMBERS / (numbers.max(1) as f64 * seconds.max(0.1));
@@ -54,9 +54,9 @@ impl Film {
         Film { rate, numbers, space, views: Vec::new(), frames: 0, bytes: Vec::new(), drawing }
     }
 
-    /// The positions of a state at a time \[s\]; kept where a picture is due.
+    /// Records the positions `x` at `time` \[s\] if a picture is due.
     pub fn look(&mut self, time: f64, x: &[f64]) {
-        // as many as are due by now: one that came late stands for those that are missing
+        // a late picture also stands for those that were missed
         let due = ((time * self.rate + 1e-9).floor() as usize).saturating_add(1);
         if due <= self.frames || !time.is_finite() || time < 0.0 {
             return;
@@ -74,21 +74,24 @@ impl Film {
         }
     }
 
-    /// How many pictures there are a second.
+    /// Returns the number of pictures a second.
     pub fn rate(&self) -> f64 {
         self.rate
     }
 
-    /// How many pictures there are.
+    /// Returns the number of pictures.
     pub fn frames(&self) -> usize {
         self.frames
     }
 
-    /// As a page reads it: the `drawing`, `rate` \[1/s\], `frames`, `scale` of a number on a line and in space \[m\], and `bytes`: differences
-    /// of 16 bits, first all low bytes, then all high bytes, compressed (zlib).
+    /// Returns the film in the form that pages read: a description and the picture data.
+    ///
+    /// The description has the `drawing`, `rate` \[1/s\], `frames`, `numbers` of a picture, and `scale`, the size of a
+    /// step on a line and in space \[m\]. The data are differences of 16 bits, all low bytes before all high bytes, in
+    /// zlib format.
     ///
     /// # Errors
-    /// Where the compressor has no memory.
+    /// Fails if the compressor fails.
     pub fn json(&self) -> std::io::Result<(Value, Vec<u8>)> {
         let most = |space: bool| {
             let all = self.views.chunks_exact(self.numbers.max(1)).flat_map(|v| v.iter().zip(&self.space));

@@ -1,24 +1,24 @@
-//! Frames: the directions in which nodes on a line are drawn, and where in them each stands.
+//! Frames: coordinate systems in which nodes on a line are drawn.
 //!
-//! Decides for frames: what moves on a line has a place across its motion (to the right, into the depth) and one along it
-//! (its rest, at the scale of the motion, so that a hammer 6 mm below its string is drawn there and meets it). All that moves
-//! on a line stands in one frame with its motion upwards; but what a link ties to a mass in space along an axis stands in a
-//! frame at that mass, moving along that axis.
+//! A node on a line has a place across its motion (to the right, into the depth) and one along it: its rest position,
+//! at the scale of the motion, so that a hammer 6 mm below its string is drawn there and meets it. All these nodes
+//! share one frame with upward motion, except nodes that a link ties to a mass in space along an axis. Those have a
+//! frame at that mass, with motion along that axis.
 
 use crate::graph::Graph;
 use std::collections::BTreeMap;
 
-/// Directions of what is drawn together: to the right, into the depth, along the motion; and where their middle is.
+/// Directions and origin of a group of nodes.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
-    /// the three directions
+    /// Directions: to the right, into the depth, along the motion.
     pub axes: [[f64; 3]; 3],
-    /// the middle \[m\]
+    /// Middle \[m\].
     pub origin: [f64; 3],
 }
 
 impl Frame {
-    /// With the motion along an axis of space.
+    /// Returns a frame with its motion along an axis of space.
     pub fn new(axis: usize, sign: f64) -> Frame {
         let unit = |k: usize, s: f64| {
             let mut v = [0.0; 3];
@@ -33,47 +33,47 @@ impl Frame {
         Frame { axes: [right, cross(up, right), up], origin: [0.0; 3] }
     }
 
-    /// A place of the frame in space \[m\].
+    /// Converts a place in the frame to space \[m\].
     pub fn point(&self, at: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|k| self.origin[k] + (0..3).map(|a| self.axes[a][k] * at[a]).sum::<f64>())
     }
 
-    /// The same, without the part along the motion.
+    /// Removes the part along the motion from a point in space.
     pub fn across(&self, p: [f64; 3]) -> [f64; 3] {
         let h: f64 = (0..3).map(|k| p[k] * self.axes[2][k]).sum();
         [0, 1, 2].map(|k| p[k] - h * self.axes[2][k])
     }
 }
 
-/// Where a node stands: in which frame, and there to the right, into the depth and along the motion \[m\].
+/// Place of a node in a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct Placed {
-    /// index of the frame
+    /// Index of the frame.
     pub frame: usize,
-    /// the place in it
+    /// Place to the right, into the depth and along the motion \[m\].
     pub at: [f64; 3],
 }
 
-/// Nodes, as they are placed one after the other.
+/// Places of all nodes, filled step by step.
 pub struct Places {
-    /// the first is that of all that is tied to no axis of space
+    /// Frames; the first is for all nodes that are not tied to space.
     pub frames: Vec<Frame>,
-    /// where nodes on a line stand, as far as they are placed (nodes)
+    /// Places of nodes on a line that are placed (nodes).
     pub stand: Vec<Option<Placed>>,
-    /// width of what is drawn \[m\]
+    /// Width of the drawing \[m\].
     pub width: f64,
-    /// distance of neighbours at the ends of rows, by node; 0 elsewhere (nodes)
+    /// Signed distance of the next place beyond the end of a row; 0 for all other nodes (nodes).
     pub beyond: Vec<f64>,
-    /// masses on a line that are tied to some in space, see [`tied`]
+    /// Masses on a line that are tied to masses in space, see [`tied`].
     pub tied: BTreeMap<u32, (u8, [f64; 3])>,
-    /// frames of single masses tied to space, by axis and middle
+    /// Frames of single masses tied to space, by axis and middle.
     ties: BTreeMap<(u8, [u64; 3]), usize>,
-    /// the front of all bodies \[m\]
+    /// Front of all bodies \[m\].
     pub front: f64,
 }
 
 impl Places {
-    /// Nothing is placed yet; `main` is the frame of all that is tied to no axis of space.
+    /// Starts without placed nodes; `main` is the first frame.
     pub fn new(graph: &Graph, main: Frame, width: f64) -> Places {
         let n = graph.len();
         Places {
@@ -87,7 +87,7 @@ impl Places {
         }
     }
 
-    /// The place of a mass on a line that is tied to one in space: beside it, towards where its axis comes from.
+    /// Returns the place of a mass that is tied to a mass in space: beside it, towards the negative end of the axis.
     pub fn tie_one(&mut self, graph: &Graph, line: u32) -> Option<Placed> {
         let (axis, middle) = self.tied.get(&line).copied()?;
         let mut new = Frame::new(axis as usize, 1.0);
@@ -102,7 +102,7 @@ impl Places {
     }
 }
 
-/// What masses on a line are tied to in space, by their nodes: the axis, and the middle of the masses there \[m\].
+/// Returns for masses on a line that are tied to space the axis, and the mean place of the masses there \[m\].
 fn tied(graph: &Graph) -> BTreeMap<u32, (u8, [f64; 3])> {
     let mut all: BTreeMap<u32, (u8, [f64; 3], f64)> = BTreeMap::new();
     for e in &graph.edges {

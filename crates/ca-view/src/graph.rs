@@ -1,9 +1,9 @@
-//! Graph: the masses of a scene and what joins them, as a drawing needs them.
+//! The masses and links of a scene as a graph, for a drawing.
 //!
-//! Decides to read the scene alone, not the model: what is drawn is what runs, also of a model that was imported or made by a
-//! program. Names are used for one thing, which masses were made together (an *item*), since a generator gives them in the
-//! order of its shape; how they hang together is read from the links. What has a place in the state but is no MAT (moving
-//! points, masses that go by their modes), and what has none (the ends of waveguides), becomes a node behind the MATs.
+//! The graph is read from the scene, not from the model, so it shows what runs, also for imported and generated models.
+//! Names only show which masses were made together (an *item*), since a generator numbers them in the order of its
+//! shape; links show how they are connected. Moving points, masses computed by modes and the ends of waveguides are not
+//! MATs; they become nodes behind the MATs.
 
 use ca_core::internal::kind::name::{Index, Part};
 use ca_core::internal::op::layout::{CoordinateSource, MeasureKind, Termination};
@@ -12,105 +12,105 @@ use ca_core::{Location, Scene};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Spheres that are drawn at most.
+/// Largest number of drawn spheres.
 const SPHERES: usize = 64;
-/// No node.
+/// Marks a missing node.
 pub const NONE: u32 = u32::MAX;
 
-/// Where the displacement of a node stands in the state.
+/// Place of the displacement of a node in the state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Source {
-    /// one number
+    /// One number.
     Line(u32),
-    /// three in a row
+    /// Three successive numbers.
     Space(u32),
-    /// it does not move
+    /// A node that does not move.
     Still,
 }
 
-/// A link, by its nodes.
+/// Link between two nodes.
 #[derive(Clone, Copy, Debug)]
 pub struct Edge {
-    /// its two nodes
+    /// The nodes.
     pub ends: [u32; 2],
-    /// index into [`Graph::laws`]; `None` for the second port of a quadripole, which is not drawn
+    /// Index into [`Graph::laws`]; `None` for the second port of a quadripole, which is not drawn.
     pub law: Option<u16>,
-    /// where it joins a mass on a line with one in space, the axis along which
+    /// Axis of a link between a mass on a line and one in space.
     pub axis: Option<u8>,
 }
 
-/// Masses that were made together: those of a generator, or a single one.
+/// Masses made together by a generator, or a single mass.
 #[derive(Clone, Copy, Debug)]
 pub struct Item {
-    /// its first node; the others follow
+    /// First node; the others follow.
     pub first: u32,
-    /// how many
+    /// Number of nodes.
     pub len: u32,
-    /// nodes along both directions, of a grid
+    /// Nodes in both directions of a grid.
     pub grid: Option<[u32; 2]>,
-    /// whether its masses move in space
+    /// True if its masses move in space.
     pub space: bool,
-    /// whether it is where others are, between masses (a moving point)
+    /// True for a moving point, whose place is between masses.
     pub between: bool,
 }
 
 impl Item {
-    /// Its nodes.
+    /// Returns the range of its nodes.
     pub fn nodes(&self) -> std::ops::Range<usize> {
         self.first as usize..(self.first + self.len) as usize
     }
 }
 
-/// A string of waves: its nodes in order, both ends among them, and where each is \[ticks from the first\].
+/// String of travelling waves.
 pub struct Wave {
-    /// nodes
+    /// Nodes in order, including both ends.
     pub nodes: Vec<u32>,
-    /// distances
+    /// Distance of each node from the first \[ticks\].
     pub at: Vec<f64>,
 }
 
-/// Masses and links.
+/// Masses and links. Arrays marked "(nodes)" have one entry for each node.
 #[derive(Default)]
 pub struct Graph {
-    /// where each node moves (nodes)
+    /// Place of the displacement (nodes).
     pub source: Vec<Source>,
-    /// what it is, an index into `kinds` (nodes)
+    /// Index into `kinds` (nodes).
     pub kind: Vec<u16>,
-    /// codes of masses
+    /// Codes of masses.
     pub kinds: Vec<&'static str>,
-    /// the item of each node (nodes)
+    /// Index into `items` (nodes).
     pub item: Vec<u32>,
-    /// where in it, on a grid (nodes)
+    /// Index in the item (nodes).
     pub index: Vec<Index>,
-    /// rest position \[m\], of a mass on a line in its first number (nodes)
+    /// Rest position \[m\], on a line in the first number (nodes).
     pub rest: Vec<[f64; 3]>,
-    /// all items
+    /// All items.
     pub items: Vec<Item>,
-    /// the first of them are MATs, in the order of the symbols
+    /// Number of MATs, which are the first nodes, in the order of the symbols.
     pub mats: usize,
-    /// links
+    /// Links.
     pub edges: Vec<Edge>,
-    /// codes of links, each with whether it is a contact
+    /// Codes of links, each with whether it is a contact.
     pub laws: Vec<(&'static str, bool)>,
-    /// nodes under a moving point, and their weights, by its node
+    /// Nodes under a moving point, with their weights.
     pub under: BTreeMap<u32, Vec<(u32, f64)>>,
-    /// ports that lead moving points, with those
+    /// Ports that control moving points, with these points.
     leads: Vec<(u32, u32)>,
-    /// strings of waves
+    /// Strings of waves.
     pub waves: Vec<Wave>,
-    /// spheres that hold others: the node in their middle, and their radius \[m\]
+    /// Spheres that hold others: node in the middle, and radius \[m\].
     pub spheres: Vec<(u32, f64)>,
-    /// the axis that is up, and which way along it
+    /// Upward axis and its sign.
     pub up: (usize, f64),
-    /// how far from its rest a mass on a line begins at most \[m\]
+    /// Largest displacement of a mass on a line at the start \[m\].
     pub begin: f64,
 }
 
 impl Graph {
-    /// Of a scene.
+    /// Reads a scene.
     pub fn new(scene: &Scene) -> Graph {
         let mut graph = Graph::default();
-        // for each place of the state its node, and the axis of that
+        // node and axis for each place of the state
         let mut of = vec![(NONE, 0u8); scene.counts.n_mat];
         graph.masses(scene, &mut of);
         graph.mats = graph.source.len();
@@ -122,7 +122,7 @@ impl Graph {
             graph.link(scene, op, i, &of, &mut balls);
         }
         graph.spheres = balls.into_iter().map(|(node, bits)| (node, f64::from_bits(bits))).collect();
-        // a port that only says where a moving point stands: a share of a way, no place of its own
+        // a port that only controls a moving point: its value is a fraction, not a position
         for (port, point) in std::mem::take(&mut graph.leads) {
             if !graph.edges.iter().any(|e| e.law.is_some() && e.ends.contains(&port)) {
                 graph.source[port as usize] = Source::Still;
@@ -134,32 +134,32 @@ impl Graph {
         graph
     }
 
-    /// Nodes.
+    /// Returns the number of nodes.
     pub fn len(&self) -> usize {
         self.source.len()
     }
 
-    /// Whether a node moves in space.
+    /// Returns true if a node moves in space.
     pub fn is_space(&self, node: usize) -> bool {
         matches!(self.source[node], Source::Space(_))
     }
 
-    /// What a node is.
+    /// Returns the code of a node.
     pub fn code(&self, node: usize) -> &'static str {
         self.kinds[self.kind[node] as usize]
     }
 
-    /// Whether nothing moves it.
+    /// Returns true for a fixed point.
     pub fn is_fixed(&self, node: usize) -> bool {
         self.code(node) == "SOL"
     }
 
-    /// Whether a hand or a gesture moves it.
+    /// Returns true for a port, which a hand or a gesture moves.
     pub fn is_port(&self, node: usize) -> bool {
         matches!(self.code(node), "ENX" | "TGR")
     }
 
-    /// Whether a link is a contact, a pluck or a bow.
+    /// Returns true for a contact, a pluck or a bow.
     pub fn is_contact(&self, edge: &Edge) -> bool {
         edge.law.is_some_and(|law| self.laws[law as usize].1)
     }
@@ -177,7 +177,7 @@ impl Graph {
         self.len() as u32 - 1
     }
 
-    /// Closes an item over the nodes since the last one.
+    /// Makes an item of the nodes since the last one.
     fn close(&mut self, between: bool) {
         let first = self.items.last().map_or(0, |i| i.first + i.len);
         let len = self.len() as u32 - first;
@@ -197,7 +197,7 @@ impl Graph {
         for s in scene.symbols.iter().take(scene.mats()) {
             let Location::Mat(place) = s.location else { continue };
             let space = s.axes > 1;
-            // the fixed ends of a string are part of it, its modes are not
+            // fixed ends belong to their string, modes do not
             let part = if s.name.part == Part::Mode { Part::Mode } else { Part::Own };
             let joins = last.as_ref().is_some_and(|(of, p, sp)| {
                 s.name.index != Index::None && Arc::ptr_eq(of, &s.name.of) && (*p, *sp) == (part, space)
@@ -224,7 +224,7 @@ impl Graph {
         self.close(false);
     }
 
-    /// Moving points and masses that go by their modes.
+    /// Adds moving points and masses computed by modes.
     fn points(&mut self, scene: &Scene, of: &mut [(u32, u8)]) {
         for p in &scene.places.moving_points {
             let cell = pass::cell(scene, &scene.initial, p);
@@ -254,16 +254,16 @@ impl Graph {
         self.close(false);
     }
 
-    /// Strings of waves: their ends, and a link for each way.
+    /// Adds strings of waves: their ends, and a link for each section.
     fn waveguides(&mut self, scene: &Scene, of: &[(u32, u8)]) {
         let all = &scene.waves;
         let node = |j: usize| all.junctions.get(j).map_or(NONE, |j| of[j.mat as usize].0);
         let mut begun: Option<Wave> = None;
-        // near end, ways both to and fro between junctions, far end: one string after the other
+        // order of delays in a string: near end, both directions between junctions, far end
         for d in &all.delays {
             let ticks = d.len.max(1) as f64;
             let here = node(d.junction);
-            // junctions have their memory one behind the other
+            // memory of junctions is in ascending order
             let next = all.junctions.partition_point(|j| j.memory <= d.to).checked_sub(1).map_or(NONE, node);
             match (&mut begun, d.end) {
                 (Some(wave), Termination::Open) => {
@@ -307,12 +307,11 @@ impl Graph {
         at as u16
     }
 
-    /// Link `i` of a pass.
     fn link(&mut self, scene: &Scene, op: &Op, i: usize, of: &[(u32, u8)], balls: &mut BTreeSet<(u32, u64)>) {
         let Some(law) = op.law else { return };
         let radius = holds(scene, op, i).filter(|_| balls.len() < SPHERES);
         if let Some(set) = op.ports.pair_set {
-            // every pair of two sets: not drawn one by one
+            // the pairs of two sets are not drawn
             let Some(set) = scene.links.pair_sets.get(set) else { return };
             for m in set.members.iter().take(set.rows).filter(|_| set.rows < SPHERES) {
                 let node = of[*m as usize].0;
@@ -320,7 +319,7 @@ impl Graph {
             }
             return;
         }
-        // plucks and bows touch too, though they have no threshold
+        // plucks and bows touch too, without a threshold
         let code = law.code.split(' ').next().unwrap_or(law.code);
         let contact = law.contact || ["PLK", "ATT", "BOW"].iter().any(|touch| code.ends_with(touch));
         let ports = [
@@ -348,7 +347,7 @@ impl Graph {
     }
 }
 
-/// The radius \[m\] within which link `i` of a pass holds its second end: it has no force at any distance below.
+/// Returns the radius \[m\] within which link `i` of a pass holds its second end, free of force at smaller distances.
 fn holds(scene: &Scene, op: &Op, i: usize) -> Option<f64> {
     let law = op.law.filter(|law| law.contact && op.form.measure == MeasureKind::Radial)?;
     let coefs: Option<Vec<f64>> =
@@ -357,8 +356,8 @@ fn holds(scene: &Scene, op: &Op, i: usize) -> Option<f64> {
     (from == f64::NEG_INFINITY && to > 0.0 && to.is_finite()).then_some(to)
 }
 
-/// The axis that is up, and which way along it: against the weight of what is in space, else the last of its axes, as one number
-/// for `gravity` would have it; on a line the second, which is up on a screen.
+/// Returns the upward axis and its sign: against gravity in space, else the last axis of space, to which a single
+/// number for `gravity` applies; on a line the second axis, which is up on a screen.
 fn up(scene: &Scene, graph: &Graph, of: &[(u32, u8)]) -> (usize, f64) {
     let mut sum = [0.0; 3];
     if let Some(op) = scene.passes.forces.iter().find(|op| op.name() == "weight" && op.law.is_none()) {
@@ -377,7 +376,6 @@ fn up(scene: &Scene, graph: &Graph, of: &[(u32, u8)]) -> (usize, f64) {
     (if solid { 2 } else { 1 }, 1.0)
 }
 
-/// A number to draw.
 fn finite(v: f64) -> f64 {
     if v.is_finite() { v } else { 0.0 }
 }

@@ -1,9 +1,8 @@
-//! What of a compiled scene is drawn, and where: for a page that shows it, and for the displacements it then needs.
+//! Lays out a compiled scene for pages that draw it, and gives the displacements that they need.
 //!
-//! `bodies` finds what hangs together, `place` and `loose` say where it stands in which `frame`, `thin` what of too much is
-//! shown; [`Drawing`] is what comes of it, and [`Film`] keeps a performance for a page without a server.
-//!
-//! What is not here: nothing draws. Pages do, with what this crate gives them: that of `ca play` in `ca-play`, and reports in `ca-report`.
+//! `bodies` finds connected masses, `place` and `loose` put them in a `frame`, and `thin` selects nodes if there are
+//! too many. The result is a [`Drawing`]; a [`Film`] records a performance for a page without a server. This crate does
+//! not draw: the pages of `ca play` (`ca-play`) and of reports (`ca-report`) do.
 #![forbid(unsafe_code)]
 
 mod bodies;

@@ -1,17 +1,18 @@
-//! Loose: masses that belong to no body, each placed at what it is linked to.
+//! Places masses that belong to no body beside the masses that they are linked to.
 //!
-//! Decides to go from link to link, from the bodies on: first what moves (hammers, plectra, their keys), then what many hang on
-//! (a bridge), fixed points last, since they stand where all that they hold is. What rests apart from its neighbour along the
-//! motion stands right there, so that a blow is seen as one; else it is moved aside a little. No two stand at one place.
+//! The order follows the links, starting at the bodies: first masses that move (hammers, plectra, their keys), then
+//! masses with many links (a bridge), then fixed points, whose place depends on all that they hold. A mass that rests
+//! away from its neighbour along the motion is drawn exactly there, so that its blow looks right; otherwise it is moved
+//! aside a little. All places differ.
 
 use crate::frame::{Frame, Placed, Places};
 use crate::graph::Graph;
 use std::collections::{BTreeSet, HashMap};
 
-/// Masses that at least so many hang on, by more than a contact, are placed late.
+/// A mass with at least this many permanent links is placed late.
 const MANY: usize = 5;
 
-/// In which order masses are placed.
+/// Order of placement.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Placement {
     Moves,
@@ -19,7 +20,7 @@ enum Placement {
     Fixed,
 }
 
-/// Places all that is not yet placed.
+/// Places all remaining nodes.
 pub fn place(graph: &Graph, p: &mut Places) {
     let free: Vec<u32> = graph
         .items
@@ -36,7 +37,6 @@ pub fn place(graph: &Graph, p: &mut Places) {
     let grain = 0.006 * p.width;
     let cells = p.stand.iter().flatten().map(|s| (cell(&p.frames, s, grain, [0.0; 3]), 0)).collect();
     let mut taken = Taken { cells, grain, width: p.width };
-    // what is tied to space stands there
     let tied: Vec<u32> = p.tied.keys().copied().filter(|n| p.stand[*n as usize].is_none()).collect();
     for n in tied {
         if let Some(mut stand) = p.tie_one(graph, n) {
@@ -53,7 +53,7 @@ pub fn place(graph: &Graph, p: &mut Places) {
             () => Placement::Moves,
         }
     };
-    // places in `free` by node, for those that are next to something new
+    // index in `free` of each node
     let mut of = vec![usize::MAX; graph.len()];
     free.iter().enumerate().for_each(|(i, n)| of[*n as usize] = i);
     let mut waiting: BTreeSet<(Placement, usize)> = BTreeSet::new();
@@ -66,7 +66,7 @@ pub fn place(graph: &Graph, p: &mut Places) {
     let mut left: BTreeSet<(Placement, usize)> = left.map(|i| (turn(i), i)).collect();
     let mut alone = 0;
     loop {
-        // all of one turn that are next to what stands, at once
+        // all masses of one stage that are next to placed ones, together
         let round: Vec<usize> = match waiting.first() {
             Some((now, _)) => waiting.iter().take_while(|w| w.0 == *now).map(|w| w.1).collect(),
             None => match left.first() {
@@ -100,7 +100,7 @@ pub fn place(graph: &Graph, p: &mut Places) {
     }
 }
 
-/// For each free mass the nodes on a line it is linked to, and whether by a contact.
+/// Returns the neighbours on a line of each free mass, and whether the link is a contact.
 fn neighbours(graph: &Graph, free: &[u32]) -> Vec<Vec<(u32, bool)>> {
     let mut of = vec![usize::MAX; graph.len()];
     free.iter().enumerate().for_each(|(i, n)| of[*n as usize] = i);
@@ -118,7 +118,7 @@ fn neighbours(graph: &Graph, free: &[u32]) -> Vec<Vec<(u32, bool)>> {
     all
 }
 
-/// The place of a mass beside those it is linked to, as far as they stand.
+/// Places a mass beside its neighbours, if any of them is placed.
 fn beside(graph: &Graph, p: &Places, node: usize, around: &[(u32, bool)], turn: Placement) -> Option<Placed> {
     let w = p.width;
     let standing = || around.iter().filter_map(|(n, _)| p.stand[*n as usize]);
@@ -143,13 +143,13 @@ fn beside(graph: &Graph, p: &Places, node: usize, around: &[(u32, bool)], turn: 
         Placement::Fixed => {
             let beyond = around.iter().map(|(m, _)| p.beyond[*m as usize]).find(|b| *b != 0.0);
             let wide = high[0] - low[0];
-            // what is met stands where it is met
+            // a fixed point that is struck stands at its rest
             let met = apart && around.iter().any(|(_, contact)| *contact);
             let below = |by: f64| if met { rest } else { height - by * w };
             match beyond {
-                // the end of a row
+                // end of a row
                 Some(beyond) if n == 1.0 => [u + beyond, v, rest],
-                // what holds many in a row is seen along it
+                // holds a row of several masses: beside its left end
                 _ if n > 2.0 && high[1] - low[1] < 0.5 * wide => [low[0] - 0.08 * w, v, below(0.03)],
                 _ if n > 1.0 => [u, v, below(if n < MANY as f64 { 0.14 } else { 0.3 })],
                 _ => [u - 0.07 * w, v - 0.02 * w, below(0.14)],
@@ -159,42 +159,41 @@ fn beside(graph: &Graph, p: &Places, node: usize, around: &[(u32, bool)], turn: 
     Some(Placed { frame, at })
 }
 
-/// A place for the mass that is linked to nothing that stands, in rows before all else.
+/// Places a mass without placed neighbours, in rows in front of everything else.
 fn by_itself(graph: &Graph, p: &Places, node: usize, i: usize) -> Placed {
     let (column, row) = ((i % 9) as f64, (i / 9) as f64);
     let at = [(column - 4.0) / 8.0 * p.width, p.front - (0.25 + 0.12 * row) * p.width, graph.rest[node][0]];
     Placed { frame: 0, at }
 }
 
-/// The cell of a grid in which a node stands, moved by so much of a cell: of the first frame, or of space.
+/// Returns the grid cell of a node, shifted by `moved` cells, in the first frame or in space.
 fn cell(frames: &[Frame], s: &Placed, grain: f64, moved: [f64; 3]) -> [i64; 4] {
     let at = if s.frame == 0 { s.at } else { frames[s.frame].point(s.at) };
     let [a, b, c] = [0, 1, 2].map(|k| libm::floor(at[k] / grain + moved[k]) as i64);
     [s.frame.min(1) as i64, a, b, c]
 }
 
-/// What stands where.
 struct Taken {
-    /// cells in which something stands, with how often somebody else wanted to
+    /// Occupied cells, with the number of masses that were moved aside from each.
     cells: HashMap<[i64; 4], u32>,
     grain: f64,
     width: f64,
 }
 
 impl Taken {
-    /// Whether something stands within a quarter of a cell.
+    /// Returns true if another mass stands within a quarter of a cell.
     fn has(&self, frames: &[Frame], s: &Placed) -> bool {
         let corner = |i: u32| [0, 1, 2].map(|k| if i >> k & 1 == 0 { -0.25 } else { 0.25 });
         (0..8).any(|i| self.cells.contains_key(&cell(frames, s, self.grain, corner(i))))
     }
 
-    /// Moves a mass aside, around the place it should have, until it stands by itself.
+    /// Moves a mass aside, around its wanted place, until no other stands there.
     fn aside(&mut self, frames: &[Frame], s: &mut Placed) {
         let (wanted, from) = (cell(frames, s, self.grain, [0.0; 3]), s.at);
         let mut k = self.cells.get(&wanted).copied().unwrap_or(0);
         while self.has(frames, s) {
             k += 1;
-            // a row to both sides, then a spiral
+            // first a row to both sides, then a spiral
             let (right, back) = if k <= 12 {
                 (f64::from(k.div_ceil(2)) * if k % 2 == 0 { -1.0 } else { 1.0 }, 0.0)
             } else {

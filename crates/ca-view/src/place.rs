@@ -1,23 +1,22 @@
-//! Place: where each node is drawn.
+//! Places the nodes of a drawing.
 //!
-//! Decides the order: bodies first, the strings of an instrument one behind the other; then moving points, which stand between
-//! masses of a body; then [what is loose](crate::loose), which stands at what it is linked to. All in [frames](crate::frame);
-//! masses in space stand where they are.
+//! Bodies are placed first, the strings of an instrument one behind the other. Moving points follow, between masses of
+//! a body, then [loose masses](crate::loose), beside their neighbours. All stand in [frames](crate::frame), except
+//! masses in space, which are drawn at their position.
 
 use crate::bodies::{Body, Shape};
 use crate::frame::{Frame, Placed, Places};
 use crate::graph::{Graph, Source};
 use crate::loose;
 
-/// Width of a scene that does not say how large it is \[m\].
+/// Width of a scene without any size \[m\].
 const WIDTH: f64 = 0.1;
-/// A scene is so many times as wide as its masses on a line are apart along their motion.
+/// Width of a scene, in extents of its masses along their motion.
 const FLAT: f64 = 5.0;
 
-/// Low and high corner.
 type Corners = [[f64; 3]; 2];
 
-/// What is in space, if anything is.
+/// Returns the extent of all masses in space, if there are any.
 fn space(graph: &Graph) -> Option<Corners> {
     let mut all: Option<Corners> = None;
     let mut add = |p: [f64; 3], r: f64| {
@@ -29,7 +28,7 @@ fn space(graph: &Graph) -> Option<Corners> {
     };
     (0..graph.len()).filter(|n| graph.is_space(*n)).for_each(|n| add(graph.rest[n], 0.0));
     graph.spheres.iter().for_each(|(n, r)| add(graph.rest[*n as usize], *r));
-    // masses on a line along an axis of it
+    // masses on a line along an axis of space
     for e in &graph.edges {
         if let Some(axis) = e.axis {
             let [a, b] = e.ends.map(|n| n as usize);
@@ -42,7 +41,7 @@ fn space(graph: &Graph) -> Option<Corners> {
     all
 }
 
-/// How wide what moves on a line is drawn: as what is in space, or as its masses are apart along their motion, or as they move.
+/// Returns the width of masses on a line: the extent of space, else their extent along the motion, else the motion.
 fn width(graph: &Graph, space: Option<Corners>, motion: Option<f64>) -> f64 {
     let size = space.map_or(0.0, |[low, high]| (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max));
     if size > 0.0 {
@@ -58,7 +57,7 @@ fn width(graph: &Graph, space: Option<Corners>, motion: Option<f64>) -> f64 {
     if apart > 0.0 { FLAT * apart } else { WIDTH }
 }
 
-/// The place of every node \[m\] and the direction of its motion, nothing in space; and what is up.
+/// Returns the place of every node \[m\], the direction of its motion (0 in space) and the upward direction.
 pub fn place(graph: &Graph, bodies: &[Body], motion: Option<f64>) -> (Vec<[f64; 3]>, Vec<[f64; 3]>, [f64; 3]) {
     let n = graph.len();
     let space = space(graph);
@@ -68,7 +67,7 @@ pub fn place(graph: &Graph, bodies: &[Body], motion: Option<f64>) -> (Vec<[f64; 
     arrange(graph, bodies, &mut p);
     points(graph, &mut p);
     loose::place(graph, &mut p);
-    // beside what is in space
+    // the first frame stands beside the masses in space
     if let Some([low, high]) = space {
         let [right, depth, up] = main.axes;
         let part = |v: [f64; 3], p: [f64; 3]| (0..3).map(|k| v[k] * p[k]).sum::<f64>();
@@ -99,8 +98,8 @@ pub fn place(graph: &Graph, bodies: &[Body], motion: Option<f64>) -> (Vec<[f64; 
     (at, axes, main.axes[2])
 }
 
-/// Bodies: rows one behind the other, what is flat beside each other behind them. Several banks of cells that no link joins
-/// are notes of one instrument: they stand beside each other, each into the depth.
+/// Places the bodies: rows one behind the other, and flat bodies behind them, side by side. Several banks of cells
+/// without links between them are notes of one instrument and stand side by side, each extending into the depth.
 fn arrange(graph: &Graph, bodies: &[Body], p: &mut Places) {
     let w = p.width;
     let of = body_of(graph, bodies);
@@ -127,7 +126,7 @@ fn arrange(graph: &Graph, bodies: &[Body], p: &mut Places) {
         Shape::Cells => f64::min(0.125 * (b.long - 1) as f64, 1.0) * w,
         Shape::Plane => size,
     };
-    // the middle of the n-th of so many beside each other
+    // centre of the n-th of `of` side by side
     let column = |n: usize, of: usize, apart: f64| apart * (n as f64 - 0.5 * (of as f64 - 1.0));
     let (mut depth, mut placed) = (0.0, Vec::new());
     let standing: Vec<&Body> =
@@ -161,7 +160,7 @@ fn arrange(graph: &Graph, bodies: &[Body], p: &mut Places) {
     p.front = -0.5 * back;
 }
 
-/// The body of each node, from 1; 0 for none.
+/// Returns the body of each node, counted from 1; 0 for none.
 fn body_of(graph: &Graph, bodies: &[Body]) -> Vec<u32> {
     let mut of = vec![0u32; graph.len()];
     for (i, body) in bodies.iter().enumerate() {
@@ -170,7 +169,7 @@ fn body_of(graph: &Graph, bodies: &[Body]) -> Vec<u32> {
     of
 }
 
-/// Places a body in a frame.
+/// Places a body in a frame around `middle`.
 fn stand(graph: &Graph, p: &mut Places, body: &Body, long: f64, middle: [f64; 2], frame: usize, turned: bool) {
     for (n, at) in body.nodes.iter().zip(&body.at) {
         let (n, at) = (*n as usize, if turned { [at[1], at[0]] } else { *at });
@@ -184,20 +183,19 @@ fn stand(graph: &Graph, p: &mut Places, body: &Body, long: f64, middle: [f64; 2]
     }
 }
 
-/// Places a body so that the mass of it that is tied to one in space stands there, along that axis.
+/// Places a body so that its mass `line`, which is linked to a mass in space, stands there and moves along that axis.
 fn tie(graph: &Graph, p: &mut Places, body: &Body, long: f64, line: u32) {
     let Some((axis, middle)) = p.tied.get(&line).copied() else { return };
     let here = body.nodes.iter().position(|n| *n == line).map_or([0.0; 2], |i| body.at[i]);
     let mut new = Frame::new(axis as usize, 1.0);
     new.origin = new.across(middle);
-    // where another body is tied to the same, beside it
+    // another body tied to the same mass stands beside it
     let others = p.frames.iter().skip(1).filter(|f| (f.axes, f.origin) == (new.axes, new.origin)).count();
     p.frames.push(new);
     let middle = [1.2 * p.width * others as f64 - here[0] * long, -here[1] * long];
     stand(graph, p, body, long, middle, p.frames.len() - 1, false);
 }
 
-/// Moving points stand between the masses they are held by.
 fn points(graph: &Graph, p: &mut Places) {
     for (node, under) in &graph.under {
         let mut at = [0.0; 3];

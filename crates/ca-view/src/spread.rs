@@ -1,24 +1,23 @@
-//! Spread: places in a plane for the nodes of a network, so that what is far apart along the links is far apart there.
+//! Lays out the nodes of a network in a plane, so that nodes far apart along the links are far apart there.
 //!
-//! Decides for multidimensional scaling by pivots (Brandes and Pich, 2007): distances to a few nodes that are far from each
-//! other, counted in links, and of what their squares say of the places the two directions in which they differ most. It takes
-//! one walk over the network for each of them, however long the network is; eigenvectors of the Laplacian by iteration take as
-//! many as the square of its length, and springs that find their balance take more. Without the squares, which is simpler, what
-//! is long is bent to a bow.
+//! The method is multidimensional scaling by pivots (Brandes and Pich, 2007). It counts distances in links to a few
+//! nodes that are far from each other, and takes the two directions of largest variation in their centred squares. It
+//! needs one breadth-first search for each pivot, whatever the length of the network. Iterating eigenvectors of the
+//! Laplacian takes about as many steps as the square of that length, and relaxing springs takes more. Distances without
+//! squares would be simpler, but bend long networks to a bow.
 
 use crate::graph::NONE;
 
-/// Nodes to which distances are counted.
 const PIVOTS: usize = 10;
 
-/// Who is next to whom, among some nodes.
+/// Adjacency lists of some nodes.
 pub struct Adjacent {
     start: Vec<u32>,
     list: Vec<u32>,
 }
 
 impl Adjacent {
-    /// Among `nodes` of `n`, which are numbered in their order; a pair that is linked twice stands here once.
+    /// Builds the lists of `nodes`, renumbered in their order, out of `n`. Double links count once.
     pub fn new(n: usize, nodes: &[u32], links: &(impl Iterator<Item = [u32; 2]> + Clone)) -> Adjacent {
         let mut number = vec![NONE; n];
         nodes.iter().enumerate().for_each(|(i, n)| number[*n as usize] = i as u32);
@@ -52,17 +51,17 @@ impl Adjacent {
         Adjacent { start: begin, list: once }
     }
 
-    /// How many nodes.
+    /// Returns the number of nodes.
     pub fn len(&self) -> usize {
         self.start.len() - 1
     }
 
-    /// Those next to a node.
+    /// Returns the neighbours of a node.
     pub fn around(&self, i: usize) -> &[u32] {
         &self.list[self.start[i] as usize..self.start[i + 1] as usize]
     }
 
-    /// The parts that hang together, each in ascending order.
+    /// Returns the connected components, each in ascending order.
     pub fn parts(&self) -> Vec<Vec<usize>> {
         let mut seen = vec![false; self.len()];
         let mut all = Vec::new();
@@ -88,7 +87,7 @@ impl Adjacent {
         all
     }
 
-    /// Links from `from` to every node; to what cannot be reached one more than to the furthest.
+    /// Counts the links from `from` to every node; unreachable nodes get one more than the farthest.
     fn distances(&self, from: usize) -> Vec<f64> {
         let mut at = vec![f64::INFINITY; self.len()];
         let mut queue = vec![from];
@@ -110,13 +109,13 @@ impl Adjacent {
     }
 }
 
-/// A place for each node.
+/// Returns a place for each node.
 pub fn spread(net: &Adjacent) -> Vec<[f64; 2]> {
     let n = net.len();
     if n == 0 {
         return Vec::new();
     }
-    // each pivot is the node that is furthest from those before
+    // each pivot is the node farthest from those before
     let mut all: Vec<Vec<f64>> = Vec::new();
     let mut nearest = vec![f64::INFINITY; n];
     let mut pivot = 0;
@@ -147,7 +146,7 @@ pub fn spread(net: &Adjacent) -> Vec<[f64; 2]> {
     let axes = [0, 1].map(|_| principal(&mut matrix));
     let along = |i: usize, axis: &[f64]| all.iter().zip(axis).map(|(d, a)| d[i] * a).sum::<f64>();
     let mut at: Vec<[f64; 2]> = (0..n).map(|i| [along(i, &axes[0]), along(i, &axes[1])]).collect();
-    // products of distances are as large as squares of places
+    // products of distances scale as squares of places
     for k in 0..2 {
         let size = libm::pow(at.iter().map(|p| p[k] * p[k]).sum::<f64>(), 0.25);
         if size > 0.0 {
@@ -158,7 +157,7 @@ pub fn spread(net: &Adjacent) -> Vec<[f64; 2]> {
     }
     let (low, high) = at.iter().fold((0.0f64, 0.0f64), |(low, high), p| (low.min(p[0]), high.max(p[0])));
     let link = if high > low { (high - low) / far } else { 1.0 };
-    // what is equally far from all pivots (leaves of one branch) is moved apart, each in a direction of its own
+    // nodes equally far from all pivots (leaves of one branch) are moved apart, each in a different direction
     for (i, p) in at.iter_mut().enumerate() {
         let r = link * if net.around(i).len() < 2 { 0.4 } else { 0.05 };
         let angle = 2.399_963_229_728_653 * i as f64;
@@ -167,12 +166,11 @@ pub fn spread(net: &Adjacent) -> Vec<[f64; 2]> {
     at
 }
 
-/// The largest of all distances, at least 1.
 fn largest(all: &[Vec<f64>]) -> f64 {
     all.iter().flatten().copied().fold(1.0, f64::max)
 }
 
-/// The eigenvector of the largest eigenvalue of a symmetric matrix, which is then taken out of it.
+/// Returns the eigenvector of the largest eigenvalue of a symmetric matrix, and removes it from the matrix.
 fn principal(matrix: &mut [Vec<f64>]) -> Vec<f64> {
     let n = matrix.len();
     let mut v: Vec<f64> = (0..n).map(|i| 1.0 / (1.0 + i as f64)).collect();
@@ -210,7 +208,7 @@ mod tests {
         let lengths: Vec<f64> = links.iter().map(|[a, b]| apart(at[*a as usize], at[*b as usize])).collect();
         let (short, long) = lengths.iter().fold((f64::INFINITY, 0.0f64), |(s, l), v| (s.min(*v), l.max(*v)));
         assert!(long < 3.0 * short, "{short} to {long}");
-        // no two nodes are nearer to each other than links are long
+        // all nodes are farther apart than half of the shortest link
         for i in 0..at.len() {
             assert!((0..i).all(|j| apart(at[i], at[j]) > 0.5 * short), "{i}");
         }
@@ -218,7 +216,7 @@ mod tests {
 
     #[test]
     fn what_is_long_is_not_bent_and_leaves_stand_apart() {
-        // a ladder of 40 steps, with three leaves at one of its ends
+        // ladder of 40 steps, with three leaves at one end
         let mut links: Vec<[u32; 2]> = (0..40).flat_map(|i| [[2 * i, 2 * i + 2], [2 * i + 1, 2 * i + 3]]).collect();
         links.extend((0..41).map(|i| [2 * i, 2 * i + 1]));
         links.extend((82..85).map(|leaf| [81, leaf]));

@@ -1,16 +1,16 @@
-//! Thin: which nodes are drawn where there are too many.
+//! Selects the nodes to draw if there are too many.
 //!
-//! Decides for every k-th of what was made together, on a grid every √k-th both ways, with the last of each row: the shape
-//! stays. A link stands between what its ends are near to, where they hang together in the order they were made in; elsewhere
-//! it is drawn where both its ends are.
+//! Of nodes made together, every k-th is drawn, on a grid every √k-th in both directions, always with the last of a
+//! row, so the shape stays. An end of a link that is not drawn moves to a drawn node nearby, if its item is chained
+//! in order; otherwise the link is not drawn.
 
 use crate::graph::{Graph, Item, NONE};
 use ca_core::internal::kind::name::Index;
 
-/// Masses that are drawn at most, or a few more.
+/// Largest number of drawn masses, which may be exceeded a little.
 pub const MOST: usize = 20_000;
 
-/// Drawn nodes in their order, and for each node the drawn one that stands for it, [`NONE`] for none.
+/// Returns the drawn nodes in order, and for each node the drawn one that replaces it, or [`NONE`].
 pub fn thin(graph: &Graph, chained: &[bool], most: usize) -> (Vec<u32>, Vec<u32>) {
     let n = graph.len();
     if n <= most {
@@ -38,7 +38,7 @@ pub fn thin(graph: &Graph, chained: &[bool], most: usize) -> (Vec<u32>, Vec<u32>
                 if shown {
                     corner.entry(cell).or_insert(node as u32);
                 }
-                // what is not shown goes to the first of its cell
+                // hidden nodes move to the first of their cell
                 (shown, corner.get(&cell).copied().unwrap_or(NONE))
             } else {
                 let last = i + 1 == item.len;

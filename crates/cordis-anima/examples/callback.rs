@@ -1,7 +1,7 @@
-//! A scene inside the callback of an audio interface, of whatever library: it fills a block of floats, allocates nothing,
-//! and takes changes of live parameters from another thread through a channel of fixed size.
+//! Plays a scene in the callback of an audio interface. The callback fills a block of floats, does not allocate, and
+//! receives changes of live parameters from another thread through a channel of fixed size.
 
-// what fails here is a defect of the example
+// a failure here is a defect of the example
 #![allow(clippy::missing_panics_doc)]
 
 use cordis_anima::voice::Param;
@@ -18,37 +18,37 @@ bar = { m = "2 g", f = "pitch", t60 = "2 s", dx0 = "1 mm" }
 out = { from = "bar", gain = 500 }
 "#;
 
-/// What the callback owns.
+/// State of the callback.
 pub struct Callback {
     voice: Voice,
     changes: Receiver<(Param, f64)>,
 }
 
 impl Callback {
-    /// The callback: mono, any length.
+    /// Fills a mono block of any length; call this in the audio callback.
     pub fn fill(&mut self, block: &mut [f32]) {
         while let Ok((param, value)) = self.changes.try_recv() {
-            // over 64 samples, so that nothing clicks
+            // 64 samples avoid a click
             self.voice.set(param, value, 64);
         }
         self.voice.process(&[], &mut [block]);
     }
 }
 
-/// What the rest of the program keeps.
+/// Controls for the rest of the program.
 pub struct Panel {
     pitch: Param,
     to_voice: SyncSender<(Param, f64)>,
 }
 
 impl Panel {
-    /// Moves the pitch.
+    /// Changes the pitch.
     pub fn pitch(&self, hertz: f64) {
         self.to_voice.send((self.pitch, hertz)).expect("the voice is there");
     }
 }
 
-/// What fills blocks, and the panel that plays it.
+/// Returns the callback and the panel that controls it.
 pub fn voice() -> (Callback, Panel) {
     let compiled = Loaded::read(BAR, "bar.ca.toml").compile(&Options::default()).expect("it compiles");
     let voice = Voice::new(Arc::new(compiled.scene));
@@ -57,8 +57,7 @@ pub fn voice() -> (Callback, Panel) {
     (Callback { voice, changes }, panel)
 }
 
-/// Plays a second in blocks of 128, as an audio interface would ask for them; half-way the pitch goes up a fifth.
-/// Returns the sound.
+/// Plays a second in blocks of 128, as an audio interface would, and raises the pitch by a fifth half-way.
 fn play() -> Vec<f32> {
     let (mut voice, panel) = voice();
     let (mut sound, mut block) = (Vec::new(), [0.0; 128]);

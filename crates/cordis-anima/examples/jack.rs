@@ -1,7 +1,6 @@
-//! A voice in a real audio host: a client of a JACK server (PipeWire is one too), which plays a bar until the line ends.
-//! Type a frequency from 100 to 400 and Enter, and the bar moves there.
+//! Plays a bar as a client of a JACK server (also PipeWire). A frequency from 100 to 400 and Enter change its pitch.
 
-// what fails here is a defect of the example
+// a failure here is a defect of the example
 #![allow(clippy::missing_panics_doc, clippy::missing_errors_doc)]
 
 use cordis_anima::voice::Param;
@@ -18,7 +17,7 @@ bar = { m = "2 g", f = "pitch", t60 = "20 s", dx0 = "1 mm" }
 out = { from = "bar", gain = 500 }
 "#;
 
-/// What the thread of the server owns.
+/// State of the thread of the server.
 pub struct Player {
     voice: Voice,
     out: jack::Port<jack::AudioOut>,
@@ -35,7 +34,7 @@ impl jack::ProcessHandler for Player {
     }
 }
 
-/// The voice of the bar at a sound rate \[Hz\], and what moves its pitch.
+/// Returns the voice of the bar at a sound rate \[Hz\], and the handle of its pitch.
 pub fn bar(rate: f64) -> (Voice, Param) {
     let options = Options { rate: Some(rate), ..Options::default() };
     let compiled = Loaded::read(BAR, "bar.ca.toml").compile(&options).expect("it compiles");
@@ -44,7 +43,7 @@ pub fn bar(rate: f64) -> (Voice, Param) {
     (voice, pitch)
 }
 
-/// A client that plays until it is dropped.
+/// Client that plays until it is dropped.
 pub struct Playing {
     client: jack::AsyncClient<(), Player>,
     pitch: Param,
@@ -52,7 +51,7 @@ pub struct Playing {
 }
 
 impl Playing {
-    /// Begins to play, as the client `name`.
+    /// Starts to play, as the client `name`.
     pub fn begin(name: &str) -> Result<Playing, jack::Error> {
         let (client, _) = jack::Client::new(name, jack::ClientOptions::NO_START_SERVER)?;
         let out = client.register_port("out_0", jack::AudioOut)?;
@@ -62,7 +61,7 @@ impl Playing {
         Ok(Playing { client, pitch, to_voice })
     }
 
-    /// Moves the pitch.
+    /// Changes the pitch.
     pub fn pitch(&self, hertz: f64) {
         self.to_voice.send((self.pitch, hertz)).expect("the voice is there");
     }

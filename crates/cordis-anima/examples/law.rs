@@ -1,6 +1,7 @@
-//! A law of interaction of one's own, in a program: a spring that hardens with the fifth power, beside all that is there.
-//! What is written once here has its kernels, its energy in the ledger, its place in the certificate and its section in
-//! the language.
+//! Adds a law of interaction to a program: a spring that hardens with the fifth power.
+//!
+//! The law is written once here. Its kernels, its energy in the ledger, its stability in the certificate and its
+//! section in the language follow from it.
 
 use cordis_anima::ca_compile::load;
 use cordis_anima::ca_core::{BETWEEN, Bound, Dim, Kind, Law, Need, POSITIVE, Param, Phi, Real, Role, Table, Unit};
@@ -27,7 +28,7 @@ impl Phi<2, 0> for Fifth {
     }
 }
 
-/// N/m⁵ is kg m⁻⁴ s⁻².
+/// In SI base units kg m⁻⁴ s⁻².
 const FIFTH: Unit = Unit { symbol: "N/m^5", dim: Dim::new(-4.0, 1.0, -2.0) };
 
 static LAW: Law = Law::of::<Fifth, 2, 0>("FIFTH");
@@ -57,7 +58,7 @@ out = { from = "bob", gain = 300 }
     role: Role::Lia(&LAW),
 };
 
-/// The largest displacement \[m\] in the second half of a second, and the energy at its end as a part of that at its begin.
+/// Returns the largest displacement \[m\] after half a second, and the residual of the energy ledger over its peak.
 fn play() -> (f64, f64) {
     let kinds = catalog().with(&[&KIND]);
     let options = Options { energy: true, ..Options::default() };
@@ -82,6 +83,6 @@ fn main() {
 fn nothing_is_lost() {
     let (most, residual) = play();
     assert!((most - 2e-3).abs() < 2e-5, "{most}");
-    // a curved spring by the explicit scheme: the ledger knows what the scheme makes of it
+    // the explicit scheme changes the energy of a curved spring; the ledger accounts for that change
     assert!(residual < 1e-9, "{residual}");
 }

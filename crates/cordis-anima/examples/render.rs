@@ -1,4 +1,4 @@
-//! A model file, or a small string, played to its end into a WAV file:
+//! Renders a model file, or a small string, into a WAV file:
 //! `cargo run -p cordis-anima --example render -- [MODEL.ca.toml [OUT.wav]]`
 
 use cordis_anima::ca_io::format::Format;

@@ -1,5 +1,5 @@
-//! One parameter over a range, on all cores: how the hardness of a hammer changes the loudness of a string. A scene is
-//! shared by whoever wants; here each value is a scene of its own, compiled from the same model.
+//! Varies one parameter on all cores: the loudness of a string against the stiffness of the hammer. Each value has a
+//! scene, compiled from the same model; threads could also share one scene.
 
 use cordis_anima::{Error, Loaded, Options, render};
 use std::thread;
@@ -15,7 +15,7 @@ strike = { between = ["hammer", "low[3]"], k = "1 kN/m", z = "0.2 N s/m" }
 out = { from = "low[1]", gain = 100 }
 "#;
 
-/// Root mean square of half a second, with a hammer of this stiffness \[N/m\].
+/// Returns the root mean square of half a second, with a hammer of this stiffness \[N/m\].
 fn loudness(k: f64) -> Result<f64, Error> {
     let mut loaded = Loaded::read(STRING, "string.ca.toml");
     loaded.model.put("strike.k", k.into());
@@ -24,7 +24,7 @@ fn loudness(k: f64) -> Result<f64, Error> {
     Ok((sound.iter().map(|x| x * x).sum::<f64>() / sound.len() as f64).sqrt())
 }
 
-/// The loudness of each stiffness, in their order.
+/// Returns the loudness at each stiffness.
 fn sweep(all: &[f64]) -> Result<Vec<f64>, Error> {
     let cores = thread::available_parallelism().map_or(1, usize::from);
     thread::scope(|s| {

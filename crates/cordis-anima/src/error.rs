@@ -1,29 +1,26 @@
-//! Why a model could not be loaded or played.
-//!
-//! Decides on two cases: a file that could not be read, and a model with errors, which keeps the model so that the
-//! findings can be shown in its text.
+//! Errors of loading and playing a model.
 
 use ca_io::FileError;
 use ca_model::Model;
 use ca_model::diag::Diags;
 use ca_model::render;
 
-/// Findings, with the model they point into.
+/// Findings, with the model whose text they point into.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// the model
+    /// Model with its text.
     pub model: Model,
-    /// errors, and what else was found
+    /// All findings, with at least one error.
     pub diags: Diags,
 }
 
-/// Why a model could not be loaded or played. As text, the findings stand below the lines they are about.
+/// Error of loading or playing a model. As text, it shows each finding below the line that it points to.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Error {
-    /// a file cannot be read, or a gesture does not fit
+    /// File that cannot be read, or gesture that does not fit the scene.
     File(FileError),
-    /// the model has errors
+    /// Model with errors.
     Model(Box<Found>),
 }
 

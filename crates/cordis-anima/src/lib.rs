@@ -12,15 +12,15 @@
 //! }
 //! # Ok::<(), cordis_anima::Error>(())
 //! ```
-//! A file is loaded by [`load`], and played to its end, by its own gesture, by [`render`]:
+//! [`load`] loads a file, and [`render`] plays a scene to its end with its built-in gesture:
 //! ```no_run
 //! let scene = cordis_anima::load("hammered_string.ca.toml")?.scene;
 //! let sound = cordis_anima::render(&scene, None)?;
 //! println!("{} samples of {} channels at {} Hz", sound.frames(), sound.channels, sound.rate);
 //! # Ok::<(), cordis_anima::Error>(())
 //! ```
-//! In an audio program a [`Voice`] plays a scene by blocks of planar `f32`, with ports and live parameters by handle, and
-//! without an allocation:
+//! In an audio program a [`Voice`] plays a scene in blocks of planar `f32`, sets ports and live parameters by handle,
+//! and does not allocate:
 //! ```
 //! # let text = "[CEL]\nbar = { m = '2 g', f = '440 Hz', t60 = '2 s', dx0 = '1 mm' }\n[SOX]\nout = { from = 'bar', gain = 500 }\n";
 //! # let scene = cordis_anima::Loaded::read(text, "bar.ca.toml").compile(&Default::default())?.scene;
@@ -30,7 +30,7 @@
 //! assert!(left.iter().any(|sample| *sample != 0.0));
 //! # Ok::<(), cordis_anima::Error>(())
 //! ```
-//! With the feature `bytes` a compiled scene has a form in bytes, which a program without a compiler reads:
+//! With the feature `bytes` a compiled scene is saved as bytes, which a program without a compiler can read:
 #![cfg_attr(feature = "bytes", doc = "```")]
 #![cfg_attr(not(feature = "bytes"), doc = "```ignore")]
 //! use cordis_anima::{Loaded, Options, Plan, catalog};

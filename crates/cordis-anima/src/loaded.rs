@@ -1,6 +1,6 @@
-//! A model with what was found in it and what the files it names hold: everything that is needed to compile it.
+//! A model with its findings and the content of the files it names: all input of the compiler.
 //!
-//! The extension tells the format: one of [`ca_import::FORMATS`], or else our own.
+//! The file name extension decides the format: one of [`ca_import::FORMATS`], or else a model file.
 
 use crate::error::{Error, Found};
 use ca_compile::load::finish;
@@ -16,12 +16,12 @@ use ca_model::render::line_column;
 use ca_model::{Model, read};
 use std::path::Path;
 
-/// All kinds there are: those of the run-time, generators, and LPR.
+/// Returns all kinds: run-time, generators, and LPR.
 pub fn catalog() -> Catalog {
     ca_model::catalog().with(ca_lpr::KINDS)
 }
 
-/// The functions of all laws there are over `R`, for [`Scene::bind`](crate::Scene::bind).
+/// Returns the functions over `R` of all laws, for [`Scene::bind`](crate::Scene::bind).
 pub fn laws<R: Real>() -> Laws<R> {
     ca_core::internal::phi::laws().with(ca_lpr::laws())
 }
@@ -29,32 +29,31 @@ pub fn laws<R: Real>() -> Laws<R> {
 /// Loads and compiles a model.
 ///
 /// # Errors
-/// [`Error::File`] where the file cannot be read, [`Error::Model`] where the model has errors.
+/// [`Error::File`] if the file cannot be read, [`Error::Model`] if the model has errors.
 pub fn load(path: impl AsRef<Path>) -> Result<Compiled, Error> {
     Ok(Loaded::open(path)?.compile(&Options::default())?)
 }
 
-/// A model with what its reader found.
+/// Model with the findings of its reader.
 #[derive(Clone)]
 pub struct Loaded {
-    /// the model
+    /// The model.
     pub model: Model,
-    /// findings of the reader
+    /// Findings of the reader.
     pub diags: Diags,
-    /// its name without folder and extension
+    /// File name without folder and extension.
     pub name: String,
-    /// what the files it names hold
+    /// Content of the files that the model names.
     pub clouds: Clouds,
-    /// the format of another program that it was imported from
+    /// Format of the other program that the model was imported from.
     pub format: Option<&'static Format>,
 }
 
 impl Loaded {
-    /// A model from its file, and the files it names, which are looked for beside it.
+    /// Reads a model from its file, and the files it names, which are looked up beside it.
     ///
     /// # Errors
-    /// Where the file cannot be read, is no text in UTF-8, or is larger than any model. What is wrong with the model is
-    /// in [`Loaded::diags`].
+    /// Fails if the file cannot be read, is not UTF-8, or is larger than any model. [`Loaded::diags`] has model errors.
     pub fn open(path: impl AsRef<Path>) -> Result<Loaded, FileError> {
         let path = path.as_ref();
         let file = path.to_string_lossy();
@@ -64,19 +63,20 @@ impl Loaded {
         })
     }
 
-    /// A model from its text; `file` is its name in reports, and where the files it names are looked for.
+    /// Reads a model from its text. `file` is its name in reports; the files it names are looked up beside `file`.
     pub fn read(text: &str, file: &str) -> Loaded {
         let folder = Path::new(file).parent().unwrap_or(Path::new("")).to_owned();
         Loaded::read_with(text, file, &mut |name| part(&folder, name))
     }
 
-    /// A model from its text, and the files it takes parts from, of which `open` gives the texts.
+    /// Reads a model from its text; `open` returns the texts of the files that it takes parts from.
     pub fn read_with(text: &str, file: &str, open: &mut dyn FnMut(&str) -> Result<String, Unread>) -> Loaded {
         let (model, diags) = read::read_with(text, file, &catalog(), open);
         Loaded::found(model, diags, file)
     }
 
-    /// A model from the text of another program, see [`ca_import::assumed`]. With errors, the model is empty but for the text they point into.
+    /// Imports a model from the text of another program, see [`ca_import::assumed`]. With errors, the model is empty
+    /// except for the text that they point into.
     pub fn import(text: &str, file: &str) -> Loaded {
         let (mut model, diags) = (ca_import::assumed(file).import)(text, file);
         if diags.has_errors() {
@@ -85,7 +85,7 @@ impl Loaded {
         Loaded { format: Some(ca_import::assumed(file)), ..Loaded::found(model, diags, file) }
     }
 
-    /// A model that was built by a program.
+    /// Takes a model that was built by a program.
     pub fn built(model: Model) -> Loaded {
         Loaded::found(model, Diags::new(), "")
     }
@@ -97,8 +97,7 @@ impl Loaded {
         loaded
     }
 
-    /// Reads the files that the model names and that were not read yet, after a change of the model; they are looked for
-    /// beside its own.
+    /// Reads the named files that were not read yet, after a change of the model; their paths start from its folder.
     pub fn look(&mut self) {
         let (model, kinds) = (&self.model, catalog());
         if ca_io::cloud::named(model, &kinds).into_iter().any(|name| !self.clouds.contains_key(name)) {
@@ -108,11 +107,10 @@ impl Loaded {
         }
     }
 
-    /// Compiles it; [`Options::clouds`] are its own. Findings of reader and compiler together, in order of place; one is
-    /// not said twice.
+    /// Compiles the model with its own [`Options::clouds`], and merges findings of reader and compiler by place.
     ///
     /// # Errors
-    /// All findings, with an error among them.
+    /// Returns all findings if one of them is an error.
     pub fn compile(&self, options: &Options) -> Result<Compiled, Box<Found>> {
         let options = Options { clouds: self.clouds.clone(), ..options.clone() };
         finish(&self.model, self.diags.clone(), &catalog(), &options)
@@ -120,11 +118,10 @@ impl Loaded {
     }
 }
 
-/// The text of a file that a model in `folder` takes parts from.
 fn part(folder: &Path, name: &str) -> Result<String, Unread> {
     let path = folder.join(name);
     let unread = |what: &str, help: &str| Unread { what: format!("`{name}`: {what}"), help: help.into() };
-    // a pipe would be waited for; what is not there is said by who reads it
+    // reading a pipe would block; `text` reports a missing file
     if path.metadata().is_ok_and(|m| !m.is_file()) {
         return Err(unread("it is no file", "name a model file beside this one"));
     }
@@ -140,27 +137,27 @@ fn part(folder: &Path, name: &str) -> Result<String, Unread> {
     })
 }
 
-/// The text of a model file of another program.
+/// Reads the text of a model file of another program.
 ///
 /// # Errors
-/// Where it cannot be read.
+/// Fails if it cannot be read.
 pub fn foreign_text(path: &Path) -> Result<String, FileError> {
     let format = ca_import::assumed(&path.to_string_lossy());
     Ok((format.decode)(reading::text(path, reading::MODEL)?))
 }
 
-/// The text of a model of ours.
+/// Reads the text of a model file.
 ///
 /// # Errors
-/// Where it cannot be read, or is not UTF-8; with line and column.
+/// Fails if it cannot be read, or is not UTF-8; the error has line and column.
 pub fn text(path: &Path) -> Result<String, FileError> {
     utf8(reading::text(path, reading::MODEL)?, path)
 }
 
-/// Bytes as text; messages call them `name`.
+/// Converts bytes to text. Messages call the file `name`.
 ///
 /// # Errors
-/// Where they are not UTF-8; with line and column.
+/// Fails if they are not UTF-8; the error has line and column.
 pub fn utf8(bytes: Vec<u8>, name: &Path) -> Result<String, FileError> {
     String::from_utf8(bytes).map_err(|e| {
         let good = e.as_bytes().get(..e.utf8_error().valid_up_to()).unwrap_or_default();
@@ -171,7 +168,7 @@ pub fn utf8(bytes: Vec<u8>, name: &Path) -> Result<String, FileError> {
     })
 }
 
-/// `a/b/gut.ca.toml` → `gut`
+/// Returns the file name without extension: `a/b/gut.ca.toml` → `gut`.
 pub fn stem(path: &Path) -> String {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let lower = name.to_ascii_lowercase();

@@ -1,7 +1,7 @@
-//! A scene played to its end, in memory.
+//! Plays a scene to its end, in memory.
 //!
-//! The loop is [`ca_io::play`], as for the command and Python: the same bits everywhere. A file, a
-//! gesture or the energy ledger are for those who use [`ca_io`] themselves (`examples/render.rs`).
+//! The loop is [`ca_io::play`], which the command and Python use too, so the bits are the same. To write a file, to
+//! play another gesture or for the energy ledger, use [`ca_io`] (`examples/render.rs`).
 
 use crate::error::Error;
 use ca_core::Scene;
@@ -9,32 +9,30 @@ use ca_io::perform::{self, Performance};
 use ca_io::play::{BLOCK, play};
 use ca_io::{FileError, FileErrorKind};
 
-/// What a scene sounded like.
+/// Sound of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rendered {
-    /// sound rate \[Hz\]
+    /// Sound rate \[Hz\].
     pub rate: f64,
-    /// sound channels
+    /// Number of sound channels.
     pub channels: usize,
-    /// samples, interleaved (frames × channels); 1 is full scale
+    /// Samples, interleaved (frames × channels); 1 is full scale.
     pub sound: Vec<f64>,
-    /// the second at which it had diverged, and silence began \[s\]
+    /// Time at which the scene had diverged and silence began \[s\].
     pub diverged: Option<f64>,
 }
 
 impl Rendered {
-    /// Samples of each channel.
+    /// Returns the number of samples in each channel.
     pub fn frames(&self) -> usize {
         self.sound.len() / self.channels.max(1)
     }
 }
 
-/// Plays a scene by its built-in gesture: for so many seconds, or as long as its author says, or until its gesture has
-/// died away.
+/// Plays a scene with its built-in gesture, for `seconds`, else for the length of the model, else until it dies away.
 ///
 /// # Errors
-/// [`Error::File`] where its gesture drives what is not there, where `seconds` is no time, or where so much sound does not
-/// fit into memory.
+/// [`Error::File`] if the gesture drives an unknown port, if `seconds` is negative or NaN, or if memory is too small.
 pub fn render(scene: &Scene, seconds: Option<f64>) -> Result<Rendered, Error> {
     let p = Performance::new(scene, None)?;
     let seconds = perform::seconds(&p, seconds);

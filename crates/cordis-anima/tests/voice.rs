@@ -1,4 +1,4 @@
-//! A voice beside the ticks it stands for: sound, ports, forces, live parameters, what a callback may be handed.
+//! Compares a voice with ticks of its scene: sound, ports, forces, live parameters, arguments out of range.
 
 use cordis_anima::ca_core::InputRole;
 use cordis_anima::{Loaded, Options, Scene, Voice, tick};
@@ -40,7 +40,7 @@ fn blocks_are_the_ticks_of_the_scene() {
     assert_eq!(voice.port("nothing"), None);
     let (mut left, mut right, mut third) = (vec![0.0_f32; n], vec![9.0_f32; n], vec![9.0_f32; n]);
     voice.hold(at_key, 1e-3);
-    // blocks of uneven lengths, one of none
+    // blocks of uneven lengths, one of them empty
     let mut at = 0;
     for block in [1, 700, 0, 64, 1235, 1000] {
         let range = at..at + block;

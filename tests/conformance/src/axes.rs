@@ -1,5 +1,5 @@
-//! In space, along one direction, every law does what it does on a line; along an axis of space it does so in every
-//! bit but those of the square root.
+//! Every law acts along a direction in space as it does on a line. Along an axis of space the bits are the same too,
+//! except those that depend on the square root.
 
 use crate::drawn::{args, built, held, laws};
 use crate::play::{Random, mat, model, within};
@@ -7,8 +7,7 @@ use ca_compile::Options;
 use ca_core::{Kind, State, tick};
 use ca_model::{Entry, Model, Value};
 
-/// Two masses with a distance between them, on a line or along `n` in space, joined by one link; `along` for a link
-/// that acts on the difference along `n`.
+/// Two masses at a distance, on a line or along `n` in space, and one link, which acts along `along` if given.
 fn pair(kind: &Kind, list: &[Entry], n: Option<[f64; 3]>, along: Option<[f64; 3]>) -> Model {
     let at = |v: f64| n.map_or(format!("{v}"), |n| format!("[{}, {}, {}]", v * n[0], v * n[1], v * n[2]));
     let (from, speed, back) = (at(3e-3), at(0.4), at(-0.3));
@@ -24,7 +23,7 @@ fn pair(kind: &Kind, list: &[Entry], n: Option<[f64; 3]>, along: Option<[f64; 3]
     m
 }
 
-/// Places of both masses along `n` after each tick.
+/// Positions of both masses along `n` after each tick.
 fn run(m: &Model, n: Option<[f64; 3]>, ticks: usize) -> Vec<[f64; 2]> {
     let scene = built(m, &Options::default());
     let mut s = scene.state();
@@ -56,10 +55,10 @@ fn along_a_direction_every_law_is_that_of_the_line() {
             let list = args(kind, &mut Random(seed * 7919));
             let line = run(&pair(kind, &list, None, None), None, 600);
             assert!(line.iter().flatten().all(|x| x.is_finite()), "{}", kind.code);
-            // the distance of two points has no sign: compared while the second stays above the first
+            // a distance has no sign: compared only while the second point stays above the first
             let crossed = line.iter().position(|[a, b]| b - a + 3e-3 <= 1e-4).unwrap_or(line.len());
             for n in AXES {
-                // the ports of a quadripole have no direction but their own
+                // the ports of a quadripole define their own directions
                 if kind.param("along").is_some() {
                     let with = run(&pair(kind, &list, Some(n), Some(n)), Some(n), 600);
                     within(&format!("{} along {n:?}", kind.code), worst(&line, &with), 1e-12);
@@ -124,7 +123,7 @@ fn the_ledger_balances_in_space() {
             let m = pair(kind, &list, Some(AXES[3]), None);
             let scene = built(&m, &Options { energy: true, ..Options::default() });
             let mut s = scene.state();
-            // the second mass goes sideways too, so that the link turns
+            // the second mass also moves sideways, so that the link rotates
             s.d[mat(&scene, "room.high") + 2] += 1e-5;
             (0..3000).for_each(|_| tick(&scene, &mut s));
             let ledger = s.ledger.as_ref().expect("asked for");

@@ -1,4 +1,4 @@
-//! Kinds with drawn parameters, compiled: what the other files hold to their promises.
+//! Compiles kinds with random parameters for the other files.
 
 use crate::felt;
 use crate::models;
@@ -8,19 +8,19 @@ use ca_compile::{Options, compile};
 use ca_core::{Catalog, Kind, Law, Need, Role, Scene, Table, Type, Unit};
 use ca_model::{Entry, Model, Value, read, render};
 
-/// All kinds there are, and one of our own.
+/// The whole catalog and the test kind of [`felt`].
 pub fn catalog() -> Catalog {
     models::catalog().with(&[&felt::KIND])
 }
 
-/// Name and text of every model there is, and of that kind's example.
+/// Name and text of every model, and of the example of that kind.
 pub fn texts() -> Vec<(String, String)> {
     let mut all = models::texts();
     all.push((format!("example of {}", felt::KIND.code), felt::KIND.example.into()));
     all
 }
 
-/// The model in `text`, of the kinds of [`catalog`].
+/// Reads the model in `text` with the kinds of [`catalog`].
 ///
 /// # Panics
 /// If it has errors.
@@ -30,7 +30,7 @@ pub fn read(text: &str) -> Model {
     model
 }
 
-/// All laws, with their kinds.
+/// All laws with their kinds.
 ///
 /// # Panics
 /// If there are fewer than 12.
@@ -41,7 +41,7 @@ pub fn laws() -> Vec<(&'static Kind, &'static Law)> {
     list
 }
 
-/// Every law by every method it has, the explicit one first.
+/// Every law with each of its methods, the explicit one first.
 ///
 /// # Panics
 /// If there are fewer than six methods besides the explicit one.
@@ -55,7 +55,7 @@ pub fn ways() -> Vec<(&'static Kind, &'static str)> {
     all
 }
 
-/// Writes the method, where it is another than the first, and the only curve that it knows.
+/// Adds a method other than the first, and the only curve that it supports.
 fn by(way: &str, args: &mut Vec<Entry>) {
     if way == "set-valued" {
         args.retain(|e| !matches!(e.key.as_str(), "curve" | "points" | "f" | "fd"));
@@ -66,7 +66,7 @@ fn by(way: &str, args: &mut Vec<Entry>) {
     }
 }
 
-/// A value for a parameter of a link, as it would be written, of the size it has in an instrument.
+/// Draws a value for a parameter of a link, as it would be written, in the usual range of an instrument.
 ///
 /// # Panics
 /// If no size is known for the unit.
@@ -90,7 +90,7 @@ pub fn written(unit: Unit, (min, max): (f64, f64), rng: &mut Random) -> f64 {
     v.clamp(min, max)
 }
 
-/// Parameters of a link, drawn within their ranges; tables rise, so that they resist.
+/// Draws the parameters of a link within their ranges; tables rise, so that they resist.
 pub fn args(kind: &Kind, rng: &mut Random) -> Vec<Entry> {
     let mut out = Vec::new();
     let chosen = |set: &'static [&'static [&'static str]], roll: f64| set[usize::from(roll > 0.0) % set.len()];
@@ -100,11 +100,10 @@ pub fn args(kind: &Kind, rng: &mut Random) -> Vec<Entry> {
         if mentioned.is_some_and(|(_, set)| !set.contains(&p.name)) {
             continue;
         }
-        // both ends of the link drawn live on a line, and a method other than the first is no explicit law
+        // the ends of the drawn link are on a line, and other methods are not explicit laws
         if matches!(p.name, "soften" | "method" | "theta") {
             continue;
         }
-        // the last table of a kind is left out only where there is another
         let table = |t: &Type| matches!(t, Type::Points { .. });
         let only = table(&p.ty)
             && kind.params.iter().rfind(|q| table(&q.ty)).is_some_and(|q| q.name == p.name)
@@ -114,12 +113,11 @@ pub fn args(kind: &Kind, rng: &mut Random) -> Vec<Entry> {
         }
         let value: Value = match p.ty {
             Type::Number { .. } if p.name == "p" => (0.25 * (4.0 + (4.0 * (rng.uniform() + 1.0)).floor())).into(),
-            // a rest length would only move the elongation, which is drawn anyway
+            // a rest length would only shift the elongation, which is drawn anyway
             Type::Number { .. } if p.name == "l0" => 0.0.into(),
             Type::Number { unit, min, max } => written(unit, (min, max), rng).into(),
             Type::PowerStiffness { .. } => written(Unit::STIFFNESS, (0.0, f64::MAX), rng).into(),
             Type::Choice(words) if p.name == "curve" => {
-                // the curve follows the set that was chosen
                 let table = sets.iter().any(|(_, s)| s.contains(&"points"));
                 let i = ((rng.uniform() + 1.0) * 1.5) as usize;
                 words[if table { words.len() - 1 } else { i.min(words.len() - 2) }].into()
@@ -146,7 +144,7 @@ pub fn args(kind: &Kind, rng: &mut Random) -> Vec<Entry> {
     out
 }
 
-/// The second port of a quadripole, on two fixed points: what is left is the plain link.
+/// Fixes the second port of a quadripole at two fixed points, which leaves the plain link.
 pub fn held(kind: &Kind, m: &mut Model, args: &mut Vec<Entry>) {
     if kind.param("onto").is_some() {
         m.add("SOL", "north", []);
@@ -174,17 +172,17 @@ pub fn built(m: &Model, options: &Options) -> Compiled {
     compile(m, &catalog(), options).unwrap_or_else(|d| panic!("{d}\n{}", ca_model::write::write(m)))
 }
 
-/// A law with its coefficients, memory and tables, taken from a compiled scene.
+/// A law from a compiled scene, with its coefficients, memory and tables.
 pub struct Loaded {
-    /// the law
+    /// The law.
     pub law: &'static Law,
-    /// coefficients
+    /// Its coefficients.
     pub c: Vec<f64>,
-    /// memory
+    /// Its memory.
     pub mem: Vec<f64>,
-    /// tables of the scene
+    /// Tables of the scene.
     pub tables: Vec<Table>,
-    /// the model in text
+    /// The model as text.
     pub named: String,
 }
 
@@ -199,7 +197,7 @@ impl Loaded {
     /// The first link of a scene.
     ///
     /// # Panics
-    /// If it does not have one.
+    /// If the scene has no link.
     pub fn first(scene: &Scene) -> Loaded {
         let s = scene.state();
         let op = scene.passes.forces.iter().find(|o| o.law.is_some()).expect("a link");
@@ -214,21 +212,21 @@ impl Loaded {
     pub fn start(&mut self, e: f64) {
         (self.law.fns.start)(&self.c, [e, 0.0], &mut self.mem);
     }
-    /// The force \[N\] at the elongation `e` after a step of `w` \[m\].
+    /// Force \[N\] at the elongation `e` after a step of `w` \[m\].
     pub fn force(&mut self, e: f64, w: f64) -> f64 {
         (self.law.fns.force)(&self.c, &mut self.mem, &self.tables, e, w)
     }
-    /// The energy \[J\] at the elongation `e`.
+    /// Energy \[J\] at the elongation `e`.
     pub fn stored(&self, e: f64) -> f64 {
         (self.law.fns.energies.stored)(&self.c, &self.mem, &self.tables, e, e)
     }
 }
 
-/// True where the first link holds nothing wherever its ends are, and its force is known before they move.
+/// True if the first link stores no energy at any elongation and its force is known before its ends move.
 pub fn only_resists(scene: &Scene) -> bool {
     let mut l = Loaded::first(scene);
     let late = !l.law.stage.is_explicit();
-    // a pluck that begins disengaged holds nothing before it has been reached
+    // a pluck that begins disengaged stores nothing until it is reached
     let way = |i: i32| 1e-2 * (f64::from(i) * std::f64::consts::TAU / 2000.0).sin();
     l.start(0.0);
     let reaches = (1..=4000).any(|i| {
@@ -243,11 +241,11 @@ pub fn only_resists(scene: &Scene) -> bool {
         })
 }
 
-/// Masses of [`row`].
+/// Number of masses of [`row`].
 pub const MASSES: u32 = 12;
 
-/// A row of masses joined by one law each, long enough for a run, and a link across, so that batches hold a run and a
-/// loose link.
+/// A row of masses joined by links of one law, long enough for a run, and one link across, so that batches hold a run
+/// and a loose link.
 pub fn row(kind: &Kind, way: &str, apart: bool, rng: &mut Random) -> Model {
     let mut m = model("[SOX]\nout = { from = \"m3\" }\n");
     for i in 0..MASSES {

@@ -1,16 +1,16 @@
-//! A law of our own that the catalog does not have: felt, a contact with hysteresis, nine coefficients and memory.
+//! A law outside the catalog: felt, a contact with hysteresis, nine coefficients and memory.
 //!
-//! Decides that the conformance suite is run with a law that differs from all bundled ones in each of these, added as
-//! another crate would add it. It is passive by construction: pressed deeper than ever in this contact it follows the
-//! loading curve L(n), else a softer one that ends there, and what lies between them is heat.
+//! With it the conformance suite runs a law that differs from all bundled ones in each of these, added as another crate
+//! would add it. The law is passive by construction. Pressed deeper than ever in this contact, it follows the loading
+//! curve L(n), otherwise a softer curve that ends there; the difference is heat.
 //!
-//! Equation: n = d − e (sense "outside"), L = k n + q max(n − b, 0), m = largest n since touch;
-//! F = −L (r + (1 − r) n/m) + z w while n > 0, with `z` while closing and `zo` while opening.
+//! Equation: n = d − e (sense "outside"), L = k n + q max(n − b, 0), m = largest n since touch; F = −L (r + (1 − r)
+//! n/m) + z w while n > 0, with `z` while closing and `zo` while opening.
 
 use ca_core::internal::phi::{ALONG, PAIRS};
 use ca_core::{ANY, BETWEEN, Bound, Kind, Law, Need, POSITIVE, Param, Phi, Real, Role, Table, Type, Unit};
 
-/// Its record.
+/// Its catalog record.
 pub static KIND: Kind = Kind {
     code: "FELT",
     title: "felt (contact with hysteresis)",
@@ -47,8 +47,8 @@ out = { from = "bar", gain = 1000 }
 
 static LAW: Law = Law::of::<Felt, 9, 2>("FELT");
 
-/// Coefficients k, q, b, r, z/T, zo/T, d, sign of the sense, 1 where clipped; memory: the largest penetration of this
-/// contact, and the heat of the last tick that is due to hysteresis.
+/// Coefficients k, q, b, r, z/T, zo/T, d, sign of the sense, 1 if clipped. Memory: largest penetration in this contact,
+/// and heat of the last tick from hysteresis.
 struct Felt;
 
 /// Integrals of the loading curve L from 0 to `n`: of L, and of L times depth.
@@ -57,13 +57,13 @@ fn areas<R: Real>(&[k, q, b, ..]: &[R; 9], n: R) -> [R; 2] {
     [R::of(0.5) * (k * n * n + q * o * o), k * n * n * n / R::of(3.0) + q * o * o * (o / R::of(3.0) + R::of(0.5) * b)]
 }
 
-/// What is not given back of a compression to the depth `m`.
+/// Energy not returned after a compression to the depth `m`.
 fn kept<R: Real>(c: &[R; 9], m: R) -> R {
     let [work, moment] = areas(c, m);
     if m > R::ZERO { (R::of(1.0) - c[3]) * (work - moment / m) } else { R::ZERO }
 }
 
-/// How deep it is pressed, 0 where it is not.
+/// Penetration, 0 if not touching.
 fn depth<R: Real>(c: &[R; 9], e: R) -> R {
     (c[7] * (c[6] - e)).max(R::ZERO)
 }
@@ -86,7 +86,7 @@ impl Phi<9, 2> for Felt {
         let &[k, q, b, r, closing, opening, _, side, clip] = c;
         let n = depth(c, e);
         let before = mem[0];
-        // once let go, it is as it was before the blow
+        // after release the memory is as before the blow
         let m = if n > R::ZERO { before.max(n) } else { R::ZERO };
         *mem = [m, (kept(c, m) - kept(c, before)).max(R::ZERO)];
         if n == R::ZERO {
@@ -108,7 +108,7 @@ impl Phi<9, 2> for Felt {
         mem[1] + viscous * w
     }
     fn bound(&[k, q, _, r, closing, opening, ..]: &[f64; 9], _: &[Table]) -> Bound {
-        // on the way back the curve ends with up to 2 − r times the slope of the loading curve
+        // on unloading, the curve ends with up to 2 − r times the slope of the loading curve
         Bound { k: (k + q) * (2.0 - r), z: closing.max(opening), contact: true, ..Bound::default() }
     }
 }

@@ -1,4 +1,4 @@
-//! A contact with memory, played: [`felt`](crate::felt).
+//! Plays a contact with memory: [`felt`](crate::felt).
 
 use crate::drawn::{built, read};
 use crate::play::{apart, mat, within};
@@ -6,7 +6,7 @@ use ca_compile::Options;
 use ca_core::tick;
 use ca_model::Model;
 
-/// A ball that a spring brings back to a felt again and again, on a line or in space along `x`.
+/// A ball that a spring returns to a felt many times, on a line or in space along `x`.
 fn bounces(space: bool) -> Model {
     let at = |v: f64| if space { format!("[{v}, 0, 0]") } else { format!("{v}") };
     let dim = if space { 3 } else { 1 };
@@ -20,7 +20,7 @@ fn bounces(space: bool) -> Model {
     ))
 }
 
-/// The memory of a contact ends when its ends are too far apart to touch: each blow begins anew.
+/// The memory of a contact is cleared when its ends are too far apart to touch, so each blow begins anew.
 #[test]
 fn what_a_contact_remembers_ends_with_the_contact_in_space_too() {
     let run = |space: bool| {
@@ -41,7 +41,7 @@ fn what_a_contact_remembers_ends_with_the_contact_in_space_too() {
     within("in space as on a line", apart(&run(true), &run(false)), 1e-12);
 }
 
-/// The finding of a contact pressed at load has its force; nothing is assumed of what it remembers.
+/// The finding about a contact pressed at load states its force, with an empty memory.
 #[test]
 fn a_contact_with_memory_that_is_pressed_at_load_is_named_with_its_force() {
     let text = "[MAS]\nlow = { m = 1 }\nhigh = { m = 1, x = -1e-3 }\n[FELT]\npress = { between = [\"low\", \"high\"], \
@@ -52,7 +52,7 @@ fn a_contact_with_memory_that_is_pressed_at_load_is_named_with_its_force() {
     assert_eq!(scene.state().links.mem, [1e-3, 0.0]);
 }
 
-/// Between two sets in space it stays a link for each pair, since each pair remembers its own contact.
+/// Between two sets in space it remains one link per pair, because each pair has its own memory.
 #[test]
 fn a_set_of_contacts_with_memory_is_its_pairs() {
     let grains: Vec<_> = (0..6).map(|i| format!("g{i} = {{ m = 1, x = [{}, 0, 0] }}\n", 0.01 * f64::from(i))).collect();

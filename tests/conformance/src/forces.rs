@@ -1,4 +1,4 @@
-//! Forces of every law: action and reaction, bounds, passivity, and the energy of each.
+//! Forces of every law: action and reaction, bounds, passivity, and energies.
 
 use crate::drawn::{Loaded, built, laws, only_resists, pair, ways};
 use crate::play::{Random, mat};
@@ -19,7 +19,7 @@ proptest! {
             (s.x[a], s.x[b], s.d[a]) = (x, y, v);
             for _ in 0..200 {
                 ca_core::compute_forces(&scene, &mut s);
-                // what is solved for rounds at each mass by itself
+                // a solved force is rounded at each mass separately
                 let room = if scene.layout.implicit.is_some() { 1e-13 * s.f[a].abs() } else { 0.0 };
                 prop_assert!((s.f[a] + s.f[b]).abs() <= room, "{}: {} and {}", kind.code, s.f[a], s.f[b]);
                 ca_core::integrate(&scene, &mut s);
@@ -27,18 +27,17 @@ proptest! {
         }
     }
 
-    /// What the ends do at a link along a way is held by it or turned to heat, up to the step of the force in one step.
+    /// Work done on a link along a path is stored or becomes heat, up to the jump of the force in one step.
     #[test]
     fn work_is_stored_or_heat(seed in 1u64.., from in -1e-3..1e-3f64, way in -2e-3..2e-3f64) {
         for (kind, _) in laws() {
             let mut l = Loaded::new(kind, &mut Random(seed));
             let n = 20_000;
-            // it stands at either end
             let path = |i: i32| from + way * f64::from(i.clamp(0, n)) / f64::from(n);
             l.start(from);
             let held = l.stored(from);
             let (mut work, mut heat, mut scale) = (0.0, 0.0, 0.0f64);
-            // the sum errs where the force bends within a step: by no more than the step of the force there
+            // the sum errs where the force has a kink within a step, by at most the jump of the force there
             let (mut last, mut bend) = (None, 0.0f64);
             for i in 0..=n {
                 let e = [path(i - 1), path(i), path(i + 1)];
@@ -58,14 +57,13 @@ proptest! {
         }
     }
 
-    /// Round and round a closed path, a link takes work or nothing; what it says it turns to heat is never negative.
+    /// Over a closed path a link never gives net work, and its reported heat is never negative.
     #[test]
     fn a_cycle_gains_nothing(seed in 1u64.., middle in -5e-4..5e-4f64, swing in 1e-4..2e-3f64) {
         for (kind, _) in laws() {
             let mut l = Loaded::new(kind, &mut Random(seed));
             let n = 20_000;
             let path = |i: i32| middle + swing * (f64::from(i) * std::f64::consts::TAU / f64::from(n)).sin();
-            // once round to forget where it began
             let (mut taken, mut scale) = (0.0, 0.0f64);
             for i in -n..n {
                 let e = [path(i - 1), path(i), path(i + 1)];
@@ -82,7 +80,7 @@ proptest! {
         }
     }
 
-    /// No slope is above the bound the certificate uses; at rest, of laws that harden without end.
+    /// No slope exceeds the bound in the certificate; for laws that harden without end, at rest.
     #[test]
     fn bounds_bound(seed in 1u64.., e in -2e-3..2e-3f64, step in 1e-7..1e-4f64, w in -1e-5..1e-5f64) {
         for (kind, _) in laws() {
@@ -91,13 +89,13 @@ proptest! {
             let (from, to) = (l.law.fns.idle)(&l.c);
             let rest = if !l.law.contact { 0.0 } else if from.is_finite() { from } else { to };
             let e = if bound.hardens { rest } else { e };
-            // what remembers begins anew at `e` each time; what then lets go has no slope to speak of
+            // a law with memory restarts at `e` each time; a release during the step has no meaningful slope
             let mut rise = |step: f64| {
                 let f = [e, e + step].map(|x| {
                     l.start(e);
                     l.force(x, 0.0)
                 });
-                // a step as small as that is rounded where it is added
+                // the step as rounded by the addition
                 let step = (e + step) - e;
                 if l.law.mem > 0 && f[1] == 0.0 { 0.0 } else { ((f[1] - f[0]) / step).abs() }
             };
@@ -132,8 +130,8 @@ proptest! {
         }
     }
 
-    /// With the ledger kept: every law's accounts close, heat is never negative, linear laws and implicit ones make
-    /// nothing, and what only resists never makes a mass faster.
+    /// With the ledger, every law balances and heat is never negative. Linear and implicit laws make no energy, and
+    /// purely resisting laws never accelerate a mass.
     #[test]
     fn ledgers_balance(seed in 1u64.., x in -1e-3..1e-3f64, v in -0.2..0.2f64) {
         for (kind, way) in ways() {
@@ -160,7 +158,7 @@ proptest! {
                 before = ledger.h;
             }
             let b = s.ledger.as_ref().expect("a ledger").balance();
-            // and where a force acts far from rest on what holds little, each place is rounded: a walk of 2000 steps
+            // a large force far from rest with little stored energy: rounding of positions, a random walk of 2000 steps
             let places = (2000.0f64 / 12.0).sqrt() * f64::EPSILON * force * far;
             prop_assert!(b.residual.abs() <= 1e-12 * b.peak + places, "{} {way}: {b:?}", kind.code);
             prop_assert!(way == "ca" || b.scheme_error <= 1e-12 * b.peak + places, "{} {way}: {b:?}", kind.code);

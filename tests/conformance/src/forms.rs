@@ -1,4 +1,4 @@
-//! Every form of a law, batch or run or single link, computes the same.
+//! Every form of a law, batch, run or single link, gives the same result.
 
 use crate::drawn::{MASSES, built, row, ways};
 use crate::play::{Random, mat, reference};
@@ -8,7 +8,7 @@ use ca_core::tick;
 #[test]
 fn all_forms_of_a_law_give_the_same_bits() {
     let mut seen = std::collections::BTreeSet::new();
-    // of two worlds, and where a force falls, such a method is refused where links share a mass
+    // with a method, laws of two worlds and falling laws are refused on shared masses
     let alone = |kind: &str, way: &str| (kind.starts_with("LPR") || kind == "ATT") && way != "ca";
     for (kind, way) in ways().into_iter().filter(|(kind, way)| !alone(kind.code, way)) {
         for apart in [false, true] {

@@ -1,7 +1,8 @@
-//! The conformance of laws: every kind of the catalog keeps the promises of its record. No test names a kind, so a new law is
-//! tested as soon as it is listed. [`felt`] is a law that is not listed, added as another crate would add it.
+//! Conformance of laws: every kind of the catalog satisfies its record.
 //!
-//! `cargo test -p ca-conformance` builds the language, the compiler and the run-time alone, so it is quick after a change of a law.
+//! No test names a kind, so a new law is tested as soon as it is listed. [`felt`] is an unlisted law, added as another
+//! crate would add it. `cargo test -p ca-conformance` builds only the language, the compiler and the run-time, so it is
+//! quick after a change of a law.
 
 pub mod drawn;
 pub mod felt;

@@ -1,4 +1,4 @@
-//! Every model there is, and how to play one by its own gesture.
+//! All models, and playing one by its own gesture.
 
 use ca_core::{Scene, State};
 pub use cordis_anima::catalog;
@@ -29,7 +29,7 @@ fn collect(folder: &Path, found: &mut Vec<(String, String)>) {
     }
 }
 
-/// Value at time `t` \[s\] of breakpoints, held outside.
+/// Value of breakpoints at time `t` \[s\], constant outside.
 pub fn follow(points: &[[f64; 2]], t: f64) -> f64 {
     let i = points.partition_point(|p| p[0] <= t);
     match (i.checked_sub(1).map(|i| points[i]), points.get(i).copied()) {
@@ -39,7 +39,7 @@ pub fn follow(points: &[[f64; 2]], t: f64) -> f64 {
     }
 }
 
-/// Puts on the ports what the scene's own gesture says for the next tick. Live parameters stay as they are.
+/// Sets the ports by the scene's own gesture for the next tick. Live parameters stay unchanged.
 pub fn gesture(scene: &Scene, s: &mut State) {
     let t = s.tick as f64 * scene.rates.sample_dt;
     for (name, points) in &scene.about.gestures {

@@ -1,5 +1,7 @@
-//! Models from text, compiled and played, and the reference cases of `data/numerics_cases.json`: shared by
-//! the numerical tests. `CA_TOL=0 cargo test $ALL --test suite -- --nocapture` prints every residual beside its tolerance.
+//! Compiles and plays models from text, and reads the reference cases of `data/numerics_cases.json`, for the numerical
+//! tests.
+//!
+//! `CA_TOL=0 cargo test $ALL --test suite -- --nocapture` prints every residual beside its tolerance.
 
 use crate::models::catalog;
 use ca_compile::Compiled;
@@ -14,7 +16,7 @@ pub const TURN: f64 = std::f64::consts::TAU;
 /// π.
 pub const PI: f64 = std::f64::consts::PI;
 
-/// The model in `text`.
+/// Reads the model in `text`.
 ///
 /// # Panics
 /// If it has errors.
@@ -24,7 +26,7 @@ pub fn model(text: &str) -> Model {
     model
 }
 
-/// The model in `text`, compiled with these options.
+/// Compiles the model in `text` with these options.
 ///
 /// # Panics
 /// If it has errors.
@@ -33,17 +35,17 @@ pub fn with(text: &str, options: &Options) -> Compiled {
     compile(&model, &catalog(), options).unwrap_or_else(|d| panic!("{text}\n{}", render::text(&d, &model, false)))
 }
 
-/// The model in `text`, compiled.
+/// Compiles the model in `text`.
 pub fn scene(text: &str) -> Compiled {
     with(text, &Options::default())
 }
 
-/// With the energy ledger kept.
+/// Compiles the model in `text` with the energy ledger.
 pub fn audited(text: &str) -> Compiled {
     with(text, &Options { energy: true, ..Options::default() })
 }
 
-/// Links one by one in document order.
+/// Options to compute links one by one in document order.
 pub fn reference() -> Options {
     Options { kernel: KernelClass::Reference, ..Options::default() }
 }
@@ -51,7 +53,7 @@ pub fn reference() -> Options {
 /// Place of the MAT `name` in the state.
 ///
 /// # Panics
-/// If there is none.
+/// If it does not exist.
 pub fn mat(scene: &Scene, name: &str) -> usize {
     (0..scene.counts.n_mat).find(|i| scene.mat_name(*i) == name).unwrap_or_else(|| panic!("no MAT `{name}`"))
 }
@@ -63,10 +65,10 @@ pub fn mats(scene: &Scene, name: &str) -> Vec<usize> {
         .collect()
 }
 
-/// A reference case by the start of its id.
+/// Reference case whose id begins with `id`.
 ///
 /// # Panics
-/// If there is none.
+/// If it does not exist.
 pub fn case(id: &str) -> &'static Value {
     static CASES: OnceLock<Value> = OnceLock::new();
     let all = CASES.get_or_init(|| serde_json::from_str(include_str!("../../data/numerics_cases.json")).expect("JSON"));
@@ -74,28 +76,28 @@ pub fn case(id: &str) -> &'static Value {
     all["cases"].as_array().and_then(|c| c.iter().find(found)).unwrap_or_else(|| panic!("no case {id}"))
 }
 
-/// A number of a case; the path walks keys and indices, parted by `/`.
+/// Number of a case; `path` is keys and indices separated by `/`.
 ///
 /// # Panics
-/// If there is none.
+/// If it does not exist.
 pub fn num(case: &Value, path: &str) -> f64 {
     case.pointer(&format!("/{path}")).and_then(Value::as_f64).unwrap_or_else(|| panic!("no number {path}"))
 }
 
-/// The rows of a table of a case.
+/// Rows of a table of a case.
 ///
 /// # Panics
-/// If there is none.
+/// If it does not exist.
 pub fn rows(case: &Value, path: &str) -> Vec<Vec<f64>> {
     let array = |v: &Value| v.as_array().cloned().unwrap_or_default();
     let table = array(case.pointer(&format!("/{path}")).expect("a table"));
     table.iter().map(|r| array(r).iter().filter_map(Value::as_f64).collect()).collect()
 }
 
-/// The numbers of a list of a case.
+/// Numbers of a list of a case.
 ///
 /// # Panics
-/// If there is none.
+/// If it does not exist.
 pub fn list(case: &Value, path: &str) -> Vec<f64> {
     let v = case.pointer(&format!("/{path}")).and_then(Value::as_array).expect("a list");
     v.iter().filter_map(Value::as_f64).collect()
@@ -118,7 +120,7 @@ pub fn off(value: f64, reference: f64) -> f64 {
     ((value - reference) / reference).abs()
 }
 
-/// Largest absolute difference of two columns.
+/// Largest absolute difference of two columns, NaN if any is.
 ///
 /// # Panics
 /// If their lengths differ.
@@ -138,11 +140,11 @@ pub fn rel_l2(a: &[f64], b: &[f64]) -> f64 {
     (miss / b.iter().map(|v| square(*v)).sum::<f64>()).sqrt()
 }
 
-/// A small deterministic generator (xorshift), for numbers in −1 … 1.
+/// A small deterministic generator (xorshift) of numbers in −1 … 1.
 pub struct Random(pub u64);
 
 impl Random {
-    /// The next number.
+    /// Returns the next number.
     pub fn uniform(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;

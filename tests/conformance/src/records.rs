@@ -1,4 +1,4 @@
-//! The records themselves: complete, with an example that sounds and names that are known.
+//! Catalog records are complete, with an example that sounds and known names.
 
 use crate::drawn::{built, catalog, read as model, texts};
 use crate::models::gesture;
@@ -72,7 +72,7 @@ fn every_link_of_the_examples_is_known_by_name() {
         let scene = built(&model(&text), &Options { energy: true, ..Options::default() });
         let named: Vec<usize> =
             (0..scene.counts.n_lia).filter(|k| scene.audited_name(*k).is_some_and(|n| n != "?")).collect();
-        // what fills up a row stands there as a link from a place to itself
+        // rows are padded with links from a place to itself
         let taken: Vec<usize> =
             (0..scene.counts.n_lia).filter(|k| scene.links.ends[*k][0] != scene.links.ends[*k][1]).collect();
         let links = scene.symbols.iter().filter(|s| matches!(s.location, Location::Lia(..))).count();

@@ -1,4 +1,4 @@
-//! What goes on: live changes, snapshots, blocks.
+//! Live changes, snapshots and blocks during play.
 
 use crate::drawn::{built, catalog, read as model, texts};
 use crate::models::gesture;
@@ -6,7 +6,7 @@ use ca_compile::{KernelClass, Options, compile};
 use ca_core::{State, Type, process, tick};
 use ca_model::{Entry, Model, Value, quantity};
 
-/// Makes argument `arg` of item `item` a live parameter of value `v`, and says what its value was in SI.
+/// Makes argument `arg` of item `item` a live parameter of value `v`, and returns its former value in SI.
 fn live(m: &Model, item: usize, arg: usize, v: Option<f64>) -> Option<(Model, f64)> {
     let mut m = m.clone();
     let e = &mut m.items[item].args[arg];
@@ -34,7 +34,7 @@ fn a_live_change_ends_where_a_fresh_compile_begins() {
     let mut dialled = std::collections::BTreeSet::new();
     for (name, text) in texts() {
         let plain = model(&text);
-        // what a port drives is on its way too
+        // parameters driven by a port are moving too
         let driven = |e: &Entry| matches!(&e.value, Value::Table(t) if t.iter().any(|x| x.key == "port"));
         if plain.items.len() > 60 || plain.params.iter().any(driven) {
             continue;
@@ -55,7 +55,7 @@ fn a_live_change_ends_where_a_fresh_compile_begins() {
                 let (Ok(scene), Ok(fresh)) =
                     (compile(&before, &catalog, &options), compile(&after, &catalog, &options))
                 else {
-                    // positions and lengths are where a model starts, an exponent is another law: not live, and said so
+                    // positions and lengths define the start, and an exponent is another law: they are refused as live
                     let refused = compile(&before, &catalog, &options).expect_err("refused");
                     assert!(refused.list.iter().any(|d| d.code == "E025"), "{what}: {refused}");
                     assert!(!p.live || p.name == "p", "{what}: {refused}");
@@ -106,7 +106,7 @@ fn a_live_change_ends_where_a_fresh_compile_begins() {
     }
 }
 
-/// What decides the future is in the state: a clone goes on bit by bit, and the hash says so.
+/// The state is complete: a clone continues bit by bit, and the hash agrees.
 #[test]
 fn a_snapshot_goes_on_as_if_nothing_had_happened() {
     for (name, text) in texts() {

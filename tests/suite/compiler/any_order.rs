@@ -1,5 +1,4 @@
-//! Meshes whose links are written in another order than along their rows and then across them: the same passes, and the same
-//! bits as where they are.
+//! Meshes whose links are written in any order get the same passes and the same bits.
 
 use crate::play::{reference, scene, with};
 use ca_core::internal::op::{Band, Vectors};
@@ -8,13 +7,13 @@ use ca_core::{Scene, tick};
 use proptest::prelude::*;
 use std::fmt::Write as _;
 
-/// The links of a grid of `nx` × `ny` nodes, those along its rows first.
+/// Links of a grid of `nx` × `ny` nodes, those along its rows first.
 fn along_first(nx: usize, ny: usize) -> Vec<[usize; 2]> {
     let along = (0..nx * ny).filter(|i| (i + 1) % nx > 0).map(|i| [i, i + 1]);
     along.chain((0..nx * (ny - 1)).map(|i| [i, i + nx])).collect()
 }
 
-/// The same links in the order somebody wrote them: node by node, row by row, column by column, across first.
+/// The same links in four other orders: node by node, row by row, column by column, across first.
 fn written(nx: usize, ny: usize) -> Vec<Vec<[usize; 2]>> {
     let mut orders = vec![along_first(nx, ny); 4];
     orders[0].sort_by_key(|[a, b]| (*a, b - a));
@@ -24,7 +23,7 @@ fn written(nx: usize, ny: usize) -> Vec<Vec<[usize; 2]>> {
     orders
 }
 
-/// A mesh on a line, or a cloth in space that is not quite flat, one of whose masses moves at first.
+/// A mesh on a line, or an almost flat cloth in space. One of its masses moves at load.
 fn text(nx: usize, ny: usize, links: &[[usize; 2]], space: bool) -> String {
     let (group, of) = if space { ("[g]\ndim = 3\n[g.MAS]\n", "g.") } else { ("[MAS]\n", "") };
     let mut text = String::from(group);
@@ -36,7 +35,6 @@ fn text(nx: usize, ny: usize, links: &[[usize; 2]], space: bool) -> String {
     }
     text += if space { "[g.REF]\n" } else { "[REF]\n" };
     for [a, b] in links {
-        // stiffness tells links apart
         let k = 1000 + 7 * a + b;
         let _ = writeln!(text, "r{a}_{b} = {{ between = [\"{of}m{a}\", \"{of}m{b}\"], k = {k}, z = 0.01 }}");
     }
@@ -45,7 +43,6 @@ fn text(nx: usize, ny: usize, links: &[[usize; 2]], space: bool) -> String {
     text
 }
 
-/// The sound of a scene, and the passes it runs.
 fn played(scene: &Scene, ticks: usize) -> (Vec<u64>, Vec<(&'static str, usize, Band)>) {
     let mut s = scene.state();
     let sound = (0..ticks).map(|_| {
@@ -76,7 +73,6 @@ fn a_mesh_is_found_in_any_order_of_its_links() {
         let mesh = scene(&text);
         assert!(mesh.passes.sorted && same_since(&mesh) == 3, "takes of it from before are compared to rounding");
         assert_eq!(played(&mesh, 500), (sound.clone(), passes.clone()), "{text}");
-        // to rounding that of a plain loop over the document
         let plain = with(&text, &reference());
         let (plain, _) = played(&plain, 500);
         for (a, b) in sound.iter().zip(plain).map(|(a, b)| (f64::from_bits(*a), f64::from_bits(b))) {
@@ -98,7 +94,7 @@ fn a_cloth_is_found_in_any_order_of_its_links() {
     }
 }
 
-/// Meshes that are too narrow to be fused, held at their corners, or with a hammer that is written first.
+/// Meshes that are too narrow to be fused, fixed at their corners, or behind a hammer in the document.
 #[test]
 fn what_stands_around_a_mesh_changes_no_order() {
     for (nx, ny) in [(4, 30), (9, 12), (16, 14)] {
@@ -131,7 +127,7 @@ fn what_stands_around_a_mesh_changes_no_order() {
 }
 
 proptest! {
-    /// Links in no order, of meshes of any size, by all vectors.
+    /// Links in random order, in meshes of any size, with all vector widths.
     #[test]
     fn no_order_of_links_tells(
         (nx, ny, links) in (12usize..24, 11usize..20)

@@ -1,8 +1,8 @@
-//! The certificate against brute force: what a factorisation says of random networks of all linear links, over six
-//! decades, is what the eigenvalues of the running engine say.
+//! The certificate against brute force: for random networks of all linear links, over six decades, the factorisation
+//! agrees with the eigenvalues of the running engine.
 //!
-//! The brute force knows nothing of matrices K and C: it moves each number of the state a little either way, lets the
-//! engine tick, and takes the spectral radius of what came out.
+//! The brute force does not use the matrices K and C. It perturbs each number of the state in both directions, runs a
+//! tick, and computes the spectral radius of the result.
 
 use crate::play::{Random, off, scene, with, within};
 use ca_compile::Compiled;
@@ -13,7 +13,7 @@ use ca_tests::catalog;
 use proptest::prelude::*;
 use std::fmt::Write as _;
 
-/// A method for one link in four.
+/// Gives one link in four a method.
 fn method(roll: f64) -> String {
     match roll {
         r if r < 0.05 => ", method = \"centred\"".into(),
@@ -22,8 +22,8 @@ fn method(roll: f64) -> String {
     }
 }
 
-/// A network of masses, cells, a string with a point on it, and a body in space that they support; T = 1 and all
-/// stiffness and viscosity times `scale`.
+/// A network of masses, cells, a string with a moving point, and a body in space that they support. T = 1, and all
+/// stiffness and viscosity is multiplied by `scale`.
 fn drawn(seed: u64, scale: f64) -> String {
     let mut rng = Random(seed);
     let mut roll = || 0.5 * (rng.uniform() + 1.0);
@@ -83,7 +83,6 @@ fn drawn(seed: u64, scale: f64) -> String {
             let (k, z) = (scale * decades(roll()), if roll() < 0.5 { 0.0 } else { scale * decades(roll()) });
             let _ = writeln!(links, "e{i}{j} = {{ between = [\"ball.b{i}\", \"ball.b{j}\"], k = {k:e}, z = {z:e} }}");
         }
-        // one section of a kind in a file
         let at = text.find("[REF]\n").expect("it is there") + 6;
         text.truncate(text.len() - 6);
         text.insert_str(at, &links);
@@ -92,14 +91,13 @@ fn drawn(seed: u64, scale: f64) -> String {
     text + "[SOX]\n" + &all.concat()
 }
 
-/// Compiles without judging the findings; `None` where the numbers are refused.
+/// Compiles without judging the findings; `None` if the numbers are refused.
 fn compiled(text: &str) -> Option<Compiled> {
     let (model, found) = read::read(text, "drawn.ca.toml", &catalog());
     assert!(!found.has_errors(), "{text}\n{}", ca_model::render::text(&found, &model, false));
     compile(&model, &catalog(), &Options { exact: true, ..Options::default() }).ok()
 }
 
-/// A drawn network, scaled so that its limit is near.
 fn near_the_limit(seed: u64) -> Option<(String, Compiled)> {
     let bound = compiled(&drawn(seed, 1.0))?.certificate.bound;
     let mut rng = Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).max(1));
@@ -108,7 +106,7 @@ fn near_the_limit(seed: u64) -> Option<(String, Compiled)> {
     Some((text, scene))
 }
 
-/// The spectral radius of one tick about the pose at load.
+/// Spectral radius of one tick at the pose at load.
 fn radius(scene: &Scene) -> f64 {
     let start = scene.state();
     let moving: Vec<usize> = (0..scene.counts.n_mat).filter(|i| start.coef[2 * scene.counts.n_mat + i] > 0.0).collect();
@@ -144,8 +142,8 @@ fn radius(scene: &Scene) -> f64 {
     values.iter().map(|v| v.re.hypot(v.im)).fold(0.0, f64::max)
 }
 
-/// Whether a push becomes a thousand times faster within ten million ticks, as a radius of 1 + 1e-6 makes it; free motion does
-/// not become faster.
+/// Returns true if a push becomes a thousand times faster within ten million ticks, as with a radius of 1 + 1e-6. Free
+/// motion does not become faster.
 fn grows(scene: &Scene) -> bool {
     let mut s = scene.state();
     let moving: Vec<usize> = (0..scene.counts.n_mat).filter(|i| s.coef[2 * scene.counts.n_mat + i] > 0.0).collect();
@@ -161,28 +159,28 @@ fn grows(scene: &Scene) -> bool {
     })
 }
 
-/// So many networks, or as many as the long form asks for.
+/// `n` networks, or as many as `PROPTEST_CASES` asks for.
 fn cases(n: u32) -> ProptestConfig {
     let asked = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok());
     ProptestConfig { cases: asked.unwrap_or(n), ..ProptestConfig::default() }
 }
 
-/// What the certificate says of a drawn network, held against the engine; false where it is too near the limit to tell.
+/// Compares the certificate of a drawn network with the engine. `None` if it is too near the limit to tell.
 fn agrees(seed: u64) -> Option<(Level, bool)> {
     let (text, scene) = near_the_limit(seed)?;
     let c = &scene.certificate;
     let (low, high) = c.largest?;
     assert!(low <= high && high - low <= 1e-12 * high, "{low} … {high}");
-    // the cheap bounds hold the eigenvalue
+    // the cheap bounds enclose the eigenvalue
     assert!(c.lower <= high * (1.0 + 1e-12) && low <= c.bound * (1.0 + 1e-12), "{c:?}\n{text}");
     if (high / 4.0 - 1.0).abs() < 1e-6 {
         return None;
     }
     let r = radius(&scene);
     match c.level {
-        // a mode that moves freely has the double eigenvalue 1, which differences only know to half their digits
+        // a free mode has the double eigenvalue 1, which differences resolve only to half their digits
         Level::Proven | Level::Linearised => assert!(high < 4.0 && r < 1.0 + 1e-4, "{r}, {c:?}\n{text}"),
-        // nor what a damper without a limit of its own slows down; that is seen by the time it takes
+        // a centred damper may slow growth below what the radius resolves; then the scene is played
         Level::Unstable => assert!(high > 4.0 && (r > 1.0 + 1e-4 || grows(&scene)), "{r}, {c:?}\n{text}"),
         _ => panic!("nothing here is open: {c:?}\n{text}"),
     }
@@ -198,13 +196,13 @@ proptest! {
     }
 }
 
-/// A network that grows by 35 millionths a tick, slowed down by a centred damper.
+/// A network that grows by 35 millionths a tick, slowed by a centred damper.
 #[test]
 fn what_grows_slowly_grows() {
     assert_eq!(agrees(10_563_041_860_083_404_182).map(|(level, _)| level), Some(Level::Unstable));
 }
 
-/// A free mass beside implicit links, whose explicit part holds nothing: the largest eigenvalue is 0, and not a number near it.
+/// A free mass beside implicit links whose explicit part is zero: the largest eigenvalue is exactly 0.
 #[test]
 fn where_nothing_pulls_it_is_nothing() {
     assert_eq!(agrees(9_302_555_187_871_637_248).map(|(level, _)| level), Some(Level::Proven));
@@ -219,7 +217,7 @@ fn the_drawn_networks_are_of_every_kind() {
     }
 }
 
-/// docs/numerics.md §1.3: the eigenvalues of its table, to all their digits.
+/// Eigenvalues of the table in docs/numerics.md §1.3, to all digits.
 #[test]
 fn the_largest_eigenvalue_is_exact() {
     let exact = Options { exact: true, ..Options::default() };
@@ -244,7 +242,7 @@ fn the_largest_eigenvalue_is_exact() {
     assert_eq!((s.certificate.level, s.certificate.exact), (Level::Proven, true));
 }
 
-/// What is too stiff only all together is reported with numbers that mend it, and just.
+/// A network that is too stiff as a whole is reported with numbers that just make it stable.
 #[test]
 fn the_mended_number_mends() {
     let text = |k: f64| {
@@ -266,7 +264,7 @@ fn the_mended_number_mends() {
     assert!(radius(&scene(&text(safe))) < 1.0 + 1e-6);
 }
 
-/// A number that is named as a limit is one that a spring can have, and it mends; where no single number does, a share does.
+/// A number named as a limit is valid for a spring and makes the scene stable; otherwise a common share does.
 #[test]
 fn what_mends_a_mass_is_never_below_nothing() {
     let text = |k: f64, z: f64| {
@@ -275,7 +273,7 @@ fn what_mends_a_mass_is_never_below_nothing() {
              z = {z:?} }}\n[SOX]\nout = {{ from = \"a\" }}\n"
         )
     };
-    // viscous and stiff; one of the two alone is beyond the limit, or both
+    // viscous and stiff, with one of the two or both beyond the limit
     for (k, z) in [(9.0, 0.5), (1.0, 3.0), (9.0, 2.5), (5.0, 2.4), (43.4, 2.083), (4.1, 0.0), (0.0, 2.1), (4.5, 9.0)] {
         let s = scene(&text(k, z));
         assert_eq!(s.certificate.level, Level::Unstable);
@@ -297,7 +295,7 @@ fn what_mends_a_mass_is_never_below_nothing() {
     }
 }
 
-/// The margin is that of what has least room: a contact up to 1, a bow up to 1.5, or the linear network.
+/// The margin is the smallest over contacts (limit 1), bows (limit 1.5) and the linear network.
 #[test]
 fn the_margin_counts_contacts_and_friction() {
     let text = |more: &str| {
@@ -325,7 +323,7 @@ fn the_margin_counts_contacts_and_friction() {
     within("a bow", off(s.certificate.margin(), 1.5 / s.certificate.rules.friction), 1e-12);
 }
 
-/// What nothing hears is not judged, and that is said.
+/// Modules that reach no output are not judged, and are listed as such.
 #[test]
 fn what_is_left_out_is_not_judged() {
     let text = "[SOL]\nw = {}\nfar = {}\n[MAS]\na = { m = 1 }\nlost = { m = 1e-6 }\n[RES]\nk = { between = [\"w\", \"a\"], k = 1 }\n\
@@ -336,7 +334,7 @@ fn what_is_left_out_is_not_judged() {
     assert_eq!((s.certificate.level, s.certificate.not_judged.len()), (Level::Unstable, 0));
 }
 
-/// Masses whose modes stand for them are heard, and judged by those.
+/// Masses replaced by their modes reach outputs and are judged by them.
 #[test]
 fn what_goes_by_its_modes_is_judged() {
     let text = "[model]\nmethod = \"modal\"\n[CEL]\nb = { m = 1, k = 1e6 }\nlost = { m = 1, k = 1e6 }\n\
@@ -346,7 +344,6 @@ fn what_goes_by_its_modes_is_judged() {
     assert!(s.certificate.not_judged.is_empty() && s.certificate.level == Level::Proven, "{:?}", s.certificate);
 }
 
-/// Two live parameters of one module: their worst corner is one that neither reaches alone.
 #[test]
 fn live_parameters_count_at_their_worst_together() {
     let text = |most: f64| {
@@ -360,7 +357,7 @@ fn live_parameters_count_at_their_worst_together() {
     assert_eq!(scene(&text(4.1)).certificate.level, Level::Unstable);
 }
 
-/// A spring in space that is pulled out holds sideways, without viscosity; the matrix has what the engine does.
+/// A stretched spring in space also resists sideways, without viscosity; the matrix agrees with the engine.
 #[test]
 fn tension_holds_sideways() {
     for (l0, dx0) in [(0.4, 0.0), (1.0, 0.5), (0.7, 0.2)] {
@@ -373,7 +370,7 @@ fn tension_holds_sideways() {
             ca_compile::linear(&crate::play::model(&text), &catalog(), &Options::default()).expect("it compiles");
         let found = ca_compile::analysis::modes::modes(&network).expect("they are found");
         let length = 1.0 + dx0;
-        // sideways twice F/l, along it k
+        // sideways F/l twice, along it k
         let mut want = [0.3 * (length - l0) / length, 0.3 * (length - l0) / length, 0.3];
         want.sort_by(f64::total_cmp);
         for (m, want) in found.list.iter().zip(want) {
@@ -383,7 +380,6 @@ fn tension_holds_sideways() {
     }
 }
 
-/// A bow that is steep chatters and does not diverge: nobody says it would.
 #[test]
 fn a_steep_bow_is_reported_and_not_called_unstable() {
     let s = scene(
@@ -397,7 +393,6 @@ fn a_steep_bow_is_reported_and_not_called_unstable() {
     assert!(state.is_bounded(1.0));
 }
 
-/// A point that wanders is judged wherever it may stand.
 #[test]
 fn a_point_that_wanders_is_judged_at_every_node() {
     let text = |k: f64, at: &str| {
@@ -408,10 +403,10 @@ fn a_point_that_wanders_is_judged_at_every_node() {
         )
     };
     let level = |k: f64, at: &str| scene(&text(k, at)).certificate.level;
-    // the end of the string bears anything, its middle does not
+    // the end of the string bears any stiffness, its middle does not
     assert_eq!(level(2.0, "0"), Level::Proven);
     assert_eq!(level(2.0, "0.5"), Level::Unstable);
-    // it stands well, and might be led where it does not
+    // stable where it is, but it might move to where it is not
     assert_eq!(level(2.0, "where"), Level::NotProven);
     assert_eq!((level(0.3, "0.5"), level(0.3, "where")), (Level::Proven, Level::Proven));
 }

@@ -1,5 +1,4 @@
-//! Networks and texts drawn at random: a diagnostic or a scene, never a panic; and what the certificate calls proven
-//! stays finite.
+//! Random networks and texts give a diagnostic or a scene, never a panic, and proven scenes stay finite.
 
 use crate::play::Random;
 use ca_compile::{KernelClass, Options, compile};
@@ -8,13 +7,13 @@ use ca_model::{Entry, Model, Value, read, render};
 use ca_tests::{catalog, texts};
 use proptest::prelude::*;
 
-/// Masses, cells and fixed points, joined at random; linear links only, unless `any`.
+/// Masses, cells and fixed points with random links, linear only unless `any`.
 fn network(seed: u64, any: bool) -> Model {
     let mut rng = Random(seed);
     let mut pick = |n: usize| (((rng.uniform() + 1.0) * 0.5 * n as f64) as usize).min(n - 1);
     let n = 2 + pick(10);
     let mut m = Model::default();
-    // stiffness over mass from far below to above what the rate bears
+    // stiffness over mass from far below to above the limit at this rate
     let stiff = [10.0, 1e3, 1e5, 1e6, 4e6][pick(5)];
     for i in 0..n {
         let mass = [1e-3, 2e-3, 0.1, 1.0][pick(4)];
@@ -54,7 +53,6 @@ fn survives(text: &str) {
     let (model, diags) = read::read(text, "chance", &catalog);
     render::text(&diags, &model, false);
     match compile(&model, &catalog, &Options { energy: true, ..Options::default() }) {
-        // large scenes are for other tests
         Ok(scene) if scene.counts.n_mat + scene.counts.n_lia < 5000 => {
             let mut s = scene.state();
             (0..20).for_each(|_| tick(&scene, &mut s));
@@ -98,7 +96,7 @@ proptest! {
                 if scene.certificate.level == Level::Proven {
                     let b = s.ledger.as_ref().expect("a ledger").balance();
                     prop_assert!(s.is_bounded(10.0), "{:?}", scene.certificate);
-                    // stable is the same as: the energy is never negative and only falls
+                    // stable means that the energy is never negative and only falls
                     prop_assert!(least >= -1e-12 && b.h <= b.h0 * (1.0 + 1e-9) + 1e-300, "{b:?}");
                     prop_assert!(b.residual.abs() <= 1e-11 * b.peak, "{b:?}");
                 }
@@ -110,7 +108,7 @@ proptest! {
         }
     }
 
-    /// The exact test of docs/numerics.md §1.3 by a dense factorisation: the cheap bounds never contradict it.
+    /// The exact test of docs/numerics.md §1.3 by a dense factorisation; the cheap bounds never contradict it.
     #[test]
     fn the_certificate_never_contradicts_the_exact_test(seed in 1u64..) {
         let m = network(seed, false);
@@ -152,7 +150,7 @@ proptest! {
         };
         prop_assert!(definite(scene.certificate.bound * (1.0 + 1e-9) + 1e-9), "λ is above {:?}", scene.certificate);
         if n > 0 && scene.certificate.lower > 0.0 {
-            // what is read off a tick is good to the last place of 1
+            // numbers from a tick are exact to the last place of 1
             prop_assert!(!definite(scene.certificate.lower * (1.0 - 1e-9) - 1e-14), "λ is below {:?}", scene.certificate);
         }
     }
@@ -173,12 +171,11 @@ proptest! {
         survives(&String::from_utf8_lossy(&bytes));
     }
 
-    /// A model with some of its characters gone, doubled or replaced by what often breaks readers.
     #[test]
     fn mutated_models_never_panic(which in any::<prop::sample::Index>(), seed in 1u64.., edits in 1usize..6) {
         const BITS: &[&str] = &["", "0", "-1", "1e308", "nan", "inf", "\"", "[", "]", "{", "}", "=", ".", ",", "@0.5", "[*]", "[-1]",
             "\n", "[MAS]\n", "k", "m = 0", "\"1e-300 kg\"", "99999999", "1e-320", "'", "live = true", "\u{feff}", "é"];
-        // not the large ones: a mutated count may make them larger
+        // large texts are left out, because a mutated count may enlarge them
         let texts: Vec<_> = texts().into_iter().filter(|t| t.1.len() < 6000).collect();
         let mut text = which.get(&texts).1.clone();
         let mut rng = Random(seed);

@@ -1,4 +1,4 @@
-//! The compiler: whatever it is given, it answers with a scene or with findings, in little time and memory.
+//! The compiler answers any input with a scene or with findings, in little time and memory.
 
 use ca_compile::{Options, load};
 use ca_core::tick;
@@ -7,12 +7,11 @@ use ca_model::{Entry, Model, Value, render};
 use ca_tests::catalog;
 use proptest::prelude::*;
 
-/// Every example of the catalog.
 fn examples() -> Vec<&'static str> {
     catalog().iter().map(|k| k.example).collect()
 }
 
-/// Loads a text, checks what is said about it and plays a little of what came out.
+/// Loads a text, checks its findings and plays the scene for a few ticks.
 fn survives(text: &str) -> Vec<&'static str> {
     let (model, result) = load(text, "m.ca.toml", &catalog(), &Options::default());
     let diags = match result {
@@ -109,7 +108,7 @@ fn many_outputs_make_one_finding() {
     assert_eq!(survives(&text), ["E027"]);
 }
 
-/// A live pitch on a long string asks for its corners once, not for each mass.
+/// A live pitch on a long string computes its corner values once, not per mass.
 #[test]
 fn a_long_live_string_compiles() {
     let text = "[param]\nf = { value = 2, live = true, min = 1, max = 20000 }\n[STRING]\ns = { n = 5000, f = 'f', m = 1 }\n\
@@ -129,7 +128,6 @@ fn rates_asked_for_are_checked() {
     assert_eq!(load(text, "", &catalog(), &options).1.expect_err("no such probes").list.len(), 2);
 }
 
-/// What the importer makes of its own examples is a model like any other.
 #[test]
 fn imported_models_compile() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("mims");
@@ -165,7 +163,6 @@ fn number() -> impl Strategy<Value = String> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
 
-    /// An example with some of its values replaced.
     #[test]
     fn a_value_replaced(which in 0usize..64, at in prop::collection::vec((0usize..40, number()), 1..4)) {
         let all = examples();
@@ -179,7 +176,6 @@ proptest! {
         survives(&text);
     }
 
-    /// Two examples mixed line by line, with lines lost.
     #[test]
     fn lines_mixed(a in 0usize..64, b in 0usize..64, keep in any::<u64>()) {
         let all = examples();
@@ -188,7 +184,7 @@ proptest! {
         survives(&text.join("\n"));
     }
 
-    /// A model made by a program, with no text to point at.
+    /// A model built by a program, without text to point at.
     #[test]
     fn a_model_that_was_built(items in prop::collection::vec((0usize..30, "[ab]", 0usize..12, number()), 0..6)) {
         let catalog = ca_tests::catalog();

@@ -1,4 +1,4 @@
-//! The depth at which slope·T²/m of a contact by a power law is 1 (docs/numerics.md §3.2).
+//! The depth at which slope·T²/m of a power-law contact is 1 (docs/numerics.md §3.2).
 
 use super::thresholds::link;
 use ca_compile::{Options, compile};
@@ -6,8 +6,8 @@ use ca_conformance::drawn::catalog;
 use ca_model::read;
 use std::f64::consts::PI;
 
-/// Of contacts by a power of their depth the certificate has the one that reaches slope·T²/m = 1 first, and where: closed forms
-/// for a gram before a wall, for two that meet, and for one that a spring holds.
+/// The certificate names the power-law contact that reaches slope·T²/m = 1 at the smallest depth, and that depth.
+/// Closed forms: a gram before a wall, two that meet, and one held by a spring.
 #[test]
 fn the_depth_of_a_contact_that_hardens() {
     let depth = |text: &str| {
@@ -23,19 +23,18 @@ fn the_depth_of_a_contact_that_hardens() {
         let two = wall.replace("wall = {}", "floor = {}").replace("[MAS]\n", "[MAS]\nwall = { m = \"1 g\" }\n");
         let (_, of) = depth(&two).expect("it hardens");
         assert!((of / at(p, 0.5e-3) - 1.0).abs() < 1e-9, "{p}: {of} m, not {} m", at(p, 0.5e-3));
-        // the one that is steep first
+        // the steeper of two contacts is named
         let both = format!("{wall}softer = {{ between = [\"wall\", \"bob\"], k = {:?}, p = {p:?} }}\n", q / 2.0);
         assert_eq!(depth(&both).expect("they harden").0, "l");
     }
-    // a mass that a spring holds moves by its inverse stiffness too: 1 − a/4 of its mass
+    // a mass on a spring is easier to move: 1 − a/4 of its mass
     let held = "[CEL]\nbob = { m = \"1 g\", f = \"12 kHz\" }\n[SOL]\nwall = {}\n[SOX]\nout = { from = \"bob\" }\n[HRZ]\nl = { \
                 between = [\"wall\", \"bob\"], k = 3e6, p = 1.5 }\n";
     let a = 2.0 - 2.0 * (2.0 * PI * 12e3 / 48e3).cos();
     let of = depth(held).expect("it hardens").1;
     assert!((of / at(1.5, 1e-3 * (1.0 - a / 4.0)) - 1.0).abs() < 1e-9, "{of} m");
-    // nothing is said of a depth that is not finite
     assert_eq!(depth(&link("HRZ", "k = 1e-90, p = 1.25")), None);
-    // straight ones have kT²/m, and what is stable at any depth has neither
+    // linear contacts have kT²/m, and contacts stable at any depth have neither
     assert_eq!(depth(&link("HRZ", "k = 3e6, p = 1")), None);
     assert_eq!(depth(&link("BUT", "k = 3e6")), None);
     assert_eq!(depth(&link("HRZ", "k = 3e6, method = \"stable\"")), None);

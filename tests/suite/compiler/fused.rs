@@ -1,5 +1,5 @@
-//! Rows of linear links that one pass sums and integrates: the bits of the list of passes, and only where nothing can
-//! tell, the energy ledger included.
+//! Rows of linear links that one pass sums and integrates have the bits of the list of passes, with the energy ledger
+//! too, and are used only where the result is the same.
 
 use crate::play::{mat, scene, with};
 use ca_compile::{KernelClass, Options};
@@ -10,16 +10,16 @@ use ca_core::{Location, Scene, tick};
 use proptest::prelude::*;
 use std::fmt::Write as _;
 
-/// The fused rows: law, and what masses they integrate.
+/// The fused rows: law, and class of masses they integrate.
 fn fused(s: &Scene) -> Vec<(&'static str, Integrate)> {
     let rows = s.passes.moves.iter().filter(|op| op.form.integrate != Integrate::No);
     rows.map(|op| (op.name(), op.form.integrate)).collect()
 }
 
-/// Plays `text` by both, and compares every bit of place and motion.
+/// Plays `text` fused and as a list, and compares every bit of position and motion.
 fn same(text: &str, ticks: usize) -> Vec<(&'static str, Integrate)> {
     let listed = with(text, &Options { kernel: KernelClass::Listed, ..Options::default() });
-    // the ledger knows nothing of where links and masses stand
+    // the ledger does not depend on the storage order
     for energy in [true, false] {
         same_as(text, &with(text, &Options { energy, ..Options::default() }), &listed, ticks);
     }
@@ -30,7 +30,7 @@ fn same(text: &str, ticks: usize) -> Vec<(&'static str, Integrate)> {
 fn same_as(text: &str, fast: &Scene, listed: &Scene, ticks: usize) {
     assert_eq!(fused(listed), [], "{text}");
     let (mut a, mut b) = (fast.state(), listed.state());
-    // the same modules in the order of the document, wherever they stand
+    // the same modules in document order, whatever their places
     let slots = |s: &Scene| -> Vec<usize> {
         let mats = s.symbols.iter().filter_map(|m| if let Location::Mat(at) = m.location { Some(at) } else { None });
         mats.map(|at| at as usize).collect()
@@ -39,7 +39,7 @@ fn same_as(text: &str, fast: &Scene, listed: &Scene, ticks: usize) {
     let mut heard = 0.0f64;
     for n in 0..ticks {
         for (scene, s) in [(fast, &mut a), (listed, &mut b)] {
-            // a live parameter, where there is one, in 100 ticks and back at once
+            // changes the live parameter, if any, over 100 ticks and back at once
             let turn = [(ticks / 3, 0.15, 100), (ticks / 2, 0.1, 1)].into_iter().find(|t| t.0 == n);
             if let Some((change, (_, v, ticks))) = turn.and_then(|t| Some((scene.controls().set("dial", t.1).ok()?, t)))
             {
@@ -61,7 +61,7 @@ fn same_as(text: &str, fast: &Scene, listed: &Scene, ticks: usize) {
     assert_eq!((fast.mats(), fast.lias()), (listed.mats(), listed.lias()), "what fills up a row is counted: {text}");
 }
 
-/// Plays a scene by all vectors that this processor has.
+/// Plays a scene with all vector widths of this processor.
 fn same_by_all_vectors(text: &str) {
     let [portable, others @ ..] = Vectors::all().map(|vectors| {
         let mut scene = scene(text).scene;
@@ -73,7 +73,7 @@ fn same_by_all_vectors(text: &str) {
     assert_eq!(others, [portable; 2], "{text}");
 }
 
-/// A string of `n` masses, struck by a hammer.
+/// A string of `n` masses struck by a hammer.
 fn struck(n: u32, of: &str) -> String {
     format!(
         "[STRING]\ns = {{ n = {n}, m = \"2 g\", {of} }}\n[MAS]\nh = {{ m = \"5 g\", x = \"-0.1 mm\", v = 1 }}\n[BUT]\nb = {{ \
@@ -82,7 +82,7 @@ fn struck(n: u32, of: &str) -> String {
 }
 
 proptest! {
-    /// Every length around those of vectors, three laws, masses with and without dampers of their own, a moving point.
+    /// Row lengths around the vector widths, three laws, masses with and without own dampers, a moving point.
     #[test]
     fn a_row_has_the_bits_of_its_list(
         n in 11u32..150, k in 1e2f64..1e5, z in 1e-4f64..0.3, law in 0..3, own: bool, point: bool, times in 1..3
@@ -109,12 +109,12 @@ fn a_row_is_fused_where_one_number_comes_behind_it() {
     assert_eq!(same(&string, 3000), [("REF", Integrate::Mas)]);
     assert_eq!(same(&struck(24, "k = \"40 kN/m\""), 3000), [("RES", Integrate::Mas)]);
     assert_eq!(same(&struck(24, "k = \"40 kN/m\", z = 0.1, zo = 0.01"), 3000), [("REF", Integrate::Cel)]);
-    // what a port pushes is such a number
+    // a force by a port is one such extra number
     let pushed = format!("{string}[ENF]\npush = {{ to = \"s[2]\" }}\n");
     assert_eq!(same(&pushed, 3000), [("REF", Integrate::Mas)]);
-    // which rounds otherwise than when it was added first
+    // it rounds differently from a force that is added first
     assert_eq!((same_since(&scene(&pushed)), same_since(&scene(&string))), (2, 0));
-    // two numbers on one mass, one before the row, one that somebody reads, one that others are solved from
+    // refused: two extra forces on one mass, one before the row, one that is read, one that a solver needs
     for more in [
         "[SOL]\ng = {}\n[CUB]\nc = { between = [\"g\", \"s[4]\"], k = 1e4, k3 = 1e9 }\n",
         "[ENF]\npush = { to = [\"s[2]\", \"s[4]\"] }\n[SOL]\ng = {}\n[CUB]\nc = { between = [\"g\", \"s[4]\"], k = 1e4, k3 = 1e9 }\n",
@@ -126,7 +126,7 @@ fn a_row_is_fused_where_one_number_comes_behind_it() {
     }
 }
 
-/// A link from the last MAT to a moving point that stands behind it is in no row that integrates.
+/// A link from the last MAT to a moving point stored behind it is not in an integrating row.
 #[test]
 fn a_link_to_the_slot_behind_the_last_mass_is_no_row() {
     for place in ["0.3,0.4", "place,0.4"] {
@@ -141,7 +141,7 @@ fn a_link_to_the_slot_behind_the_last_mass_is_no_row() {
     }
 }
 
-/// Links with a length of their own, in a row that is written by hand.
+/// Links with their own rest lengths, in a row written by hand.
 #[test]
 fn a_row_under_tension_has_the_bits_of_its_list() {
     let mut text = String::from("[SOL]\nl = {}\nr = { x = \"2.4 cm\" }\n[MAS]\n");
@@ -163,8 +163,7 @@ fn a_row_under_tension_has_the_bits_of_its_list() {
     assert!(scene(&text).passes.moves.iter().any(|op| op.form.offset));
 }
 
-/// Strings one behind the other run as one row, the rows of a mesh too, and what is long stands folded; live parameters
-/// find their numbers there.
+/// Consecutive strings, and the rows of a mesh, run as one row; long rows are folded, also with live parameters.
 #[test]
 fn rows_that_are_joined_have_the_bits_of_their_list() {
     let dial = "[param]\ndial = { value = 0.1, unit = \"N s/m\", live = true, min = 0.05, max = 0.2 }\n";
@@ -185,7 +184,7 @@ fn rows_that_are_joined_have_the_bits_of_their_list() {
     assert_eq!(same(&text, 3000), rows);
     let s = scene(&text);
     let rows: Vec<usize> = s.passes.moves.iter().filter(|op| op.form.folded).map(|op| op.n).collect();
-    // of the mesh, all but what its border lacks behind the last mass
+    // of the mesh, all but the links missing behind the last mass
     let filled = [26 + 42, 92, 32, 13 * 14].map(|masses: usize| masses.next_multiple_of(8));
     assert_eq!(rows, filled, "s and t are one row, with a joint");
     let changed = |scene: &Scene| {
@@ -201,8 +200,8 @@ fn rows_that_are_joined_have_the_bits_of_their_list() {
 }
 
 proptest! {
-    /// Meshes of every width and height around those of vectors: links along and across, their masses and what strikes them
-    /// in one pass; forces of links are heard where no pass keeps them, a moving point rides on it, a dial turns.
+    /// Meshes of every width and height around the vector widths: links in both directions, their masses and a hammer
+    /// in one pass. With outputs of forces that no pass keeps, a moving point and a live parameter.
     #[test]
     fn a_mesh_has_the_bits_of_its_list(
         nx in 12u32..40, ny in 11u32..22, viscous: bool, own: bool, point: bool, times in 1..3, heard: bool, behind: bool,
@@ -214,13 +213,12 @@ proptest! {
         let (point, at) = if point { ("[ENX]\nspot = {}\n", "m@spot,0.4") } else { ("", "m[4,5]") };
         let mesh = format!("[MESH]\nm = {{ nx = {nx}, ny = {ny}, m = \"2 g\", {of}{own}, edges = \"{edges}\" }}\n");
         let mass = "[MAS]\nh = { m = \"5 g\", x = \"-0.1 mm\", v = 1 }\n".to_owned();
-        // masses of another class before it, or behind it
         let mats = if behind { mass + &mesh } else { mesh + &mass };
         let text = format!(
             "[param]\ndial = {{ value = 0.1, unit = \"N s/m\", live = true, min = 0.05, max = 0.2 }}\n{mats}[BUT]\nb = {{ between = \
              [\"h\", \"{at}\"], k = \"20 kN/m\", z = 0.2 }}\n[SOX]\nout = {{ from = \"m[7,2]\" }}\n{more}{point}[rate]\noversample = {times}\n"
         );
-        // the dial may turn any number of the mesh
+        // the live parameter may change every number of the mesh
         let class = if own.is_empty() && !viscous { Integrate::Mas } else { Integrate::Cel };
         let rows = same(&text, 600);
         if edges != "open" {
@@ -233,8 +231,7 @@ proptest! {
     }
 }
 
-/// A mesh whose rows are too few for its width, one whose rows are summed in another order, one that is not all of one kind:
-/// each has the bits of its list, whatever it runs as.
+/// Meshes that do not fold: too few rows for the width, rows summed in another order, or mixed kinds.
 #[test]
 fn a_mesh_that_does_not_fold_has_the_bits_of_its_list() {
     let mesh = |of: &str| {
@@ -252,7 +249,6 @@ fn a_mesh_that_does_not_fold_has_the_bits_of_its_list() {
     ] {
         same(&mesh(of), 1500);
     }
-    // a row of links beside one of the mesh, along and across
     let again = |name: &str, step: [usize; 2]| {
         let mut text = mesh("nx = 16, ny = 14") + "[REF]\n";
         for i in 1..12 {
@@ -265,7 +261,6 @@ fn a_mesh_that_does_not_fold_has_the_bits_of_its_list() {
     };
     same(&again("along", [1, 0]), 1500);
     same(&again("across", [0, 1]), 1500);
-    // two forces more on one mass, and one that somebody reads
     for more in [
         "[SOL]\ng = {}\n[CUB]\nc = { between = [\"g\", \"m[2,2]\"], k = 1e4, k3 = 1e9 }\n",
         "[SOF]\nforce = { from = \"m[5,5]\" }\n",
@@ -277,7 +272,7 @@ fn a_mesh_that_does_not_fold_has_the_bits_of_its_list() {
     }
 }
 
-/// Strings side by side, coupled mass by mass: a row of links over the masses of two rows.
+/// Parallel strings coupled mass by mass: a row of links over the masses of two rows.
 #[test]
 fn rows_under_another_row_have_the_bits_of_their_list() {
     let strings = "[STRING]\ns = { n = 24, m = \"2 g\", k = \"40 kN/m\", z = 0.1 }\n\
@@ -292,8 +287,8 @@ fn rows_under_another_row_have_the_bits_of_their_list() {
     }
 }
 
-/// Rows of masses before and behind a string that stands folded, coupled mass by mass: folded, the string takes more places,
-/// and what stands behind it is further away.
+/// Rows of masses before and behind a folded string, coupled mass by mass. Folding takes more places, so the masses
+/// behind it are further away.
 #[test]
 fn rows_across_a_folded_one_have_the_bits_of_their_list() {
     for (n, law, of) in [(41, "REF", "k = 300, z = 0.01"), (17, "BUT", "k = 300"), (30, "CUB", "k = 300, k3 = 1e6")] {
@@ -322,7 +317,7 @@ fn rows_across_a_folded_one_have_the_bits_of_their_list() {
     }
 }
 
-/// A row of links: its law, where it begins as row and place in that row, how far its links reach, how many they are.
+/// A row of links: law, start as row and place in that row, reach of its links, and their number.
 fn any_row(width: usize) -> impl Strategy<Value = (bool, usize, usize, usize)> {
     let reach =
         prop_oneof![3 => Just(1), 3 => Just(width), 1 => Just(width - 1), 1 => Just(width + 1), 2 => 1..4 * width];
@@ -332,7 +327,7 @@ fn any_row(width: usize) -> impl Strategy<Value = (bool, usize, usize, usize)> {
 }
 
 proptest! {
-    /// Rows of any reach over each other, in any order, that nobody meant as a string or a mesh.
+    /// Rows of any reach over each other, in any order, without the structure of a string or a mesh.
     #[test]
     fn any_rows_have_the_bits_of_their_list(
         (rows, held) in (6usize..20).prop_flat_map(|w| {
@@ -373,8 +368,8 @@ proptest! {
     }
 }
 
-/// Keys, hammers and notes that are written as lists, as a piano is: what goes from one place to many or from a list to a list,
-/// with offsets and without, the note behind its hammer in the storage order. A dial turns, and a string is struck too.
+/// Keys, hammers and notes written as lists, as in a piano: links from one to many and from list to list, with and
+/// without offsets, the note behind its hammer in storage order. A live parameter changes, and a string is struck too.
 #[test]
 fn lists_have_the_bits_of_their_list() {
     for (n, z, l0) in
@@ -408,12 +403,12 @@ fn lists_have_the_bits_of_their_list() {
         let fans = s.passes.summed().iter().filter(|op| op.form.hub != Hub::None);
         let fans: Vec<_> = fans.map(|op| (op.n, op.form.hub)).collect();
         let each = [(n, Hub::First), (n, Hub::Second), (n, Hub::First)];
-        // one that is short is worth it where none that are looked up stand before it
+        // a short fan is worth it only if no links with looked-up places precede it
         assert_eq!(fans, if n < 12 { &each[..1] } else { &each }, "{text}");
     }
 }
 
-/// The sum that a pass of forces left out is in the list for whoever asks, and links keep their names.
+/// The sum that a pass of forces leaves out is computed on request, and links keep their names.
 #[test]
 fn fused_links_keep_their_place() {
     let s = scene(&struck(24, "k = \"40 kN/m\", z = 0.1"));

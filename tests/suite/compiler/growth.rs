@@ -1,8 +1,8 @@
-//! The growth of explicit contacts that findings state, played: a lossless ball between two walls, from drawn starts
+//! Plays the growth of explicit contacts that findings report: a lossless ball between two walls, from random starts
 //! (docs/numerics.md §3.2).
 //!
-//! Draws stiffness, place and speed, since one value alone may hit a stiffness that makes nothing at any phase. Draws by products and
-//! sums only, so that every machine plays the same starts.
+//! Stiffness, position and speed are drawn, because a single value may hit a stiffness that makes no energy at any
+//! phase. Drawing uses products and sums only, so that every machine plays the same starts.
 
 use crate::play::{Random, mat, scene};
 use ca_core::internal::scene::growth::{Growth, MEASURED, SECONDS, STARTS, TIMES};
@@ -11,21 +11,21 @@ use ca_tests::long_form::long_form;
 
 const RATE: f64 = 48e3;
 const MASS: f64 = 1e-3;
-/// The walls \[m\].
+/// Positions of the walls \[m\].
 const WALLS: [f64; 2] = [-0.01, 0.0137];
 
-/// A number from 0 to 1.
+/// A random number from 0 to 1.
 fn part(drawn: &mut Random) -> f64 {
     0.5 * (drawn.uniform() + 1.0)
 }
 
-/// Of [`STARTS`] around a stiffness kT²/m, those whose energy passed [`TIMES`] that at load within [`SECONDS`].
+/// Number of [`STARTS`] around a stiffness kT²/m whose energy exceeds [`TIMES`] the initial one within [`SECONDS`].
 fn grew(stiffness: f64) -> u32 {
     let mut drawn = Random(0x9e37_79b9_7f4a_7c15);
     (0..STARTS).map(|_| u32::from(grows(stiffness, &mut drawn))).sum()
 }
 
-/// True of a start that does.
+/// Returns true if one start grows so far.
 fn grows(stiffness: f64, drawn: &mut Random) -> bool {
     let k = stiffness * (0.7 + 0.7 * part(drawn)) * MASS * RATE * RATE;
     let x = WALLS[0] + (WALLS[1] - WALLS[0]) * part(drawn);
@@ -52,8 +52,8 @@ fn grows(stiffness: f64, drawn: &mut Random) -> bool {
     false
 }
 
-/// Plays each figure that findings state. The suite plays stiff contacts, which grow within seconds; the long form plays soft ones too,
-/// a minute of sound for most starts.
+/// Plays each figure that findings report. The core suite plays stiff contacts, which grow within seconds. The long
+/// form also plays soft ones, a minute of sound for most starts.
 #[test]
 fn contacts_grow_as_often_as_is_said() {
     let all = long_form("the growth of soft contacts over a minute");
@@ -63,17 +63,14 @@ fn contacts_grow_as_often_as_is_said() {
     assert_eq!(again, played);
 }
 
-/// The finding has the figure of the next stiffness that was measured.
 #[test]
 fn a_contact_is_told_the_figure_of_the_next_stiffness() {
     assert_eq!(Growth::near(0.05).stiffness, 0.1);
     assert_eq!(Growth::near(0.1).stiffness, 0.1);
     assert_eq!(Growth::near(1e6).stiffness, 2.0);
-    // the stiffer the more often
     assert!(MEASURED.windows(2).all(|g| g[0].stiffness < g[1].stiffness && g[0].grew <= g[1].grew));
 }
 
-/// docs/numerics.md has the same figures.
 #[test]
 fn the_page_has_the_figures() {
     let page = include_str!("../../../docs/numerics.md");

@@ -1,5 +1,4 @@
-//! The compiler: passes, the certificate, both sides of every limit, modes, and the oracle, a plain loop beside the compiled
-//! scene.
+//! The compiler: passes, certificate, both sides of every limit, modes, and the oracle, a plain interpreter.
 
 mod any_order;
 mod certificate;

@@ -1,4 +1,4 @@
-//! `analysis::modes` against closed forms and against the running engine: A02, A07, D05, damping that couples.
+//! `analysis::modes` against closed forms and against the running engine: A02, A07, D05, coupled damping.
 
 use crate::play::{PI, case, list, mats, model, num, off, rows, scene, within};
 use ca_compile::Options;
@@ -13,7 +13,6 @@ fn of(text: &str) -> (ca_compile::analysis::Network, Modes) {
     (network, found)
 }
 
-/// One cell for each frequency: what the scheme makes of it.
 #[test]
 fn a02_cells_are_warped_as_the_table_says() {
     let c = case("A02");
@@ -51,13 +50,13 @@ fn a07_the_modes_of_a_chain() {
         let want = shape * (2.0 * angle * 10.0).sin().abs();
         within("A07 at the output", (m.at(&network.ports[0].at).abs() - want).abs(), 1e-9);
     }
-    // a point between two masses hears their mean
+    // a point between two masses has the mean of both
     let push = &network.ports.iter().find(|p| p.role == "pushes").expect("a port").at;
     within("A07 a point's weights", (push.iter().map(|e| e.1).sum::<f64>() - 1.0).abs(), 1e-15);
     assert_eq!(push.len(), 2);
 }
 
-/// A damper at a node of a mode takes nothing from it but rounding: that mode sounds for ever.
+/// A damper at a node of a mode does not damp it beyond rounding: the mode rings forever.
 #[test]
 fn a_mode_that_nothing_damps_sounds_for_ever() {
     for method in ["", "[model]\nmethod = \"centred\"\n"] {
@@ -67,7 +66,7 @@ fn a_mode_that_nothing_damps_sounds_for_ever() {
         );
         let found = of(&text).1;
         for (j, m) in found.list.iter().enumerate() {
-            // the second, fourth and so on have a node in the middle
+            // modes two, four and so on have a node in the middle
             assert_eq!(m.t60.is_infinite(), j % 2 == 1, "mode {j}: {}", m.t60);
             assert_eq!(m.t60_free.is_infinite(), j % 2 == 1, "mode {j}: {}", m.t60_free);
         }
@@ -96,7 +95,7 @@ fn d05_the_stretching_modes_of_a_tetrahedron() {
     assert!(found.list[..6].iter().all(|m| m.heard == 0.0 && m.t60.is_infinite()), "six motions are free");
 }
 
-/// A damper at one place of a string couples its modes: pitches and decays are those of the running engine.
+/// A damper at one place of a string couples its modes: pitch and decay agree with the running engine.
 #[test]
 fn coupled_damping_is_that_of_the_engine() {
     let text = "[STRING]\ns = { n = 12, m = \"1 g\", f = \"800 Hz\" }\n[FRO]\nfelt = { between = [\"ground\", \"s[3]\"], z = 1.5 }\n\
@@ -142,7 +141,7 @@ fn coupled_damping_is_that_of_the_engine() {
     }
 }
 
-/// Proportional damping: the closed form of docs/numerics.md §1.4, and what rings for ever does.
+/// Proportional damping against the closed form of docs/numerics.md §1.4.
 #[test]
 fn damping_by_itself() {
     let (f, t60) = (440.0, 2.0);
@@ -150,13 +149,12 @@ fn damping_by_itself() {
     let m = &found.list[0];
     within("heard", off(m.heard, f), 1e-12);
     within("t60", off(m.t60, t60), 1e-9);
-    // a free mass in a medium: no pitch, and one decay
+    // a free mass in a medium has one decay but no pitch
     let (_, found) = of(
         "[param]\n[MAS]\nm = { m = \"1 g\" }\n[SOL]\nw = {}\n[FRO]\nf = { between = [\"w\", \"m\"], z = \"1 mN s/m\" }\n[SOX]\nout = { from = \"m\" }\n",
     );
     within("free decay", off(found.list[0].t60_free, 3.0 * std::f64::consts::LN_10), 1e-12);
     assert!((found.list[0].t60 / found.list[0].t60_free - 1.0).abs() < 1e-4);
-    // beyond the limit it grows, and is said to
     let (_, found) = of("[CEL]\nc = { m = \"1 g\", k = \"10 MN/m\" }\n[SOX]\nout = { from = \"c\" }\n");
     assert!(found.list[0].grows && found.list[0].heard == 0.0);
     // a heavy damper: no pitch, and the slower of the two decays

@@ -1,18 +1,18 @@
-//! Links whose slope hangs on their elongation: judged where the energy at load, or the stroke of a port, takes them.
+//! Links whose slope depends on elongation are judged within reach of the energy at load or of a port's stroke.
 
 use crate::play::{off, scene, within};
 use ca_core::{Level, tick};
 
-/// A gram with a speed on a spring.
+/// A gram with initial speed `v` on a spring.
 fn bob(v: f64, spring: &str) -> String {
     format!("[SOL]\nw = {{}}\n[MAS]\nb = {{ m = 1e-3, v = {v:?} }}\n{spring}\n[SOX]\no = {{ from = \"b\" }}\n")
 }
 
-/// Soft to a millimetre, and steep beyond.
+/// Soft up to a millimetre, steep beyond.
 const TABLE: &str =
     "[LNL]\nc = { between = [\"w\", \"b\"], spring = [[-0.01, -1e5], [-0.001, -1], [0.001, 1], [0.01, 1e5]] }";
 
-/// True where any finding has this code and these words.
+/// True if any finding has this code and these words.
 fn found(s: &ca_compile::Compiled, code: &str, words: &str) -> bool {
     s.findings.list.iter().any(|d| {
         let labels = format!("{d:?}");
@@ -20,14 +20,14 @@ fn found(s: &ca_compile::Compiled, code: &str, words: &str) -> bool {
     })
 }
 
-/// The speed at which a tick throws the bob past the soft part is that from which on the steep part counts.
+/// The steep part counts from the speed at which a tick can carry the mass past the soft part.
 #[test]
 fn a_table_is_judged_where_it_is_reached() {
     let soft = scene(&bob(0.01, TABLE));
     assert_eq!((soft.certificate.level, soft.findings.list.len()), (Level::RuleOfThumb, 0));
     assert_eq!(soft.certificate.rules.decides, "c");
     within("the slope of the soft part", off(soft.certificate.bound, 1e3 / 1e-3 / 48e3 / 48e3), 1e-9);
-    // all of ½ m v² is held at the bend by v = √(k x²/m) = 1, and a tick before it some is motion still
+    // all of ½ m v² is stored at the bend for v = √(k x²/m) = 1; one tick before, some is still motion
     let a = 1e3 / 1e-3 / 48e3 / 48e3;
     let bend = 1.0 / (1.0_f64 + a).sqrt();
     for (v, level) in [(bend * (1.0 - 1e-6), Level::RuleOfThumb), (bend * (1.0 + 1e-6), Level::NotProven)] {
@@ -37,7 +37,7 @@ fn a_table_is_judged_where_it_is_reached() {
     }
 }
 
-/// A scene that is called stable by where it comes keeps its energy.
+/// A scene that is called stable within its reach keeps its energy.
 #[test]
 fn what_is_not_reached_does_not_matter() {
     let s = scene(&bob(0.01, TABLE));
@@ -50,7 +50,7 @@ fn what_is_not_reached_does_not_matter() {
     within("the largest speed", off(fastest, 0.01), 1e-3);
 }
 
-/// F = k e + k3 e³ and F = q |e|^p: the slope at the elongation that holds the energy, with the step of a tick.
+/// F = k e + k3 e³ and F = q |e|^p: slope at the elongation that stores the energy, plus the step of a tick.
 #[test]
 fn a_spring_that_hardens_is_judged_at_its_energy() {
     for (spring, held, slope) in [
@@ -79,7 +79,7 @@ fn a_spring_that_hardens_is_judged_at_its_energy() {
     assert!(steep.certificate.margin() < 1.0 && found(&steep, "W107", "energy at load"), "{:?}", steep.findings.list);
 }
 
-/// A spring at a port is judged at the stroke of its built-in gesture. Without a gesture the certificate lists it as open.
+/// A spring at a port is judged at the stroke of its built-in gesture; without a gesture it is listed as open.
 #[test]
 fn a_spring_at_a_port_is_judged_at_its_stroke() {
     let text = |gesture: &str| {
@@ -93,14 +93,12 @@ fn a_spring_at_a_port_is_judged_at_its_stroke() {
     let s = scene(&text(""));
     assert_eq!(s.certificate.rules.open, ["c"]);
     within("at rest", off(s.certificate.bound * 1e-3 * 48e3 * 48e3, 1e3), 1e-9);
-    // weight, too, may take it anywhere
     let s = scene(
         "[g]\ngravity = 9.81\n[g.SOL]\nw = {}\n[g.MAS]\nb = { m = 1e-3 }\n[CUB]\nc = { between = [\"g.w\", \"g.b\"], k3 = 1e10 }\n[SOX]\no = { from = \"g.b\" }\n",
     );
     assert_eq!(s.certificate.rules.open, ["c"]);
 }
 
-/// A contact by a power of its depth presses as deep as the energy takes it.
 #[test]
 fn a_hertz_contact_is_judged_at_its_depth() {
     let text = |v: f64| {
@@ -119,7 +117,7 @@ fn a_hertz_contact_is_judged_at_its_depth() {
     assert!(s.certificate.rules.closed < 1.0 && s.findings.list.is_empty(), "{:?}", s.certificate);
 }
 
-/// Contacts by their viscosity too: beyond the limit such a scene diverges, below it does not.
+/// Contacts are judged with their viscosity: beyond the limit such a scene diverges, below it does not.
 #[test]
 fn a_contact_that_is_unstable_while_it_presses_is_reported() {
     let link = |kind: &str, args: &str| {
@@ -130,7 +128,6 @@ fn a_contact_that_is_unstable_while_it_presses_is_reported() {
     };
     for (kind, more) in [("BUT", ""), ("PLK", ", d = 5e-3")] {
         let text = |z: f64| link(kind, &format!("k = 1e3, z = {z:?}{more}"));
-        // T²k/m + 2Tz/m = 4
         let z = 0.5 * (4.0 - 1e3 / 1e-3 / 48e3 / 48e3) * 1e-3 * 48e3;
         let [below, above] = [0.999 * z, 1.001 * z].map(|z| scene(&text(z)));
         assert!(!found(&below, "W117", "`c`"), "{kind}: {:?}", below.findings.list);

@@ -1,5 +1,5 @@
-//! All pairs of two sets as one module: the same bits as the pairs themselves, whichever way the pairs that touch are
-//! found, and what holds of any contact: momentum, energy, findings at load.
+//! All pairs of two sets as one module: the same bits as the pairs written out, by every method of finding touching
+//! pairs, and the properties of any contact: momentum, energy, findings at load.
 
 use crate::play::{Random, audited, mat, model, reference, scene, with, within};
 use ca_compile::{Options, compile};
@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 
 const D: f64 = 5e-3;
 
-/// `n` grains of 0.2 g and `d` across, drawn within `radius` of the origin, at speeds up to `v` along each axis.
+/// `n` grains of 0.2 g and diameter `d`, drawn within `radius` of the origin, at speeds up to `v` along each axis.
 fn grains(n: usize, radius: f64, v: f64, rng: &mut Random) -> String {
     let mut t = String::from("[room]\ndim = 3\n[room.SOL]\nmiddle = {}\n[room.MAS]\n");
     let mut at: Vec<[f64; 3]> = Vec::new();
@@ -24,7 +24,6 @@ fn grains(n: usize, radius: f64, v: f64, rng: &mut Random) -> String {
     t
 }
 
-/// Names `g{from}` … as a list.
 fn names(from: usize, to: usize) -> String {
     let all: Vec<String> = (from..to).map(|i| format!("\"room.g{i}\"")).collect();
     format!("[{}]", all.join(", "))
@@ -34,7 +33,7 @@ fn heard(text: &str) -> String {
     format!("{text}\n[SOX]\nout = {{ from = \"room.g0\", along = \"x\" }}\n")
 }
 
-/// Forty grains in a shell, all pairs of which may touch.
+/// Forty grains in a shell; all pairs may touch.
 fn shaken(contact: &str) -> String {
     let (all, body) = (names(0, 40), grains(40, 0.012, 1.0, &mut Random(7)));
     let shell =
@@ -47,13 +46,12 @@ fn hits() -> String {
     format!("hits = {{ between = [{all}, {all}], k = 5000, z = 0.02, d = {D} }}")
 }
 
-/// Positions and motions in the order of the model.
 fn bits(scene: &Scene, s: &State) -> Vec<u64> {
     let grains: Vec<usize> = (0..40).map(|i| mat(scene, &format!("room.g{i}"))).collect();
     grains.iter().flat_map(|m| s.x[*m..][..3].iter().chain(&s.d[*m..][..3])).map(|v| v.to_bits()).collect()
 }
 
-/// Throws some grains about: a jump of a metre and back, and speeds from a crawl to many diameters a tick.
+/// Disturbs some grains: a jump of a metre and back, and speeds from a crawl to many diameters a tick.
 fn shake(scene: &Scene, s: &mut State, n: u64, rng: &mut Random) {
     let who = mat(scene, &format!("room.g{}", (rng.0 % 40)));
     match n % 4000 {
@@ -103,7 +101,7 @@ fn every_bit_is_that_of_the_pairs() {
         }
         assert_eq!(touched, 16_000);
         let lists = states.iter().map(|s| s.links.near.first().map_or(0, |n| n.lists)).collect::<Vec<_>>();
-        // what contains has no use for a list
+        // a contact from inside does not use a list
         let expected = if which == 3 { lists == [0; 5] } else { lists[1] == 0 && lists[2..].iter().all(|n| *n > 10) };
         assert!(expected, "{contact}: {lists:?}");
     }
@@ -131,7 +129,7 @@ fn pairs_written_one_by_one_are_the_same() {
 
 #[test]
 fn a_list_that_does_not_fit_loses_nothing() {
-    // all of them in a heap much smaller than one of them: every pair touches
+    // all grains in a heap much smaller than one grain: every pair touches
     let text = shaken(&hits().replace(&format!("d = {D}"), "d = 0.05"));
     let (plain, set) = (with(&text, &reference()), scene(&text));
     let (mut s, mut t) = (plain.state(), set.state());
@@ -160,7 +158,6 @@ fn positions_that_are_huge_or_no_numbers_stop_nothing() {
                 tick(scene, s);
             }
         }
-        // what is not finite has no bits worth comparing
         let clean =
             |b: Vec<u64>| b.into_iter().map(|b| if f64::from_bits(b).is_nan() { 0 } else { b }).collect::<Vec<_>>();
         assert_eq!(clean(bits(&plain, &s)), clean(bits(&set, &t)), "{bad}");
@@ -175,10 +172,9 @@ fn a_state_taken_back_goes_on_as_it_did() {
     let kept = s.clone();
     (0..1500).for_each(|_| tick(&scene, &mut s));
     let once = bits(&scene, &s);
-    // far away and back
     s.x.iter_mut().enumerate().for_each(|(i, x)| *x += 0.01 * (i % 7) as f64);
     (0..500).for_each(|_| tick(&scene, &mut s));
-    // all but the list of neighbours, then everything
+    // restores all but the neighbour list, then everything
     let near = s.links.near.clone();
     s = kept.clone();
     s.links.near = near;
@@ -267,14 +263,14 @@ fn a_pair_that_is_heard_makes_the_pairs() {
     assert_eq!(scene(&(shaken(&hits()) + sof)).counts.n_lia, 40 + 780);
     let probed = Options { probes: vec!["hits[5]".into()], ..Options::default() };
     assert_eq!(with(&shaken(&hits()), &probed).counts.n_lia, 40 + 780);
-    // on a line a contact knows sides, and stays with its pairs
+    // on a line a contact has sides, so its pairs stay separate links
     let line = "[MAS]\na = { m = 1 }\nb = { m = 1, x = 1 }\nc = { m = 1, x = 2 }\nd = { m = 1, x = 3 }\n[BUT]\n\
          hits = { between = [[\"a\", \"b\", \"c\", \"d\"], [\"a\", \"b\", \"c\", \"d\"]], k = 1 }\n[SOX]\nout = { from = \"a\" }\n";
     assert_eq!(scene(line).counts.n_lia, 6);
-    // a method that remembers something of each pair too
+    // so does a method with memory for each pair
     let stable = hits().replace("k = 5000", "k = 5000, method = \"stable\"");
     assert_eq!(scene(&shaken(&stable)).counts.n_lia, 40 + 780);
-    // nor is one against many worth it
+    // one against many is not worth a set
     let one = format!("rim = {{ between = [\"room.middle\", {}], pairs = \"all\", k = 1, d = {D} }}", names(0, 40));
     assert!(scene(&shaken(&one)).links.pair_sets.is_empty());
 }
@@ -309,7 +305,6 @@ fn ten_thousand_grains_are_one_module() {
     let apart = scene(&text("6 mm"));
     assert_eq!((apart.counts.n_lia, apart.links.pair_sets[0].pairs()), (1, 49_995_000));
     assert!(apart.findings.list.is_empty(), "{}", apart.findings);
-    // once, for the first pair there is
     let pressed = scene(&text("4 mm"));
     assert_eq!(pressed.findings.list.len(), 1);
     let said = &pressed.findings.list[0];

@@ -1,8 +1,8 @@
-//! Scenes bound to single precision: closed forms, drift, what it makes of contacts and bows beside
-//! double precision, scale, and what it refuses.
+//! Scenes bound to single precision: closed forms, drift, contacts and bows against double precision, scale, and
+//! refusals.
 //!
-//! Tolerances are three to five times what was measured. Blows begin away from a tick: whether one that falls on it
-//! begins there or a tick later is for the last bit to say, in either precision.
+//! Tolerances are three to five times the measured values. Blows begin away from a tick; at a tick, the last bit
+//! decides in either precision whether one begins there or a tick later.
 
 use crate::compiler::thresholds::{k, link, z};
 use crate::play::{PI, TURN, case, num, off, rel_l2, within};
@@ -37,7 +37,7 @@ fn scene(text: &str) -> Compiled {
     with(text, &Options::default()).unwrap_or_else(|d| panic!("{text}\n{d}"))
 }
 
-/// Gives the ports what the gesture of the model says, and runs a tick.
+/// Sets the ports by the model's gesture and runs a tick.
 fn step(scene: &Scene, s: &mut State) {
     for (name, points) in &scene.about.gestures {
         let input = scene.input(name).expect("a port");
@@ -67,12 +67,11 @@ fn double(text: &str, ticks: usize) -> Vec<f64> {
     heard.collect()
 }
 
-/// How far single precision is from double over these ticks, relative.
+/// Relative difference of single from double precision over these ticks.
 fn apart(text: &str, ticks: usize) -> f64 {
     rel_l2(&played(&scene(text), ticks), &double(text, ticks))
 }
 
-/// Places of `s[0] …`.
 fn places(scene: &Scene) -> Vec<usize> {
     (0..scene.counts.n_mat)
         .map_while(|i| (0..scene.counts.n_mat).find(|p| scene.mat_name(*p) == format!("s[{i}]")))
@@ -83,7 +82,7 @@ fn string(n: usize, k: f64) -> String {
     format!("[STRING]\ns = {{ n = {n}, m = 1e-3, k = {k:?} }}\n[SOX]\nout = {{ from = \"s[3]\" }}\n")
 }
 
-/// x = cos nθ with 2 sin(θ/2) = √a, whatever the precision: ten seconds of 440 Hz.
+/// x = cos nθ with 2 sin(θ/2) = √a in either precision: ten seconds of 440 Hz.
 #[test]
 fn an_oscillator() {
     let a = (TURN * 440.0 / 48e3_f64).powi(2);
@@ -133,7 +132,7 @@ fn a_plucked_chain() {
     within("B01, 1 s", rel_l2(&heard, &exact), 1.5e-5);
 }
 
-/// The energy of a string of masses 1 g and springs `k` between the last two ticks, in double precision.
+/// Energy of a string of masses 1 g and springs `k` between the last two ticks, in double precision.
 fn energy(s: &State, places: &[usize], k: f64) -> f64 {
     let at = |v: &[f32], i: usize| i.checked_sub(1).and_then(|i| places.get(i)).map_or(0.0, |p| f64::from(v[*p]));
     let kinetic = |i: usize| 0.5e-3 * (at(&s.d, i) * 48e3).powi(2);
@@ -144,7 +143,7 @@ fn energy(s: &State, places: &[usize], k: f64) -> f64 {
     (1..=places.len()).map(kinetic).sum::<f64>() + (0..=places.len()).map(held).sum::<f64>()
 }
 
-/// The first mode of a string of 40 masses tuned to `f`, played for `seconds`: by how much its energy ever strays.
+/// Largest relative change of energy of the first mode of a string of 40 masses tuned to `f`, over `seconds`.
 fn drift(f: f64, seconds: usize) -> f64 {
     let k = 1e-3 * (82.0 * f).powi(2);
     let scene = scene(&string(40, k));
@@ -162,8 +161,8 @@ fn drift(f: f64, seconds: usize) -> f64 {
     worst
 }
 
-/// docs/numerics.md §1.6 and §2.3: 1e-5 of the energy in 10 s, 2e-5 in 60 s of 1 Hz, where positions kept twice do not
-/// even move.
+/// docs/numerics.md §1.6 and §2.3: 1e-5 of the energy in 10 s, and 2e-5 in 60 s of 1 Hz, where a scheme that stores two
+/// positions does not even move.
 #[test]
 fn a_slow_string_neither_drifts_nor_freezes() {
     within("40 masses at 110 Hz, 10 s", drift(110.0, 10), 2.5e-5);
@@ -182,8 +181,7 @@ fn a_slow_string_neither_drifts_nor_freezes() {
     assert!(moved < 1e-4, "a string kept as two positions has moved by {moved} m in a whole period");
 }
 
-/// The ledger balances as far as single precision reaches: docs/numerics.md §2.3 says 1e-7 in a tick, 5e-5 in ten
-/// seconds.
+/// The ledger balances within single precision: docs/numerics.md §2.3 gives 1e-7 per tick and 5e-5 in ten seconds.
 #[test]
 fn the_ledger() {
     let struck = "[STRING]\ns = { n = 40, f = \"110 Hz\", t60 = \"4 s\", m = \"1 g\" }\n[MAS]\nh = { m = \"20 g\", x = \"-5.01 mm\", v = \"1 m/s\" }\n[BUT]\nb = { between = [\"h\", \"s[8]\"], k = \"8 kN/m\", z = 0.2 }\n[SOX]\no = { from = \"s[3]\" }\n";
@@ -238,7 +236,7 @@ fn laws_and_methods() {
     }
 }
 
-/// Scaled by a power of two every bit stays, by others the sound.
+/// Scaling by a power of two keeps every bit, other factors keep the sound.
 #[test]
 fn scale() {
     let text = |by: f64| {
@@ -260,7 +258,6 @@ fn scale() {
     }
 }
 
-/// The same scene gives the same bits, in either kernel class.
 #[test]
 fn the_same_bits() {
     let text = format!(
@@ -279,7 +276,7 @@ fn the_same_bits() {
     assert_ne!(end(4800), end(4801));
 }
 
-/// All that a tick reads and writes of a string is single.
+/// Everything that a tick of a string reads and writes is single.
 #[test]
 fn no_number_of_the_tick_is_double() {
     let s = scene(STRING).state();
@@ -287,7 +284,7 @@ fn no_number_of_the_tick_is_double() {
     assert!(single[..4].iter().all(|v| v.len() >= 40));
 }
 
-/// What it does not keep is refused and named, and double precision takes it.
+/// Numbers out of its range are refused and named; double precision accepts them.
 #[test]
 fn what_is_not_kept() {
     let cell = |what: &str| format!("[CEL]\nc = {{ {what} }}\n[SOX]\no = {{ from = \"c\" }}\n");
@@ -321,7 +318,6 @@ fn what_is_not_kept() {
         let (_, scene) = ca_compile::load(&text, "test.ca.toml", &ca_model::catalog(), &ca_compile::Options::default());
         assert!(scene.is_ok_and(|s| s.findings.list.iter().all(|d| d.code != code)), "{text}");
     }
-    // just within
     for text in
         [cell("m = 1e-3, f = 440, t60 = 60, dx0 = 1e-28"), link("k = 1e8, method = \"implicit\""), link("k = 1e-30")]
     {
@@ -330,7 +326,6 @@ fn what_is_not_kept() {
     }
 }
 
-/// Nor is a value that a parameter is moved to while playing.
 #[test]
 fn a_change_out_of_range_is_refused() {
     let text = "[param]\nk = { value = 1e3, live = true, max = 1e60 }\n[SOL]\nwall = {}\n[MAS]\na = { m = 1e-3, dx0 = 1e-3 }\n[RES]\nr = { between = [\"wall\", \"a\"], k = \"k\" }\n[SOX]\no = { from = \"a\" }\n";
@@ -341,7 +336,7 @@ fn a_change_out_of_range_is_refused() {
     assert!(crate::play::scene(text).controls().set("k", 1e50).is_ok());
 }
 
-/// Single precision: how stiff an implicit link may be, how slow a decay, how large and small a number.
+/// Limits of single precision: stiffness of an implicit link, slow decay, large and small numbers.
 #[test]
 fn the_limits_of_single_precision_are_where_they_are_stated() {
     let found = |text: &str| {
@@ -356,9 +351,8 @@ fn the_limits_of_single_precision_are_where_they_are_stated() {
             all.map(|d| format!("{}: {} ({})\n", d.code, d.title, d.help.unwrap_or_default())).collect();
         lines.concat()
     };
-    // θ k T²/m of one end
     let stiff = |a: f64| link("RES", &format!("k = {:?}, method = \"implicit\", theta = 0.25", k(4.0 * a)));
-    // 1 − zT/m lies between two numbers of single precision, ten and a bit of their distance from 1
+    // 1 − zT/m lies between two single-precision numbers, at slightly more than ten times their distance from 1
     let fades = |bit: f64| {
         let z = z((10.0 + bit) * f64::from(f32::EPSILON) / 2.0);
         format!("[CEL]\nbar = {{ m = \"1 g\", k = 1, z = {z:?} }}\n[SOX]\nout = {{ from = \"bar\" }}\n")

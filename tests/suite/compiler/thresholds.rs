@@ -1,5 +1,5 @@
-//! Every number that a finding of the compiler states, from both sides: a thousandth below it nothing is said, a thousandth
-//! above it the finding is there. A limit that moves is seen, whichever way it goes.
+//! Tests every number in a finding of the compiler from both sides: a thousandth below it nothing is found, a
+//! thousandth above it the finding is there. A limit that moves in either direction is detected.
 
 use ca_compile::{Options, compile};
 use ca_conformance::drawn::catalog;
@@ -9,7 +9,7 @@ use ca_model::{Entry, Value, read};
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
-/// What is found in a model: code, title and help of each, a line each.
+/// Findings of a model: code, title and help, one line each.
 fn found(text: &str) -> String {
     let (model, mut diags) = read::read(text, "test.ca.toml", &catalog());
     diags.list.extend(match compile(&model, &catalog(), &Options::default()) {
@@ -37,17 +37,16 @@ pub fn z(a: f64) -> f64 {
     a * 1e-3 * 48e3
 }
 
-/// A gram beside a wall, and `more`.
 fn bob(more: &str) -> String {
     format!("[SOL]\nwall = {{}}\n[MAS]\nbob = {{ m = \"1 g\" }}\n[SOX]\nout = {{ from = \"bob\" }}\n{more}")
 }
 
-/// The same, joined by one link.
+/// The same with one link to the wall.
 pub fn link(code: &str, args: &str) -> String {
     bob(&format!("[{code}]\nl = {{ between = [\"wall\", \"bob\"], {args} }}\n"))
 }
 
-/// The gram between two contacts of kT²/m = `a`, whose ends these are.
+/// The gram between two contacts of kT²/m = `a` with these ends.
 fn sides(a: f64, ends: [&str; 2]) -> String {
     let [one, other] = ends;
     let k = k(a);
@@ -61,12 +60,12 @@ fn contacts_on_two_sides_do_not_press_at_once() {
     let between = found(&sides(2.5, ["wall\", \"bob", "bob\", \"wall"]));
     assert!(!between.contains("W117"), "{between}");
     assert!(found(&sides(2.5, ["wall\", \"bob", "wall\", \"bob"])).contains("W117"));
-    // one of them contains, so that both press from one side
+    // one of them acts from inside, so both press from one side
     let held = sides(2.5, ["wall\", \"bob", "bob\", \"wall"]).replace("other = {", "other = { sense = \"inside\",");
     assert!(found(&held).contains("press at once"), "{}", found(&held));
 }
 
-/// A string of a gram each, kT²/m = 0.9, that a spring of no straight line holds in the middle.
+/// A string of a gram each, kT²/m = 0.9, with a non-linear spring in its middle.
 fn held(a: f64) -> String {
     format!(
         "[STRING]\ns = {{ n = 20, m = \"1 g\", k = {:?} }}\n[SOL]\nwall = {{}}\n[CUB]\nc = {{ between = [\"wall\", \"s[9]\"], \
@@ -76,7 +75,7 @@ fn held(a: f64) -> String {
     )
 }
 
-/// A body whose one edge is supported by a spring of 100 N/m.
+/// A body with one edge supported by a spring of 100 N/m.
 fn lpr(k: f64) -> String {
     format!(
         "[room]\ndim = 3\n[room.MAS]\na = {{ m = 1 }}\nb = {{ m = 1, x = [1, 0, 0] }}\n[SOL]\nwall = {{}}\n[MAS]\nbob = {{ m = 1 \
@@ -89,20 +88,20 @@ fn rate(words: &str) -> String {
     format!("[rate]\n{words}\n{}", bob(""))
 }
 
-/// A limit: what is said beyond it (a code and words), the number, and the model with a number in that place.
+/// A limit: code and words of the finding beyond it, the number, and the model for a number.
 type Limit = (&'static str, &'static str, f64, fn(f64) -> String);
 
 fn limits() -> Vec<Limit> {
     vec![
         ("W103", "the limit is", 4.0, |a| link("RES", &format!("k = {:?}", k(a)))),
         ("W103", "the limit is", 2.0, |a| link("FRO", &format!("z = {:?}", z(a)))),
-        // the method counts its own limit, 8.9368, which is a good two times that of the explicit one
+        // the method has its own limit, 8.9368, slightly more than twice the explicit one
         ("W103", "the limit is", 8.936_808, |a| {
             format!("[model]\nmethod = \"pefrl\"\n{}", link("RES", &format!("k = {:?}", k(a))))
         }),
         ("W104", "may make energy", 1.0, |a| link("BUT", &format!("k = {:?}", k(a)))),
         ("W104", "makes energy at every blow", 2.0, |a| link("BUT", &format!("k = {:?}", k(a)))),
-        // a + 2b, of stiffness, of viscosity, and of both
+        // a + 2b, by stiffness, by viscosity, and by both
         ("W117", "the limit is 4", 4.0, |a| link("BUT", &format!("k = {:?}", k(a)))),
         ("W117", "the limit is 4", 2.0, |b| link("BUT", &format!("k = 1e-3, z = {:?}", z(b)))),
         ("W117", "the limit is 4", 3.0, |a| link("BUT", &format!("k = {:?}, z = {:?}", k(a), z(0.5)))),
@@ -116,14 +115,13 @@ fn limits() -> Vec<Limit> {
         // a chain of 0.9 with b more at one mass has the largest eigenvalue 1.8 + sqrt(1.8² + b²)
         ("W107", "the limit is 4", 1.264_911, held),
         ("W112", "has a support softer than itself", 100.0, lpr),
-        // slope·T/m is f/(v0 m) T
         ("W113", "stay below 1.5", 1.5, |a| {
             link("BOW", &format!("curve = \"coulomb\", f = {:?}, v0 = \"1 m/s\"", z(a)))
         }),
         ("N206", "below 4", 4.0, |b| {
             link("BOW", &format!("curve = \"coulomb\", f = {:?}, v0 = \"1 m/s\", method = \"newton\"", z(b)))
         }),
-        // 1 % of the half of the sound rate are left to the filter
+        // 1 % of half the sound rate is left to the filter
         ("E023", "stay below 23760 Hz", 23_760.0, |f| rate(&format!("filter = {f:?}"))),
         ("E023", "stay below 24000 Hz", 24_000.0, |f| {
             format!("[CEL]\nbar = {{ m = 1, f = {f:?} }}\n[SOX]\nout = {{ from = \"bar\" }}\n")
@@ -131,13 +129,12 @@ fn limits() -> Vec<Limit> {
         ("E023", "is not below half the sound rate", 24_000.0, |f| {
             bob("").replace("from = \"bob\"", &format!("from = \"bob\", dc = {f:?}"))
         }),
-        // the corner Z/πm of a junction at a quarter of the sound rate
+        // the corner frequency Z/πm of a junction at a quarter of the sound rate
         ("N203", "Hz a junction of", 0.8 / (PI * 12e3), |m| {
             waveguide(&format!("f = 110, z = 0.8, at = 0.3, m = {m:?}"))
         }),
-        // modes of 1 and 3 times a stiffness; half of the damping of one mass ties them, by 1e-9 of their distance
+        // modes of 1 and 3 times a stiffness; half of the damping of one mass couples them, by 1e-9 of their distance
         ("W115", "damping couples the modes", 2e-9 * 0.02, tied),
-        // what generators cannot do
         ("E023", "is not below half the sound rate", 24_000.0, |f| {
             generator("STRING", &format!("n = 3, m = 1, f = {f:?}"))
         }),
@@ -155,18 +152,17 @@ fn limits() -> Vec<Limit> {
     ]
 }
 
-/// A waveguide that is heard where it is touched.
+/// A waveguide with its first junction as the output.
 fn waveguide(args: &str) -> String {
     generator("WAVEGUIDE", args)
 }
 
-/// A generator whose first module is heard.
 fn generator(code: &str, args: &str) -> String {
     let first = if code == "MESH" { "g[1,1]" } else { "g[0]" };
     format!("[{code}]\ng = {{ {args} }}\n[SOX]\nout = {{ from = \"{first}\" }}\n")
 }
 
-/// Two equal cells on a spring, by their modes, of which one is damped by zT/m = `d`.
+/// Two equal cells on a spring, by their modes, one of them damped by zT/m = `d`.
 fn tied(d: f64) -> String {
     format!(
         "[model]\nmethod = \"modal\"\n[CEL]\na = {{ m = \"1 g\", k = {0:?}, z = {1:?} }}\nb = {{ m = \"1 g\", k = {0:?} }}\n[RES]\nl = \
@@ -176,8 +172,7 @@ fn tied(d: f64) -> String {
     )
 }
 
-/// The pitch \[Hz\] at which a closed mesh of 6 x 5 nodes on a line needs kT²/m = 1/2: sin²(πfT) = (sin²(π/10) +
-/// sin²(π/8))/2.
+/// Pitch \[Hz\] of a closed 6 x 5 mesh with kT²/m = 1/2: sin²(πfT) = (sin²(π/10) + sin²(π/8))/2.
 fn closed_mesh() -> f64 {
     let shape = (PI / 10.0).sin().powi(2) + (PI / 8.0).sin().powi(2);
     (0.5 * shape).sqrt().asin() / PI * 48e3
@@ -197,7 +192,7 @@ fn a_limit_that_is_stated_is_where_it_is_stated() {
     assert!(wrong.is_empty(), "{wrong}");
 }
 
-/// What is reported of a number that is nothing, a count, or a sign: just there, and not beside it.
+/// Findings about a zero, a count or a sign appear exactly there.
 #[test]
 fn a_limit_at_nothing_or_at_a_count_is_there_too() {
     let key = |z: f64| {
@@ -250,7 +245,6 @@ fn a_limit_at_nothing_or_at_a_count_is_there_too() {
     }
 }
 
-/// A contact presses from its threshold on.
 #[test]
 fn a_contact_that_presses_at_load_is_reported_from_its_threshold_on() {
     let text = |x: f64| {
@@ -263,7 +257,7 @@ fn a_contact_that_presses_at_load_is_reported_from_its_threshold_on() {
     assert!(found(&text(0.1 - 1e-9)).contains("W102"));
 }
 
-/// The advice of W104: viscosity between 0.12 a and 1.9 − a, where there is room between them.
+/// The advice of W104: viscosity between 0.12 a and 1.9 − a, if that range is not empty.
 #[test]
 fn viscosity_is_advised_to_a_stiff_contact_where_some_helps() {
     let advised = |a: f64| found(&link("BUT", &format!("k = {:?}", k(a)))).contains("or viscosity `z` between");
@@ -271,7 +265,7 @@ fn viscosity_is_advised_to_a_stiff_contact_where_some_helps() {
     assert!(advised(end * (1.0 - 1e-3)) && !advised(end * (1.0 + 1e-3)));
 }
 
-/// Puts one argument of the module that shows a kind into its example; what is found of it.
+/// Puts one argument into the example of a kind and returns the findings.
 fn with(kind: &Kind, key: &str, value: Value) -> String {
     let (mut model, _) = read::read(kind.example, "test.ca.toml", &catalog());
     let item = model.items.iter_mut().find(|i| i.kind == kind.code).expect("an example of itself");
@@ -283,7 +277,7 @@ fn with(kind: &Kind, key: &str, value: Value) -> String {
     }
 }
 
-/// The range of every parameter of every kind: its ends are in it, what is just beyond is refused with the name.
+/// The range of every parameter of every kind: its ends are accepted, values just beyond are refused by name.
 #[test]
 fn every_range_of_a_parameter_ends_where_its_record_says() {
     let mut seen = 0;
@@ -296,7 +290,7 @@ fn every_range_of_a_parameter_ends_where_its_record_says() {
                     let ends = [min, max].into_iter().filter(|v| v.abs() < 1e6 && *v != f64::MIN_POSITIVE);
                     let low = (min > f64::MIN).then(|| if min == f64::MIN_POSITIVE { 0.0 } else { near(min, -1e-6) });
                     let high = (max < f64::MAX).then(|| near(max, 1e-6));
-                    // an exponent goes by quarters: what is between them is refused for that
+                    // an exponent is in quarters: values between them are refused for that reason
                     let ends = ends.filter(|_| plain || min == 0.0).collect();
                     (ends, low.into_iter().chain(high).collect())
                 }
@@ -326,8 +320,8 @@ fn every_range_of_a_parameter_ends_where_its_record_says() {
     assert!(seen > 150, "{seen} ends were tried");
 }
 
-/// The number of masses that is advised to a string which cannot sound so high is the largest that can; so for every
-/// generator that has a number of masses and a pitch.
+/// The advised number of masses for a pitch that is too high is the largest that can sound it, for every generator with
+/// a number of masses and a pitch.
 #[test]
 fn as_many_masses_as_are_advised_can_sound() {
     let catalog = catalog();
@@ -350,7 +344,7 @@ fn as_many_masses_as_are_advised_can_sound() {
     }
 }
 
-/// Whatever is offered for twelve masses on the highest keys of a piano lets them sound; of the two that have a number, no less does.
+/// Every remedy offered for twelve masses at the highest piano notes works; smaller numbers in it do not.
 #[test]
 fn each_way_that_is_offered_to_the_highest_strings_works() {
     let mut seen = 0;
@@ -388,17 +382,16 @@ fn each_way_that_is_offered_to_the_highest_strings_works() {
         }
     }
     assert!(seen > 16, "{seen}");
-    // with several ticks in a sample already, more of them are meant
+    // with several ticks per sample already, the advice is a higher number
     let text = format!("[rate]\noversample = 2\n{}", generator("STRING", "n = 100, m = 1, f = 2000"));
     let more = found(&text);
     assert!(more.contains("`oversample = 9`"), "{more}");
     assert!(!found(&text.replace("= 2\n", "= 9\n")).contains("E023"));
     assert!(found(&text.replace("= 2\n", "= 8\n")).contains("E023"));
-    // more ticks do not make a pitch above half the sound rate audible
     assert!(!found(&generator("STRING", "n = 3, m = 1, f = 30000")).contains("oversample"));
 }
 
-/// Where the junctions of a waveguide of a hundred samples may be, how long it may be, how soon it may die out.
+/// Limits of a waveguide of a hundred samples: junction positions, length, shortest decay.
 #[test]
 fn junctions_of_a_waveguide_have_room_from_there_on() {
     let by = |t: f64| (t * (1.0 - 1e-3), t * (1.0 + 1e-3));
@@ -409,7 +402,7 @@ fn junctions_of_a_waveguide_have_room_from_there_on() {
     for (words, quiet, reported) in [
         // half a sample of the way there and back
         ("is less than", at(by(0.005).1), at(by(0.005).0)),
-        // further on each way has its own: a whole sample of the round trip
+        // beyond, each direction has its own delay: a whole sample of the round trip
         ("is less than", two(0.21 * (1.0 + 1e-4)), two(0.21 * (1.0 - 1e-4))),
         ("leaves no room behind", at(0.975 * (1.0 - 1e-4)), at(0.975 * (1.0 + 1e-4))),
         ("is a string of more than 1e6 samples", long(by(0.048).1), long(by(0.048).0)),
@@ -421,27 +414,26 @@ fn junctions_of_a_waveguide_have_room_from_there_on() {
     }
 }
 
-/// So many lines.
 fn lines(n: usize, line: impl Fn(usize) -> String) -> String {
     (0..n).map(line).collect::<Vec<_>>().concat()
 }
 
-/// A million masses and links, wherever they come from: so many pass, one more is refused where it is one too many.
-/// What passes has another error, so that nobody has to compile it.
+/// A million masses and links from any source: that many pass, one more is refused where it is one too many. Passing
+/// models have another error, so that they need not be compiled.
 #[test]
 fn a_model_holds_a_million_modules() {
-    // written one by one: the reader counts them and looks no further than the hundredth error
+    // written one by one: the reader counts them and stops at the hundredth error
     let written = |n: usize| {
         let mut text = String::from("[MAS]\n");
         (0..n).for_each(|i| _ = writeln!(text, "m{i}={{w=1}}"));
         text
     };
-    // a string brings two modules for each mass at most
+    // a string adds at most two modules per mass
     let strings = |beside: usize| {
         let more = lines(beside, |i| format!("m{i} = {{ m = 1 }}\n"));
         format!("[MAS]\n{more}[STRING]\ns = {{ m = 1, n = 499990, f = 23999 }}\n")
     };
-    // 1000 x 996 links, with 3990 masses and links of their own, and some more
+    // 1000 x 996 links with their 3990 masses and links, and some more
     let joined = |beside: usize| {
         let more = lines(beside, |i| format!("m{i} = {{ m = 1 }}\n"));
         let row = |n: &str, m: usize| format!("{n} = {{ n = {m}, m = 1, k = 1 }}\n");
@@ -451,7 +443,7 @@ fn a_model_holds_a_million_modules() {
              from = \"nothing\" }}\n"
         )
     };
-    // a list that names the same thousand again and again, as ends, as what a force pushes, and as outputs
+    // a list that names the same thousand repeatedly, as ends
     let list = |n: usize, more: usize| {
         let all = vec!["\"a[*]\""; n].join(", ");
         let rest = vec!["\"a[0]\""; more].join(", ");
@@ -459,7 +451,7 @@ fn a_model_holds_a_million_modules() {
     };
     let chain = "[CHAIN]\na = { n = 1000, m = 1, k = 1 }\n[SOL]\nw = {}\n";
     let ends = |more: usize| format!("{chain}[RES]\nr = {{ between = [\"w\", {}], k = 1 }}\n", list(1000, more));
-    // the same thousand again and again, as what a force pushes, what an output hears and what is linked to a moving point
+    // the same thousand repeatedly, as targets of a force, as outputs, and as links to a moving point
     let again = |kind: &str, n: usize, args: &str| {
         let all = lines(n, |i| format!("o{i} = {{ {args} }}\n"));
         format!("{chain}[{kind}]\n{all}[SOF]\nn = {{ from = \"nothing\" }}\n")
@@ -467,7 +459,6 @@ fn a_model_holds_a_million_modules() {
     let pushed = |n: usize| again("ENF", n, "to = \"a[*]\"");
     let heard = |n: usize| again("SOX", n, "from = \"a[*]\", channel = 0");
     let linked = |n: usize| again("RES", n, "between = [\"a@0.5\", \"a[*]\"], k = 1");
-    // places on a chain of a thousand
     let points = |n: usize| {
         let all = lines(n, |i| format!("o{i} = {{ from = \"a@{}\", channel = 0 }}\n", i as f64 / 1e4));
         format!("{chain}[SOX]\n{all}n = {{ from = \"nothing\" }}\n")
@@ -489,7 +480,6 @@ fn a_model_holds_a_million_modules() {
     }
 }
 
-/// As many entries as a factorisation may have, and one less.
 #[test]
 fn a_factor_holds_as_many_entries_as_are_allowed() {
     let pairs = || (0..20_u32).flat_map(|i| (0..i).map(move |j| (i, j)));
@@ -497,7 +487,7 @@ fn a_factor_holds_as_many_entries_as_are_allowed() {
     assert!(ca_core::internal::numeric::ldl::Pattern::new(20, pairs(), 189).is_none());
 }
 
-/// Modes are computed up to 4000 places. That 4000 are takes minutes; the long form sees it.
+/// Modes are computed up to 4000 places. Computing 4000 takes minutes and is left to the long form.
 #[test]
 fn modes_are_computed_up_to_4000_places() {
     let found = |n: usize| {

@@ -1,4 +1,4 @@
-//! What generators draw in space: where things are, how they start, what they weigh and how they vibrate.
+//! Generators in space: places, starts, masses and modes.
 
 use crate::play::{case, list, mats, num, off, reference, scene, with, within};
 use ca_compile::{Options, compile};
@@ -6,7 +6,7 @@ use ca_core::internal::kind::cloud::Cloud;
 use ca_core::{Scene, compute_forces};
 use ca_io::cloud::{of_model, open};
 
-/// A body in a room, every mass of it tied to the origin first, so that the reach of the ties is where it is at rest.
+/// A body in a room. A tie from the origin to every mass comes first, so the reach of the ties gives the rest places.
 fn room(body: &str) -> String {
     format!(
         "[room]\ndim = 3\n[room.SOL]\no = {{}}\n[room.RES]\ntie = {{ between = [\"room.o\", \"room.p[*]\"], k = 1e-9 }}\n\
@@ -38,7 +38,7 @@ fn a_tetrahedron_is_regular_and_centred() {
     for turn in ["", ", turn = [0.3, -0.1, 0.07]", ", turn = [0, \"25 %\", 0]"] {
         let p = places(&tetra(&format!("x = [0.5, -0.25, 0.125]{turn}")), 4);
         for (i, j) in (0..4).flat_map(|i| (0..i).map(move |j| (i, j))) {
-            // from places of 0.5 m, which round at 1e-16
+            // rest places near 0.5 m round at 1e-16
             within("an edge", off(norm(minus(p[i], p[j])), 0.02), 1e-14);
         }
         for (k, c) in [0.5, -0.25, 0.125].into_iter().enumerate() {
@@ -51,12 +51,11 @@ fn a_tetrahedron_is_regular_and_centred() {
     for (i, j) in (0..4).flat_map(|i| (0..i).map(move |j| (i, j))) {
         within("an edge around the origin", off(norm(minus(p[i], p[j])), 0.02), 1e-15);
     }
-    // a quarter turn about z takes x to y, exactly; five do the same
+    // a quarter turn about z takes x to y exactly, and so do five
     for turns in ["25 %", "125 %", "-75 %"] {
         let q = places(&tetra(&format!("turn = [0, 0, \"{turns}\"]")), 4);
         assert!(p.iter().zip(&q).all(|(p, q)| [-p[1], p[0], p[2]] == *q), "{turns}: {q:?}");
     }
-    // and a third of a turn about the diagonal takes x to y to z
     let third = 1.0 / 3.0 / 3f64.sqrt();
     let q = places(&tetra(&format!("turn = [{third:?}, {third:?}, {third:?}]")), 4);
     for (p, q) in p.iter().zip(&q) {
@@ -97,7 +96,7 @@ fn a_tetrahedron_weighs_what_is_asked() {
     }
 }
 
-/// Force on the masses of `p` for small displacements `u` of them, per metre.
+/// Force on the masses of `p` per metre of the small displacements `u`.
 fn stiffness(scene: &Scene, u: &[[f64; 3]], by: f64) -> Vec<[f64; 3]> {
     let at = mats(scene, "room.p");
     let force = |by: f64| {
@@ -120,7 +119,7 @@ fn d05_modes_of_a_tetrahedron() {
     );
     let s = 1.0 / 8f64.sqrt();
     let corners = [[s, s, s], [s, -s, -s], [-s, s, -s], [-s, -s, s]];
-    // strains: breathing; shears of the cube's faces; stretchings of the cube at constant volume
+    // strains: breathing, shears of the cube's faces, stretches of the cube at constant volume
     let strains: [fn([f64; 3]) -> [f64; 3]; 6] = [
         |[x, y, z]| [x, y, z],
         |[x, y, _]| [y, x, 0.0],
@@ -135,7 +134,6 @@ fn d05_modes_of_a_tetrahedron() {
             within("D05 F = −λ u", norm(minus(f, u.map(|u| -lambda * u))), num(case("D05"), "tolerance/abs"));
         }
     }
-    // moved and turned as a whole, it does not resist
     for rigid in [|_: [f64; 3]| [1.0, 2.0, -1.0], |[x, y, _]: [f64; 3]| [-y, x, 0.0]] {
         within(
             "D05 zero",
@@ -145,7 +143,7 @@ fn d05_modes_of_a_tetrahedron() {
     }
 }
 
-/// Corners of a pyramid on a square, with the top twice, the sides and the square as faces, and one face without area.
+/// Corners of a square pyramid, with the top twice. The faces are its sides and base, and one without area.
 const CORNERS: [[f64; 3]; 6] =
     [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.5, 0.75], [0.5, 0.5, 0.75]];
 const FACES: [&[u32]; 6] = [&[0, 1, 2, 3], &[0, 1, 4], &[1, 2, 5], &[2, 3, 4], &[3, 0, 5], &[4, 5, 0]];
@@ -155,12 +153,11 @@ fn pyramid() -> Cloud {
     Cloud { points: CORNERS[..5].to_vec(), edges, merged: 1, flat: 1 }
 }
 
-/// The corners of a face in a line.
 fn words(f: &[u32], word: impl Fn(u32) -> String) -> String {
     f.iter().map(|i| word(*i)).collect()
 }
 
-/// The pyramid as PLY: the header, then text, or binary with the bytes of each number put by `f32`, `u32`.
+/// The pyramid as PLY: a header, then text, or binary with numbers encoded by `number` and `index`.
 fn ply(format: &str, number: fn(f32) -> [u8; 4], index: fn(u32) -> [u8; 4]) -> Vec<u8> {
     let mut out = format!(
         "ply\nformat {format} 1.0\ncomment a pyramid\nelement vertex 6\nproperty float x\nproperty float y\n\
@@ -189,7 +186,7 @@ fn ply(format: &str, number: fn(f32) -> [u8; 4], index: fn(u32) -> [u8; 4]) -> V
 
 fn obj() -> String {
     let v = CORNERS.map(|[x, y, z]| format!("v {x} {y} {z}\n")).concat();
-    // from 1 forwards with pictures and normals, and from −1 backwards
+    // indices from 1 with texture and normal indices, or backwards from −1
     let face = |f: &[u32]| format!("f{}\n", words(f, |i| format!(" {}/1/7", i + 1)));
     let back = |f: &[u32]| format!("f{}\n", words(f, |i| format!(" {}", i64::from(i) - 6)));
     let (head, tail) = FACES.split_at(3);
@@ -209,20 +206,20 @@ fn every_format_gives_the_same_cloud() {
     assert_eq!(put("l.PLY", &ply("binary_little_endian", f32::to_le_bytes, u32::to_le_bytes)), pyramid());
     assert_eq!(put("b.ply", &ply("binary_big_endian", f32::to_be_bytes, u32::to_be_bytes)), pyramid());
     assert_eq!(put("a.obj", obj().as_bytes()), pyramid());
-    // lines join as they go, and are not closed
+    // lines join consecutive points and are not closed
     let lines = put("l.obj", b"v 0 0 0\nv 1 0 0\nv 2 0 0\nv -0 0 0\nl 1 2 3\nl 3 2\n");
     assert_eq!((lines.points.len(), lines.edges, lines.merged), (3, vec![[0, 1], [1, 2]], 1));
     let edges = "ply\nformat ascii 1.0\nelement vertex 2\nproperty double x\nproperty double y\nproperty double z\n\
                  element edge 1\nproperty int vertex1\nproperty int vertex2\nend_header\n0 0 0\n0.1 0 0\n1 0\n";
     let edges = put("e.ply", edges.as_bytes());
     assert_eq!((edges.points, edges.edges), (vec![[0.0; 3], [0.1, 0.0, 0.0]], vec![[0, 1]]));
-    // strips of triangles, which −1 divides; one without area turns a strip
+    // strips of triangles, separated by −1; a triangle without area still flips the orientation
     let strips = "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n\
                   element tristrips 1\nproperty list int int vertex_indices\nend_header\n\
                   0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n1 2 0\n9 0 1 2 2 -1 3 4 5 5\n";
     let strips = put("s.ply", strips.as_bytes());
     assert_eq!((strips.edges, strips.flat), (vec![[0, 1], [0, 2], [1, 2], [3, 4], [3, 5], [4, 5]], 0));
-    // lines that end in a carriage return, alone or not, in text and before binary data
+    // line ends `\r` and `\r\n`, in text and before binary data
     let text = ply("ascii", f32::to_le_bytes, u32::to_le_bytes);
     for end in ["\r", "\r\n"] {
         let ended = String::from_utf8(text.clone()).unwrap().replace('\n', end);
@@ -236,13 +233,11 @@ fn every_format_gives_the_same_cloud() {
     // a continuation over several lines, and one at the end of the file
     let long = put("c.obj", b"v 0 \\\n 0 \\\r\n0\nv 1 0 0\nv 0 1 0 # \\\nf 1 2 \\\n\\\n3 \\");
     assert_eq!((long.points.len(), long.edges.len()), (3, 3));
-    // rows: with a header and other columns, or plain
     let rows = CORNERS.map(|[x, y, z]| format!("7,{z},{x},{y}\n")).concat();
     let plain = CORNERS.map(|[x, y, z]| format!("{x}, {y}, {z}\n")).concat();
     let points = Cloud { edges: Vec::new(), flat: 0, ..pyramid() };
     assert_eq!(put("h.csv", format!("id,Z,x,y\n{rows}").as_bytes()), points);
     assert_eq!(put("p.csv", format!("# plain\n{plain}").as_bytes()), points);
-    // commas at the ends of rows, and rows without a word
     assert_eq!(put("t.csv", format!(" \n{}", plain.replace('\n', ",\n \n,,\n")).as_bytes()), points);
     assert_eq!(put("u.csv", format!("x,y,z,\n{}", plain.replace('\n', ",\n")).as_bytes()), points);
 }
@@ -326,7 +321,7 @@ fn a_cloud_becomes_masses_and_springs() {
     let at = mats(&scene, "room.p");
     assert_eq!((at.len(), scene.counts.n_lia), (5, 5 + 8));
     let s = scene.state();
-    // its own springs come first, then the ties to the origin
+    // the springs of the cloud come first, then the ties to the origin
     for (i, [x, y, z]) in CORNERS[..5].iter().enumerate() {
         let rest = [0, 1, 2].map(|k| scene.layout.links.reach[8 + i][k]);
         within("at its place", norm(minus(rest, [1.0 - 0.2 * y, 0.2 * x, 0.2 * z])), 1e-15);
@@ -338,14 +333,12 @@ fn a_cloud_becomes_masses_and_springs() {
         );
     }
     assert!(scene.findings.list.iter().any(|d| d.code == "N202"), "{}", scene.findings);
-    // by reach: the sides of the square, not its diagonals, nor the slanting edges of 1.03
+    // with `reach`: the sides of the square, but not its diagonals nor the slanting edges of 1.03
     let near = build(&format!("[room.CLOUD]\np = {{ {args}, reach = 0.2001 }}\n")).unwrap();
     assert_eq!(near.counts.n_lia, 5 + 4);
-    // without k only masses
     assert_eq!(build("[room.CLOUD]\np = { file = \"pyramid.obj\", m = 1 }\n").unwrap().counts.n_lia, 5);
     let missing = build("[room.CLOUD]\np = { file = \"cone.obj\", m = 1 }\n").unwrap_err();
     assert!(missing.list.iter().any(|d| d.code == "E031" && d.title.contains("cone.obj") && d.span().is_some()));
-    // the path is right where the file was read
     std::fs::write(dir.path().join("empty.ply"), "ply\n").unwrap();
     for (name, path) in [("cone.obj", true), ("empty.ply", false)] {
         let found = build(&format!("[room.CLOUD]\np = {{ file = \"{name}\", m = 1 }}\n")).unwrap_err();
@@ -367,7 +360,7 @@ fn neighbours_are_all_pairs_that_are_near() {
     assert_eq!(cloud.within(0.4, near.len() - 1), None);
 }
 
-/// Displacement across a mesh in its lowest mode, and the force on it there, as −λ k.
+/// Displaces a mesh in its lowest mode along `axis`. Returns the stiffness, the deviation from the mode, and the scene.
 fn across(body: &str, nx: usize, ny: usize, axis: usize) -> (f64, f64, Scene) {
     let text = format!(
         "[room]\ndim = 3\n[room.MESH]\np = {{ nx = {nx}, ny = {ny}, edges = \"closed\", {body} }}\n[SOX]\nout = {{ from = \"room.p[1,1]\", along = \"z\" }}\n"
@@ -399,19 +392,17 @@ fn across(body: &str, nx: usize, ny: usize, axis: usize) -> (f64, f64, Scene) {
 fn a_stretched_mesh_sounds_across_as_asked() {
     let pi = std::f64::consts::PI;
     for (stretch, shear) in [(0.1, ""), (0.5, ", shear = 300"), (1.0, "")] {
-        // by stiffness: 4 k stretch (sin² + sin²)
         let (stiffness, stray, _) =
             across(&format!("m = 1e-3, k = 2e4, dx = 0.01, stretch = {stretch}{shear}"), 7, 5, 2);
         let want = 4.0 * 2e4 * stretch * ((pi / 12.0).sin().powi(2) + (pi / 8.0).sin().powi(2));
         within("stiffness across", off(stiffness, want), 1e-7);
         within("it is a mode", stray, 1e-7);
-        // by pitch: heard at f, warping included
         let (stiffness, _, scene) =
             across(&format!("m = 1e-3, f = 220, dx = 0.01, stretch = {stretch}{shear}"), 7, 5, 2);
         let half = 0.5 * scene.rates.sample_dt * (stiffness / 1e-3).sqrt();
         within("f", off(half.asin() / (pi * scene.rates.sample_dt), 220.0), 1e-7);
     }
-    // turned up, it moves along y; and it moves at all: a period of the lowest mode comes back
+    // turned up, it moves along y; and a period of the lowest mode returns to its start
     let (stiffness, _, scene) =
         across("m = 1e-3, f = 220, dx = 0.01, stretch = 0.5, turn = [\"-25 %\", 0, 0]", 7, 5, 1);
     within(
@@ -437,7 +428,7 @@ fn probes_are_called_by_the_modules_they_hear() {
                   [SOX]\nout = { from = \"low[0]\" }\n";
     let (names, of) = probe(string, &["low[1..3]", "low.link[*]", "none", "low[-1]"]);
     assert_eq!(names[..3], ["low[1]", "low[2]", "low.link[0]"]);
-    // what does nothing has no column, and leaves no gap
+    // a module without effect gets neither a column nor a gap
     assert_eq!((names.last().map(String::as_str), of.last(), of.contains(&2)), (Some("low[-1]"), Some(&3), false));
     let options = Options { probes: vec!["none".into(), "low[1]".into()], ..Options::default() };
     let scene = with(string, &options);

@@ -1,4 +1,4 @@
-//! RING: its modes against the closed form λ_j = 4a sin²(jπ/n), what is of one pitch, its limit, and the way around it.
+//! RING: modes against the closed form λ_j = 4a sin²(jπ/n), tuning, limit of stability, and moving points around it.
 
 use crate::play::{PI, mat, mats, model, off, scene, within};
 use ca_compile::{Options, analysis::modes::modes, compile};
@@ -11,12 +11,12 @@ fn ring(args: &str) -> String {
     format!("[RING]\nhoop = {{ {args} }}\n[SOX]\nout = {{ from = \"hoop[0]\", dc = 0 }}\n")
 }
 
-/// Mode `j` of `n` as it is heard, a = kT²/m.
+/// Frequency of mode `j` of `n` with warping, for a = kT²/m.
 fn heard(a: f64, j: usize, n: usize) -> f64 {
     FS / PI * (a.sqrt() * (PI * j as f64 / n as f64).sin()).asin()
 }
 
-/// The pitches, lowest first: the whole ring moving, then each twice, and with an even number the last once.
+/// The modes in order of pitch: the rigid motion, then each twice, and the last once if `n` is even.
 #[test]
 fn its_modes_are_those_of_the_closed_form_each_twice() {
     for n in [3, 4, 9, 16] {
@@ -31,7 +31,7 @@ fn its_modes_are_those_of_the_closed_form_each_twice() {
     }
 }
 
-/// The engine turns cos and sin around the ring by one angle and leaves their shape.
+/// The engine advances cos and sin around the ring by the same angle and keeps their shape.
 #[test]
 fn cos_and_sin_around_it_sound_the_same() {
     let n = 9;
@@ -56,7 +56,6 @@ fn cos_and_sin_around_it_sound_the_same() {
     }
 }
 
-/// `f` is the first of them, and the second follows from it.
 #[test]
 fn a_pitch_that_is_asked_for_is_that_of_the_first_mode() {
     for (n, t60) in [(3, ""), (10, ""), (25, ", t60 = 0.5")] {
@@ -72,7 +71,7 @@ fn a_pitch_that_is_asked_for_is_that_of_the_first_mode() {
     }
 }
 
-/// An even ring whose wave goes from mass to mass in a tick is at the limit: refused. One mass less is stable for certain.
+/// An even ring is refused at the limit, where its wave moves one mass per tick. One mass less is proven stable.
 #[test]
 fn at_the_limit_it_is_refused_and_what_is_advised_is_stable() {
     let text = |n: usize| ring(&format!("n = {n}, m = 1, f = 480, t60 = 4"));
@@ -84,7 +83,7 @@ fn at_the_limit_it_is_refused_and_what_is_advised_is_stable() {
     assert_eq!(scene.certificate.level, Level::Proven, "{:?}", scene.certificate);
 }
 
-/// A moving point goes from the first mass all around to the first mass again, by way of the last link.
+/// The positions of a moving point cover the last link and end at the first mass again.
 #[test]
 fn its_way_is_closed() {
     let at = |s: &str| {

@@ -1,11 +1,11 @@
-//! STIFFSTRING: partials against f_k = k f √((1 + b k²)/(1 + b)), where they leave it, and decay; so with the strings of a piano.
+//! STIFFSTRING: partials against f_k = k f √((1 + b k²)/(1 + b)), their known error, decay; also piano strings.
 
 use crate::play::{PI, model, off, within};
 use ca_compile::analysis::modes::modes;
 use ca_compile::{Options, linear};
 use ca_tests::catalog;
 
-/// Pitch [Hz] and T60 [s] of all modes of a text, lowest first.
+/// Pitch [Hz] and T60 [s] of all modes of a model text, lowest first.
 fn tones(text: &str) -> Vec<(f64, f64)> {
     let network = linear(&model(text), &catalog(), &Options::default()).expect("it compiles");
     modes(&network).expect("they are found").list.iter().map(|m| (m.heard, m.t60)).collect()
@@ -15,7 +15,6 @@ fn string(args: &str) -> Vec<(f64, f64)> {
     tones(&format!("[STIFFSTRING]\nwire = {{ {args} }}\n[SOX]\nout = {{ from = \"wire[0]\", dc = 0 }}\n"))
 }
 
-/// Partial `k` of a stiff string whose first is `f`.
 fn partial(f: f64, b: f64, k: usize) -> f64 {
     let square = (k * k) as f64;
     k as f64 * f * ((1.0 + b * square) / (1.0 + b)).sqrt()
@@ -25,7 +24,7 @@ fn cents(is: f64, wanted: f64) -> f64 {
     1200.0 * (is / wanted).log2()
 }
 
-/// From the lowest note of a piano to where the masses just suffice: the first two exactly, the others as far as the masses carry.
+/// From the lowest piano note up to the limit of the masses: partials 1 and 2 exact, others with the known error.
 #[test]
 fn partials_are_stretched_as_b_says_and_flat_by_as_much_as_is_said() {
     for (n, f, b) in [
@@ -65,7 +64,7 @@ fn partials_are_stretched_as_b_says_and_flat_by_as_much_as_is_said() {
     }
 }
 
-/// The first partial is exact also where bending cannot stretch the second so far, or where that is not heard.
+/// The first partial is exact even if bending cannot stretch the second that far, or if the second is not audible.
 #[test]
 fn the_first_partial_is_exact_at_any_b() {
     for (n, f, b) in [(3, 1000.0, 1e6), (3, 5500.0, 0.0), (12, 200.0, 10.0), (40, 20.0, 1e4)] {
@@ -75,7 +74,7 @@ fn the_first_partial_is_exact_at_any_b() {
     }
 }
 
-/// `t60` damps all alike; the viscosity `z` of the links adds to it by (z/m) 2 sin²(kπ/(2(n + 1))), which `b` leaves as it is.
+/// `t60` damps all partials alike. The viscosity `z` of the links adds (z/m) 2 sin²(kπ/(2(n + 1))), independent of `b`.
 #[test]
 fn decay_is_as_stated() {
     let (n, m, z, t60) = (40, 0.15e-3, 0.5e-3, 14.0);
@@ -87,8 +86,8 @@ fn decay_is_as_stated() {
     }
 }
 
-/// Two strings of a piano on their pin, of equal pitch: those that swing in opposition leave the pin at rest and are strings by themselves;
-/// those that swing together lose energy to it, and each partial dies sooner than the one below.
+/// Two piano strings of equal pitch on one pin. Modes in opposition leave the pin at rest and decay like a single
+/// string. Modes in phase lose energy to the pin; up to 60 Hz each partial decays faster than the one below.
 #[test]
 fn strings_of_a_piano_are_inharmonic_and_ring_as_their_part_says() {
     for (f, tie) in [(27.5, 440.0), (55.0, 1250.0), (130.81, 4600.0)] {
@@ -108,7 +107,7 @@ fn strings_of_a_piano_are_inharmonic_and_ring_as_their_part_says() {
             if k == 1 {
                 first = opposed.0;
             }
-            // the tie holds the string a little sharper, all partials nearly alike
+            // the tie sharpens all partials of a string by nearly the same amount
             let stretched = cents(opposed.0, partial(first, b, k));
             assert!(stretched.abs() < 4.0, "{f} Hz: partial {k} is {stretched:.2} cents from where b puts it");
             let sounds = near.iter().map(|t| t.1).fold(f64::MAX, f64::min);

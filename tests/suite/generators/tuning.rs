@@ -1,12 +1,12 @@
-//! A pitch and a decay that are asked for are those that are heard, whatever the method: measured as the pole of what is
-//! played, for everything that is given by `f` and `t60`.
+//! Pitch and decay given by `f` and `t60` are those that sound, with every method and for every tuned kind. They are
+//! measured as the pole of the output.
 
 use crate::play::{PI, scene, within};
 use ca_core::{Role, tick};
 use std::fmt::Write as _;
 
-/// The pole of x(n + l) = p x(n) − q x(n − l) by least squares, an eighth of a period apart, where it is best known: pitch
-/// and decay time in ticks.
+/// Pitch and decay time, in ticks, from a least-squares fit of x(n + l) = p x(n) − q x(n − l). A lag `l` of an eighth
+/// of a period determines the pole best.
 fn pole(x: &[f64], l: usize) -> (f64, f64) {
     let (mut aa, mut ab, mut bb, mut ay, mut by) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for w in x.windows(2 * l + 1) {
@@ -19,7 +19,7 @@ fn pole(x: &[f64], l: usize) -> (f64, f64) {
     ((p / (2.0 * q.sqrt())).acos() / (2.0 * PI * l), -3.0 * 10_f64.ln() / (0.5 * q.ln() / l))
 }
 
-/// What the first mode of outputs `o0`, `o1`, … does once a push of one sample is over, by the shape of that mode.
+/// Pitch and decay of the first mode after a push of one sample. Outputs `o0`, `o1`, … are weighted by its shape.
 fn played_pitch(text: &str, rate: f64, f: f64, shape: &[f64]) -> (f64, f64) {
     let scene = scene(text);
     let mut s = scene.state();
@@ -35,8 +35,10 @@ fn played_pitch(text: &str, rate: f64, f: f64, shape: &[f64]) -> (f64, f64) {
     (f * rate, t60 / rate)
 }
 
-/// Everything that `f` tunes: its section, the name of mass `i` in it, and the shape of its first mode; where masses differ,
-/// times the mass of each, so that no other mode is heard in the sum. The first mass of a row is pushed: one that moves in that mode.
+/// All kinds that `f` tunes: section, name of mass `i`, and shape of the first mode.
+///
+/// If masses differ, the shape is multiplied by each mass, so that no other mode is in the sum. The first mass is
+/// pushed; it moves in that mode.
 fn tuned(f: f64, t60: f64) -> Vec<(String, Vec<String>, Vec<f64>)> {
     let row = |n: usize| (1..=n).map(|j| (PI * j as f64 / (n + 1) as f64).sin()).collect::<Vec<f64>>();
     let names = |n: usize| (0..n).map(|i| format!("x[{i}]")).collect::<Vec<_>>();
@@ -73,7 +75,7 @@ fn whole(method: &str, rate: f64, parts: &str, names: &[String]) -> String {
     text
 }
 
-/// A new kind with a pitch has a row above. A WAVEGUIDE has tests of its own.
+/// Fails for a new kind with a pitch that has no row above. WAVEGUIDE is tested in `waveguide`.
 #[test]
 fn everything_that_has_a_pitch_is_in_the_table() {
     let rows = tuned(440.0, 1.0);
@@ -104,14 +106,14 @@ fn what_is_tuned_sounds_as_asked_by_every_method() {
                 let (is, falls) = played_pitch(&whole(method, rate, &parts, &names), rate, f, &shape);
                 let what = format!("{method:?}, {f} Hz at {rate} Hz, {parts:?}");
                 within(&format!("{what}: pitch {is}"), (is / f - 1.0).abs(), 1e-9);
-                // a cell by a share of 1/2 has the decay of its own formula; of a network, that of its fundamental
+                // with `theta` = 1/2 a cell has the decay of its formula, a network the decay of its fundamental
                 within(&format!("{what}: decay {falls}"), (falls / t60 - 1.0).abs(), 1e-7);
             }
         }
     }
 }
 
-/// A string of travelling waves is exact as it is: a method of what stands around it changes no bit of it.
+/// Travelling waves are exact, so the method of the rest of the model changes no bit.
 #[test]
 fn a_waveguide_is_the_same_by_every_method() {
     let play = |method: &str| {
@@ -136,7 +138,6 @@ fn a_waveguide_is_the_same_by_every_method() {
     }
 }
 
-/// What `ca modes` says of a model that goes by its modes is what is heard.
 #[test]
 fn modes_of_a_modal_model_are_those_that_are_heard() {
     for (parts, names, _) in tuned(3000.0, 0.5) {
@@ -145,14 +146,13 @@ fn modes_of_a_modal_model_are_those_that_are_heard() {
         let network =
             ca_compile::linear(&model, &ca_tests::catalog(), &ca_compile::Options::default()).expect("it is a network");
         let modes = ca_compile::analysis::modes::modes(&network).expect("it has modes");
-        // what nothing holds moves as a whole, at no pitch
+        // modules that nothing holds have a rigid mode without a pitch
         let first = modes.list.iter().find(|m| m.heard > 0.0).expect("a pitch");
         within(&format!("{parts}: {}", first.heard), (first.heard / 3000.0 - 1.0).abs(), 1e-9);
         within(&format!("{parts}: {}", first.t60), (first.t60 / 0.5 - 1.0).abs(), 1e-7);
     }
 }
 
-/// A pitch that a share of the time to come cannot reach is refused, with what would do.
 #[test]
 fn a_pitch_beyond_a_method_is_refused() {
     let text = "[model]\nmethod = \"implicit\"\n[STRING]\nlow = { n = 3, f = \"13 kHz\", m = \"1 g\" }\n[SOX]\no = { from = \"low[0]\" }\n";

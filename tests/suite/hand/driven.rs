@@ -1,4 +1,4 @@
-//! Parameters that ports drive: what they do is what a live parameter does that is set once a gesture frame.
+//! Parameters driven by ports, against the same live parameter set once per gesture frame.
 
 use crate::play::{audited, mat, scene, within};
 use ca_core::{Controls, Patch, Refused, Scene, State, compute_forces, integrate, tick};
@@ -10,7 +10,7 @@ const FELT: &str = "[param]\nfelt_z = { value = 0, unit = \"N s/m\", live = true
 const DRIVEN: &str = "pressure = { port = \"press\", span = [0, \"20 mm\"], min = 0, max = \"1 N\" }\n";
 const LIVE: &str = "pressure = { value = 0, unit = \"N\", live = true, min = 0, max = 1 }\n";
 
-/// Where a hand presses at a tick, from 0 to 1.
+/// Position of the hand at a tick, from 0 to 1.
 fn pressed(tick: u64) -> f64 {
     (tick as f64 / 9000.0).sin().abs()
 }
@@ -19,7 +19,7 @@ fn input(scene: &Scene, name: &str) -> usize {
     scene.inputs.iter().position(|i| i.name == name).expect(name)
 }
 
-/// So many ticks, with `frame` called at the first of each gesture frame.
+/// Plays `ticks` ticks and calls `frame` at the first tick of each gesture frame.
 fn play(scene: &Scene, ticks: u64, mut frame: impl FnMut(&mut State, u64)) -> (State, Vec<f64>) {
     let (mut s, mut out) = (scene.state(), Vec::new());
     let bow = input(scene, "bow");
@@ -35,7 +35,7 @@ fn play(scene: &Scene, ticks: u64, mut frame: impl FnMut(&mut State, u64)) -> (S
     (s, out)
 }
 
-/// The same as a parameter that somebody sets at each frame, and the parameter beside it stays live.
+/// The same model with a parameter set at each frame; the other parameter stays live.
 #[test]
 fn a_port_does_what_a_live_parameter_does() {
     let by_port = audited(&format!("{FELT}{DRIVEN}{STRING}"));
@@ -68,7 +68,7 @@ fn a_port_does_what_a_live_parameter_does() {
     assert!(balance.work.abs() > 0.0 && balance.residual.abs() < 1e-9 * balance.peak, "{balance:?}");
 }
 
-/// What is not straight is looked up in many rows: a pitch is what it is as a constant, to 0.01 cents.
+/// Non-linear dependences use a table of many rows: the pitch agrees with a constant one to 0.01 cents.
 #[test]
 fn a_pitch_by_a_port_is_in_tune() {
     let text = |f: &str, param: &str| {
@@ -85,7 +85,7 @@ fn a_pitch_by_a_port_is_in_tune() {
         let (s, _) = play(&by_port, 100, |s, _| s.input[slide] = at);
         assert!(!s.ramps.is_moving(), "a port that stands changes nothing");
         let fixed = scene(&text(&format!("\"{} Hz\"", 160.0 - 800.0 * at), ""));
-        // x' = (2 − a − b) x + …: of the same b, the angle of a tick
+        // x' = (2 − a − b) x + …: the angle per tick, for equal b
         let angle = |s: &State, place: usize, n: usize| {
             let (p, q) = (s.coef[place], s.coef[n + place]);
             ((1.0 + p + q) / (2.0 * p.sqrt())).acos()
@@ -102,7 +102,6 @@ fn what_a_port_drives_nobody_else_sets() {
     let by_port = scene(&format!("{FELT}{DRIVEN}{STRING}"));
     let refused = by_port.controls().set("pressure", 0.5);
     assert_eq!(refused, Err(Refused::Driven("pressure".into(), "press".into())));
-    // what is beyond the span, or no number, is held
     let press = input(&by_port, "press");
     let at = by_port.layout.ports.driven[0].places[0] as usize;
     for (x, force) in [(-1.0, 0.0), (1.0, 1.0), (f64::NAN, 0.0), (0.01, 0.5)] {
@@ -113,7 +112,7 @@ fn what_a_port_drives_nobody_else_sets() {
     }
 }
 
-/// What a port brings into a scene by a number that it drives is in the ledger, from the first tick of each frame on.
+/// The ledger includes the energy that a port adds through a parameter it drives, from the first tick of each frame on.
 #[test]
 fn the_ledger_balances_while_a_port_drives() {
     for (kind, number, unit, max) in [("FRO", "z", "N s/m", 1.0), ("RES", "k", "N/m", 1000.0)] {
@@ -123,7 +122,6 @@ fn the_ledger_balances_while_a_port_drives() {
         ));
         let mut s = scene.state();
         for n in 0..24_000u32 {
-            // up, and still for a while
             s.input[0] = 8e-3 * f64::from(n.saturating_sub(4800).min(2400)) / 2400.0;
             tick(&scene, &mut s);
         }

@@ -1,5 +1,4 @@
-//! Equivalences: the table of docs/numerics.md §6, what an author writes about it, and a driving point measured in a
-//! compiled scene.
+//! Equivalences: the table of docs/numerics.md §6, `[equivalence]`, and a driving point measured in a scene.
 
 use crate::play::{case, num, off, within};
 use ca_compile::{Options, load};
@@ -24,7 +23,7 @@ fn at(name: &str) -> &'static Quantity {
     row(name).unwrap()
 }
 
-/// A key on a mass of `m` and a spring to a fixed point, per-sample units at 44.1 kHz, and `[equivalence]` as given.
+/// A key on `link`, in per-sample units at 44.1 kHz, with `section` as `[equivalence]`.
 fn paper(link: &str, section: &str) -> Scene {
     scene(&format!(
         "[model]\nunits = \"alg\"\nreference_rate = \"44.1 kHz\"\n[rate]\nsound = \"44.1 kHz\"\ngesture = \"44.1 kHz\"\n\
@@ -43,7 +42,7 @@ fn the_table_of_the_paper() {
     near("alpha", e.gains.alpha, 50.0, 1e-15);
     near("beta", e.gains.beta, 777_924.0, 1e-15);
     near("time", e.time_unit, 22.675_736_961_451_25e-6, 1e-15);
-    // every row of docs/numerics.md §6, as real = factor x simulated, and its exponents of alpha, beta and Te
+    // every row of docs/numerics.md §6: real = factor × simulated, and exponents of α, β and Te
     let table = [
         ("position", 0.02, [-1, 0, 0]),
         ("velocity", 882.0, [-1, 0, -1]),
@@ -65,7 +64,7 @@ fn the_table_of_the_paper() {
     }
 }
 
-/// The same against numbers that were computed apart from it; an impulse is a momentum, an action energy times time.
+/// The same against independently computed numbers. An impulse is a momentum, an action is energy times time.
 #[test]
 fn f01_the_table_by_numbers() {
     let c = case("F01");
@@ -92,8 +91,7 @@ fn f01_the_table_by_numbers() {
 
 #[test]
 fn a_mass_on_the_key_weighs_what_the_table_says() {
-    // the hand shakes a mass that is tied to nothing else by a spring so hard that it follows: F = m a by the second
-    // difference of the position, at 5 Hz
+    // the hand shakes a mass through a spring so stiff that it follows: F = m a at 5 Hz, by second differences
     let s = paper(
         "[MAS]\nbob = { m = 1.0 }\n[RES]\nspring = { between = [\"key\", \"bob\"], k = 0.25 }",
         "mass = [\"20 g\", 1.0]\nposition = [\"20 mm\", 1]",
@@ -105,7 +103,7 @@ fn a_mass_on_the_key_weighs_what_the_table_says() {
     let amplitude = 0.005;
     let w = 2.0 * std::f64::consts::PI * 5.0 * s.rates.sample_dt;
     for n in 0..(44_100 * 2) {
-        // begins with neither place nor speed, so that the mass does not ring on its spring
+        // starts with neither displacement nor speed, so that the mass does not ring on its spring
         let t = f64::from(n) * w;
         let rise = (f64::from(n) / 44_100.0).min(1.0);
         let rise = rise * rise * rise * (10.0 - 15.0 * rise + 6.0 * rise * rise);
@@ -122,7 +120,7 @@ fn a_mass_on_the_key_weighs_what_the_table_says() {
     let (fa, aa) = range.fold((0.0, 0.0), |(fa, aa), n| (fa + f[n] * a(n), aa + a(n) * a(n)));
     let m = -fa / aa;
     println!("driving-point mass {m:.10} kg");
-    // what is left is the spring: a mass behind it weighs 1/(1 − 4 sin²(ω/2)·M/K) times as much
+    // the spring is left: a mass behind it appears 1/(1 − 4 sin²(ω/2)·M/K) times as heavy
     near("driving-point mass", m, 0.02 / (1.0 - 4.0 * (w / 2.0).sin().powi(2) / 0.25), 1e-8);
 }
 
@@ -169,20 +167,17 @@ fn si_models_are_in_si() {
     let none = model("");
     assert_eq!(none.hand.equivalence.gains, Gains::default());
     assert!(ROWS.iter().all(|r| r.factor(none.hand.equivalence.gains, none.hand.equivalence.time_unit) == 1.0));
-    // one row keeps the travel
     let heavy = model("[equivalence]\nmass = [\"20 g\", \"1 g\"]\n").hand.equivalence.gains;
     assert_eq!((heavy.alpha, heavy.beta), (1.0, 20.0));
-    // unless it is the travel: then the feel
+    // a row of positions keeps the impedance
     let far = model("[equivalence]\nposition = [\"1 mm\", \"1 m\"]\n").hand.equivalence.gains;
     assert_eq!((far.alpha, far.beta), (1000.0, 0.001));
-    // or as the author says
     let held =
         |anchor: &str| model(&format!("[equivalence]\nmass = [4, 1]\nanchor = \"{anchor}\"\n")).hand.equivalence.gains;
     assert_eq!(held("force"), Gains { alpha: 4.0, beta: 1.0 });
     assert_eq!(held("energy"), Gains { alpha: 2.0, beta: 2.0 });
-    // a number without a unit is in SI on the real side, and so are both
+    // a bare number is in SI on the real side, here on both
     assert_eq!(model("[equivalence]\nmass = [\"4 kg\", 1]\n").hand.equivalence.gains, held("position"));
-    // and [param] serves
     assert_eq!(
         model("[param]\nbig = \"4 kg\"\n[equivalence]\nmass = [\"big\", 1]\n").hand.equivalence.gains,
         held("position")
@@ -200,7 +195,7 @@ fn keys_differ() {
     assert!(gains(&s, "another").is_empty());
     let scale = &s.hand.equivalence.keys[0];
     assert!(!scale.is_lever());
-    // energy given here comes out four times as large there
+    // energy given at one key comes out four times as large at the other
     near("amplifier", s.hand.equivalence.of("other").energy() / s.hand.equivalence.of("key").energy(), 4.0, 1e-15);
     let s = paper(
         "[SOL]\nwall = {}\n[RES]\nspring = { between = [[\"key\", \"other\"], \"wall\"], k = 1 }",
@@ -226,11 +221,11 @@ fn settable() -> Vec<&'static Quantity> {
 }
 
 proptest! {
-    /// Any two rows of different classes settle the table, and both are then true; of one class, none does.
+    /// Two rows of different classes determine the table and both hold; two of the same class do not.
     #[test]
     fn two_rows_settle_all(i in 0..11_usize, j in 0..11_usize, a in -9.0..9.0, b in -9.0..9.0, alg: bool) {
         let (rows, time_unit) = (settable(), if alg { TIME_UNIT } else { 1.0 });
-        // as such a model would say it, so that nothing is beyond all scales
+        // a ratio that such a model would give, so that none is out of range
         let wild = Gains { alpha: 10f64.powf(a), beta: 10f64.powf(b) };
         let pairs = [rows[i], rows[j]].map(|row| Pair { row, ratio: row.factor(wild, time_unit) });
         let found = solve(pairs, time_unit);
@@ -240,7 +235,7 @@ proptest! {
         }
     }
 
-    /// Editing one row makes it true and leaves all rows of the anchor as they were.
+    /// Editing one row makes it hold and leaves all rows of the anchor unchanged.
     #[test]
     fn the_anchor_stays(i in 0..11_usize, a in -3.0..3.0, b in -3.0..3.0, ratio in 0.01..100.0) {
         let row = settable()[i];

@@ -1,4 +1,4 @@
-//! Built-in gestures that are made of a few numbers: their values against closed forms, and what cannot be made.
+//! Gestures generated from a few numbers: values against closed forms, and refused ones.
 
 use crate::play::{TURN, scene, within};
 use ca_compile::{Options, load};
@@ -20,7 +20,7 @@ fn points<'s>(scene: &'s Scene, name: &str) -> &'s [[f64; 2]] {
 
 #[test]
 fn a_sine_is_one() {
-    // a point at each gesture frame, and at each sample where that is too coarse
+    // a point per gesture frame, or per sample if that is too coarse
     for (f, per_second) in [(3.0, 3000.0), (440.0, 48_000.0)] {
         let text =
             with(&format!("hand = {{ sine = '2 mm', f = {f}, phase = 0.25, offset = '1 mm', from = 0.5, to = 1.5 }}"));
@@ -29,7 +29,7 @@ fn a_sine_is_one() {
         assert_eq!(p.len(), per_second as usize + 1);
         for t in [0.5, 0.61, 0.9, 1.3, 1.5] {
             let want = 1e-3 + 2e-3 * (TURN * (f * (t - 0.5) + 0.25)).sin();
-            // a chord of a turn of n points is 1 - cos(π/n) from its arc
+            // a chord of a circle of n points is 1 − cos(π/n) from its arc
             within(
                 &format!("a sine of {f} Hz at {t} s"),
                 (follow(p, t) - want).abs(),
@@ -49,12 +49,12 @@ fn noise_is_even_within_its_bounds_and_the_same_everywhere() {
     let mean = |p: &[[f64; 2]]| p.iter().map(|q| q[1]).sum::<f64>() / p.len() as f64;
     let power = |p: &[[f64; 2]]| p.iter().map(|q| q[1] * q[1]).sum::<f64>() / p.len() as f64;
     assert!(a.iter().all(|q| q[1].abs() <= 1e-3));
-    // of values drawn evenly from ±1: 0 and 1/3, each within four of its standard deviations
+    // uniform in ±1: mean 0 and power 1/3, each within four standard deviations
     within("mean of noise", mean(a).abs() / 1e-3, 4.0 * (1.0_f64 / 3.0 / 2001.0).sqrt());
     within("power of noise", (power(a) / 1e-6 - 1.0 / 3.0).abs(), 4.0 * (4.0_f64 / 45.0 / 2001.0).sqrt());
     let together = a.iter().zip(b).map(|(a, b)| a[1] * b[1]).sum::<f64>() / 2001.0;
     within("two seeds", together.abs() / 1e-6, 4.0 / 3.0 / 2001.0_f64.sqrt());
-    // the same bits on every machine: SplitMix64 from 7
+    // the same bits on every machine: SplitMix64 from seed 7
     assert_eq!(a[0][1], 1e-3 * (2.0 * (0x63cb_e1e4_5932_0dd7_u64 as f64 / 18_446_744_073_709_551_616.0) - 1.0));
 }
 
@@ -140,7 +140,7 @@ fn what_makes_no_gesture_says_why() {
     assert!(all.contains("does not say when it ends"), "{all}");
 }
 
-/// A parameter follows a port, which is counted in another unit.
+/// A parameter follows a port of another unit.
 #[test]
 fn what_follows_may_be_counted_otherwise() {
     for gain in ["100", "'100 m^-1'"] {
@@ -158,7 +158,7 @@ fn what_follows_may_be_counted_otherwise() {
     }
 }
 
-/// A curve ends where it is said to, in the middle of a period too.
+/// A curve ends at `to`, also in the middle of a period.
 #[test]
 fn loops_and_pulses_are_cut_at_their_end() {
     let made = scene(&with(
@@ -209,7 +209,7 @@ fn keys_on_one_degree_of_freedom_are_noted() {
     assert_eq!(said(&model("")).len(), 1);
     assert!(said(&model(""))[0].contains("degree of freedom 0 of `t` moves 3 ports at once"));
     assert!(said(&model(", with = { d = [0, 1, 2] }")).is_empty());
-    // keys with different notes are played by MIDI; keys with the same note by one hand
+    // keys with different notes are played by MIDI, keys with the same note by one hand
     let midi = |note: &str| {
         let text = model("").replace("dof = 'd' }", "dof = 'd', midi = { note = 'p', to = '1 mm' } }");
         text.replace("param]\nd = 0", "param]\nd = 0\np = 60")

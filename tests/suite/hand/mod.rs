@@ -1,4 +1,4 @@
-//! The hand: gestures, ports, pointers, scales in the hand, the guard, the real-time loop.
+//! Gestures, ports, pointers, scaling at the hand, the guard, the real-time loop.
 
 mod driven;
 mod equivalence;

@@ -1,5 +1,5 @@
-//! A pointer that holds a mass: the coupling in closed form, what it costs who does not use it, its work in the ledger, and
-//! that no hand makes a scene diverge with it; ports and the model's own gesture by an engine.
+//! A pointer that holds a mass: the coupling in closed form, no cost without it, its work in the ledger, and no
+//! divergence under any motion; also ports and the model's own gesture in an engine.
 
 use super::guard::{Rig, bare};
 use crate::play::{Random, audited, mat, scene, with};
@@ -31,7 +31,7 @@ ca = { between = ["w.c", "w.a"], k = 800 }
 out = { from = "w.a", along = [1, 0, 0] }
 "#;
 
-/// One tick with a pointer, as an engine runs it.
+/// Runs one tick with a pointer, as an engine does.
 fn tick(scene: &Scene, s: &mut State, pointer: &mut Pointer) {
     compute_forces(scene, s);
     pointer.prepare(s);
@@ -45,7 +45,6 @@ fn a_mass_alone_follows_in_closed_form() {
     let (mut s, mut pointer) = (scene.state(), Pointer::new(&scene, 0).unwrap());
     pointer.hold(&s);
     pointer.pull([5e-3, 0.0, 0.0]);
-    // the glide, and then a target that stands still
     let glide = (scene.rate / 60.0) as u64;
     for _ in 0..glide {
         tick(&scene, &mut s, &mut pointer);
@@ -53,7 +52,7 @@ fn a_mass_alone_follows_in_closed_form() {
     let [k, z] = pointer.coupling(&scene, &s);
     let t = scene.rates.sample_dt;
     let (kappa, nu) = (k * t * t / 3e-3, z * t / 3e-3);
-    // x_{n+1} = (2 − κ − ν) x_n − (1 − ν) x_{n−1} about the target
+    // x_{n+1} = (2 − κ − ν) x_n − (1 − ν) x_{n−1} relative to the target
     let (b, c) = (0.5 * (2.0 - kappa - nu), 1.0 - nu);
     let x0 = s.x[0] - 5e-3;
     let before = s.x[0] - s.d[0] - 5e-3;
@@ -62,7 +61,6 @@ fn a_mass_alone_follows_in_closed_form() {
     for n in 1..2000 {
         tick(&scene, &mut s, &mut pointer);
         let n = f64::from(n);
-        // x_{-1} = before, x_0: two amplitudes
         let want = if b * b >= c {
             let (r1, r2) = (b + root, b - root);
             let a = (x0 - before * r2) * r1 / (r1 - r2);
@@ -143,16 +141,15 @@ fn what_cannot_be_held_says_why() {
         let at = scene.symbols.places().iter().position(|p| *p == mat(&scene, "m") as u32).unwrap();
         Pointer::new(&scene, at).map(|p| p.coupling(&scene, &scene.state())[0])
     };
-    // κ = kT²/m: nothing is left at 4, and the coupling takes half of what is
+    // κ = kT²/m: nothing is left at 4, and the coupling takes half of the rest
     let limit = 4.0 * 48_000.0 * 48_000.0;
     assert_eq!(stiff(limit), Err(Refused::Margin("m".into())));
     let [soft, firm] = [0.999, 0.5].map(|part| stiff(part * limit).unwrap());
     assert!(soft < 0.01 * firm, "{soft} {firm}");
 }
 
-/// Whatever is done to any mass of a bundled model, it does not diverge; nor does any model that is proven to be stable. Laws
-/// that stiffen without end, in the models of tests, can be pressed beyond what their rule of thumb covers: those are silent
-/// then (H15).
+/// No motion of any mass makes a bundled model, or any model proven stable, diverge. Laws of the test models that
+/// stiffen without bound can be pressed beyond their rule of thumb; those are then silent (H15).
 #[test]
 fn no_hand_makes_a_bundled_model_diverge() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../models");
@@ -168,7 +165,7 @@ fn no_hand_makes_a_bundled_model_diverge() {
         let scene = Arc::new(compiled.scene);
         let mut random = Random(11);
         let mut held = 0;
-        // of many equal parts the same place of each may be met, which cannot be held: then others
+        // equal parts may put every step at the same unholdable place; then other steps are tried
         let step = (scene.mats() / if bundled(&name) { of_bundled } else { of_others }).max(1);
         let by = |step: usize| -> Vec<_> {
             let all = (0..scene.mats()).step_by(step);
@@ -234,20 +231,20 @@ fn ports_glide_and_a_gesture_begins_where_they_are() {
     assert_eq!(run(&mut engine, 0.05), 4e-3, "from {at}");
     engine.command(EngineCommand::Touch(Touch::Play(Box::new(OwnGesture::new(&scene).unwrap()))));
     assert_eq!(run(&mut engine, 0.3), 5e-3, "the end of the gesture");
-    // from the beginning, and ended half-way: it stays
+    // played again and stopped half-way: the port stays there
     engine.command(EngineCommand::Touch(Touch::Play(Box::new(OwnGesture::new(&scene).unwrap()))));
     let half = run(&mut engine, 0.1);
     assert!(half > 2.5e-3 && half < 4.5e-3, "{half}");
     assert!(engine.command(EngineCommand::Touch(Touch::Stop)).is_some(), "its memory is given back");
     assert_eq!(run(&mut engine, 0.1), half);
-    // 3 mm in 17 ms is the fastest of it: 60 µm a frame
+    // the fastest motion is 3 mm in 17 ms: 60 µm a frame
     assert!(moved < 8e-5, "a jump of {moved} m");
     engine.command(EngineCommand::Touch(Touch::Port(99, 1.0, GLIDE)));
     engine.command(EngineCommand::Touch(Touch::Port(input as u32, f64::NAN, GLIDE)));
     assert_eq!(engine.counts.refused, 2);
 }
 
-/// A device of one degree of freedom, in a model with a key that it has and one that it does not have.
+/// A device with one degree of freedom, in a model with one key that it has and one that it does not have.
 #[test]
 fn a_key_that_its_device_does_not_have_is_moved_while_that_plays() {
     let mut rig = Rig::new(

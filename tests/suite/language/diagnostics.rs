@@ -1,9 +1,8 @@
-//! `crates/ca-model/diagnostics/*.md`: what is said about a model, written down as a reader of the documentation and of
-//! `ca explain` sees it.
+//! `crates/ca-model/diagnostics/*.md`: the findings about models, as shown in the documentation and by `ca explain`.
 //!
-//! A section `## E004 unknown parameter` holds prose, then a `toml` block (or one of the extension of another program, such as `mdl` of MIMS) and right
-//! after it a `text` block with the report expected. `UPDATE=1 cargo test $ALL --test suite -- diagnostics` ($ALL is in
-//! CONTRIBUTING.md) writes the reports anew; the difference is reviewed like code.
+//! A section `## E004 unknown parameter` has prose, then a `toml` block (or one of another program, such as `mdl` of
+//! MIMS), followed by a `text` block with the expected report. `UPDATE=1 cargo test $ALL --test suite -- diagnostics`
+//! ($ALL is in CONTRIBUTING.md) rewrites the reports; review the difference like code.
 
 use ca_compile::{Options, load};
 use ca_core::internal::kind::cloud::{Cloud, Unread};
@@ -14,14 +13,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// The one place that says what is reported of a text.
 fn report(language: &str, text: &str) -> String {
     let file = format!("model.{language}");
     let (model, diags) = if let Some(format) = ca_import::of(&file) {
         let diags = (format.import)(text, &file).1;
         (Model { file, text: text.into(), ..Model::default() }, diags)
     } else {
-        // what lies beside the model: a drawing with a seam, and one that is cut short
+        // files beside the model: a drawing with a seam, and a truncated one
         let seam = Cloud { points: vec![[0.0; 3], [0.1, 0.0, 0.0]], edges: vec![[0, 1]], merged: 2, flat: 1 };
         let cut = Unread { what: "`cut.ply`, line 9: it ends here".into(), help: "export it anew".into() };
         let clouds = [("seam.obj".into(), Ok(seam.into())), ("cut.ply".into(), Err(cut))].into();
@@ -41,7 +39,7 @@ fn files() -> Vec<(PathBuf, String)> {
     list.into_iter().map(|p| (p.clone(), std::fs::read_to_string(p).expect("UTF-8"))).collect()
 }
 
-/// One block of input: heading it stands under, its text, and the report after it (none where the block is missing).
+/// One input block: its heading, its text, and the report after it (`None` if missing).
 struct Case {
     line: usize,
     heading: String,
@@ -50,7 +48,7 @@ struct Case {
     expected: Option<String>,
 }
 
-/// Walks a document; returns its cases and the document with every report made anew.
+/// Parses a document. Returns its cases, and the document with all reports rewritten.
 fn walk(doc: &str) -> (Vec<Case>, String) {
     let mut cases: Vec<Case> = Vec::new();
     let mut fresh = String::new();
@@ -155,8 +153,8 @@ fn every_code_has_a_section() {
     assert!(missing.is_empty(), "without a section in crates/ca-model/diagnostics:\n{}", missing.join("\n"));
 }
 
-/// What a program prints of a code is what stands in the files, all of it and nothing else. The files are part of the crate:
-/// what has just been written anew is compared by the next run, which builds it first.
+/// The explanations built into the crate are exactly those in the files. The files are part of the crate, so rewritten
+/// reports are compared by the next run, which builds them first.
 #[test]
 fn the_pages_of_the_crate_are_those_of_the_files() {
     if std::env::var_os("UPDATE").is_some() {
@@ -176,7 +174,6 @@ fn the_pages_of_the_crate_are_those_of_the_files() {
             }
         }
     }
-    // the order of the files is the crate's own affair
     let sorted = |text: &str| {
         let mut lines: Vec<String> = text.lines().filter(|l| !l.is_empty()).map(str::to_owned).collect();
         lines.sort();

@@ -1,4 +1,4 @@
-//! Texts so long that they are read in parts, and findings so many that they are not all kept.
+//! Texts long enough to be read in parts, and more findings than are kept.
 
 use ca_model::diag::{Diag, Diags, KEPT, Severity};
 use ca_model::read::read;
@@ -6,7 +6,7 @@ use ca_model::{Item, Model, Span, render};
 use ca_tests::catalog;
 use std::fmt::Write as _;
 
-/// 60 000 masses and as many links, 6 MB; the reader cuts it several times.
+/// 60 000 masses and as many links, 6 MB; the reader splits it several times.
 fn long() -> String {
     let mut text = String::from("# long\n[model]\ntitle = \"[MAS]\"\n\n  [ MAS ] # masses\n");
     for i in 0..60_000 {
@@ -27,10 +27,10 @@ fn part(text: &str, span: Span) -> &str {
 fn a_text_in_parts_says_what_the_whole_says() {
     let text = long();
     let (model, diags) = read(&text, "long.ca.toml", &catalog());
-    // its tables go on over lines, which is TOML 1.1
+    // its tables span lines, which is TOML 1.1
     assert_eq!(diags.list.iter().map(|d| d.code).collect::<Vec<_>>(), ["N205"], "{diags}");
     assert_eq!((model.items.len(), model.groups.len(), model.title()), (120_001, 1, "[MAS]"));
-    // the names in the order of the text, and every place its own
+    // names are in text order, and every span is right
     for (i, item) in model.items.iter().enumerate() {
         let name = item.name.rsplit('.').next().unwrap();
         assert_eq!(part(&text, item.name_span), name);
@@ -66,7 +66,7 @@ fn mistakes_in_later_parts_stand_where_they_are() {
     assert!(diags.list.iter().any(|d| d.title == "the section `[MAS]` is written twice"), "{diags}");
 }
 
-/// A long text is shown by its lines around the place, with their numbers.
+/// The report of a finding in a long text shows the lines around it, with their numbers.
 #[test]
 fn a_finding_in_a_long_text_looks_as_in_a_short_one() {
     let report = |lines: usize| {
@@ -76,7 +76,7 @@ fn a_finding_in_a_long_text_looks_as_in_a_short_one() {
         assert_eq!(diags.list.len(), 3);
         render::text(&diags, &model, false)
     };
-    // both numbers have five digits, so nothing else of the report changes
+    // both numbers have five digits, so the rest of the report is equal
     let (short, long) = (report(20_000), report(40_000));
     assert_eq!(short.replace("2000", "4000"), long);
     assert!(long.contains("m.ca.toml:40003:2") && long.contains("40003 |  mm = 2 }"), "{long}");

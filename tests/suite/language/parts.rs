@@ -1,4 +1,4 @@
-//! Parts: instances are the modules that somebody would have written by hand, and what is wrong in them is said once.
+//! Instances of parts equal modules written by hand, and an error in a part is reported once.
 
 use crate::play::{scene, within};
 use ca_compile::{Options, load};
@@ -53,7 +53,7 @@ fn played(scene: &Scene, n: usize) -> Vec<f64> {
     all
 }
 
-/// The findings of a model, with the files it takes parts from.
+/// Findings of a model, given the files of its parts.
 pub fn found(text: &str, files: &[(&str, &str)]) -> (Model, Diags) {
     let files: BTreeMap<&str, &str> = files.iter().copied().collect();
     let (model, diags) = read::read_with(text, "m.ca.toml", &catalog(), &mut |name| {
@@ -73,7 +73,6 @@ pub fn errors(text: &str, files: &[(&str, &str)]) -> String {
     render::text(&diags, &model, false)
 }
 
-/// What `NOTES` means, each note written by hand.
 fn by_hand() -> String {
     let notes = [(130.812_782_650_299_3, 20e3), (0.0, 10e3), (196.0, 5e3)];
     let each = |line: &dyn Fn(usize) -> String| (0..3).map(|i| line(i) + "\n").collect::<String>();
@@ -171,7 +170,7 @@ one = { from = ["pair[-1].tine[0..1].bar", "alone.bar", "bar"], channel = 1 }
     same(between("alone.tie"), &tie);
     same(between("pair[1].bridge"), &Value::from(vec!["pair[1].tine[0].bar", "pair[1].tine[1].bar"]));
     same(between("all"), &Value::from(pairs.to_vec()));
-    // what the model says of a gesture counts, else what the part says
+    // gestures of the model take precedence over gestures of the part
     let points = |name: &str| match &model.gestures.iter().find(|g| g.key == name)?.value {
         Value::List(l) => Some(l.len()),
         _ => None,
@@ -194,7 +193,7 @@ fn a_part_of_another_file_points_into_that_file() {
     assert_eq!(model.files[0].text, good);
     let all = errors("[use]\nx = 'bow.ca.toml'\n", &[("bow.ca.toml", &good)]);
     assert!(all.contains("no part is named") && all.contains("add `part = \"bow\"`"), "{all}");
-    // a file that is a part as a whole, which uses another beside it
+    // a file that is a part as a whole, and uses another beside it
     let chain = "[use]\nbow = { file = 'bow.ca.toml', part = 'bow', with = { string = 'reed' } }\n[CEL]\nreed = { m = 1, f = 9 }";
     let (model, diags) = found(
         "[use]\nx = 'parts/chain.ca.toml'\n[SOX]\no = { from = 'x.reed' }",
@@ -263,7 +262,7 @@ fn what_is_wrong_is_said_once_and_where_it_stands() {
         let all = with(uses, more);
         assert!(all.contains(&format!("error[{code}]")) && all.contains(says), "{uses}\n{more}\n{all}");
     }
-    // what follows from a list that is too short, or that is one of many, is not said
+    // consequences of a list that is too short, or of a list for a single instance, are not reported
     let midi = "[part.p.param]\nnote = {}\n[part.p.TGR]\nkey = { midi = { note = 'note', to = '1 mm' } }\n";
     let short = midi.to_owned() + "[part.p.CEL]\nbar = { m = 1, f = 9 }\n";
     let of =
@@ -279,7 +278,6 @@ fn what_is_wrong_is_said_once_and_where_it_stands() {
     );
     let all = errors(&twice, &[]);
     assert!(all.contains("add `n = 3`") && !all.contains("E007"), "{all}");
-    // a name is unique among modules, groups and instances
     let all = with("p = { part = 'p', n = 2, with = { f = 9 } }", "[CEL]\np = { m = 1, f = 9 }\n");
     assert!(all.contains("E012"), "{all}");
 }
@@ -318,7 +316,7 @@ fn a_program_adds_instances_and_lists_them() {
 
 #[test]
 fn small_files_take_neither_time_nor_memory_without_end() {
-    // fifteen parts in each other, a thousand times each, with nothing in them
+    // fifteen nested levels of a thousand instances each, with empty parts
     let mut deep = String::new();
     for i in 0..15 {
         let _ = writeln!(deep, "[part.p{i}.use]\nx = {{ part = 'p{}', n = 1000 }}", i + 1);
@@ -330,13 +328,12 @@ fn small_files_take_neither_time_nor_memory_without_end() {
         "[part.p15.use]\nx = { part = 'p16' }\n[part.p16.use]\nx = { part = 'p17' }\n[part.p17]\n",
     );
     assert!(errors(&deeper, &[]).contains("is one of more than 16 within each other"));
-    // lists that multiply
     let fans = "[part.c.ENX]\nz = {}\n[part.b.use]\nc = { part = 'c', n = 10 }\n[part.a.use]\nb = { part = 'b', n = 100 }\n[use]\na = { part = 'a', n = 100 }\n\
                 [SOX]\no = { from = 'a[0].b[0].c[0].z' }\n[gesture]\n";
     let points: Vec<String> = (0..1000).map(|i| format!("[{i}, 0]")).collect();
     let all = errors(&format!("{fans}\"a[*].b[*].c[*].z\" = [{}]\n", points.join(", ")), &[]);
     assert!(all.contains("E027") && all.contains("too many points"), "{all}");
-    // gestures that follow each other in every way there is
+    // gestures that follow each other in every combination
     let mut follow = String::from(
         "[model]\nseconds = 1\n[ENX]\np = {}\n[SOX]\no = { from = 'p' }\n[gesture]\np = { follow = 'x0' }\n",
     );
@@ -345,7 +342,6 @@ fn small_files_take_neither_time_nor_memory_without_end() {
         let _ = writeln!(follow, "x{i} = {{ sum = [{next}] }}");
     }
     assert!(errors(&(follow + "x14 = [[0, 1]]\n"), &[]).contains("E021"));
-    // many parameters
     let many = "[part.q.param]\nm = '1 g'\n[part.q.MAS]\na = { m = 'm' }\n[use]\nq = { part = 'q', n = 30000 }\n[SOX]\no = { from = 'q[*].a', channel = 0 }\n";
     assert!(!found(many, &[]).1.has_errors());
 }

@@ -1,4 +1,4 @@
-//! What a part leaves behind: what stands beside it in its file, what has no room, and text that a terminal would obey.
+//! Limits of parts: surrounding settings of their file, too many modules, and terminal control characters.
 
 use crate::language::parts::{errors, found};
 use crate::play::scene;
@@ -21,10 +21,8 @@ fn what_is_too_large_is_refused_before_it_is_made() {
         let (model, diags) = found(&text, &[]);
         let all = render::text(&diags, &model, false);
         assert!(all.contains("E027") && all.contains(says), "{all}");
-        // nothing of it was made
         assert!(model.items.is_empty() && model.groups.is_empty(), "{}", model.items.len());
     }
-    // what is below the limit is made
     let below = "[part.p.CEL]\nc = { m = '1 g', f = 300 }\n[use]\ni = { part = 'p', n = 999 }\n[SOX]\no = { from = 'i[*].c', channel = 0 }\n";
     assert_eq!(found(below, &[]).0.groups.len(), 999);
 }
@@ -39,7 +37,7 @@ fn what_stands_beside_a_part_does_not_come_with_it_in_silence() {
     let both = format!("[model]\nunits = 'alg'\n{of}");
     assert!(!found(&both, &[("p.ca.toml", &file("[model]\nunits = 'alg'\n"))]).1.has_errors());
     assert!(found(&both, &[("p.ca.toml", &file("[model]\nunits = 'si'\n"))]).1.has_errors());
-    // a parameter of its file is not one of the part, whatever the model has
+    // a parameter of its file is not one of the part, whatever parameters the model has
     let lent = part.replace("[part.p.param]\nhz = 5\n", "[param]\nhz = 5\n");
     for text in [of.to_owned(), format!("[param]\nhz = 7\n{of}")] {
         let all = errors(&text, &[("p.ca.toml", &lent)]);
@@ -55,7 +53,7 @@ fn what_stands_beside_a_part_does_not_come_with_it_in_silence() {
         &[("p.ca.toml", &with)],
     );
     assert!(all.contains("does not see `far`"), "{all}");
-    // used whole its parameters are those of the part; its settings are not
+    // used as a whole, a file lends its parameters to the part, but not its settings
     let whole = "[model]\ngravity = 3\nmethod = 'modal'\n[rate]\nsound = '96 kHz'\n[param]\nhz = '300 Hz'\n[CEL]\nb = { m = '1 g', f = 'hz' }\n";
     let used = "[use]\ni = 'w.ca.toml'\n[SOX]\no = { from = 'i.b' }\n";
     let (model, diags) = found(used, &[("w.ca.toml", whole)]);

@@ -1,4 +1,4 @@
-//! Parts that come with the program: each is used without a file, and gives way to what the model or its files have.
+//! Shipped parts are usable without a file, and parts of the model or its files take precedence.
 
 use crate::language::parts::found;
 use ca_compile::Options;
@@ -6,7 +6,6 @@ use ca_model::part::library::{LIBRARY, shipped};
 use ca_model::{Entry, Value, render};
 use ca_tests::catalog;
 
-/// A string under whatever part is used on it.
 fn with_shipped(name: &str) -> String {
     let (part, header) = shipped(name, &catalog()).expect(name);
     assert!(!part.doc.is_empty() && !header.is_empty(), "{name} says what it is");

@@ -1,4 +1,4 @@
-//! Quantities: bits, units, errors with their place.
+//! Quantities: exact bits, units, errors with their place.
 
 use ca_core::{Dim, Unit};
 use ca_model::quantity::{Plain, Quantity, parse, show, unit_of};
@@ -47,7 +47,7 @@ fn prefixes_move_the_point_and_lose_no_bit() {
     for (text, dim, expected) in cases {
         assert_eq!(value(text, dim).to_bits(), f64::to_bits(expected), "{text}");
     }
-    // every third number would be one bit off by multiplication
+    // by multiplication, every third number would be off by one bit
     let naive = (1..1000).filter(|&i| f64::from(i) * 1e-3 != value(&format!("{i} g"), Unit::KILOGRAM.dim)).count();
     assert!(naive > 100, "multiplying by 1e-3 is exact too: {naive}");
     for i in 1..1000 {
@@ -217,7 +217,7 @@ fn a_number_in_quotes_has_its_unit() {
             Err(diags) => ca_model::render::text(&diags, &model, false),
         }
     };
-    // a number without a dimension needs none, and nothing is nothing in every unit
+    // a dimensionless number needs no unit, and zero needs none anywhere
     assert_eq!(found("\"20 g\"", "\"0\""), "");
     assert_eq!(found("0.02", "0.1"), "");
     let all = found("\"20\"", "0");

@@ -1,4 +1,4 @@
-//! The reader: what a model holds, where its spans point, and that nothing stops it.
+//! The reader: content of models, spans, and robustness.
 
 use ca_model::diag::{Diag, Diags, Severity};
 use ca_model::{Entry, Model, Span, Value, read, render, schema};
@@ -15,7 +15,7 @@ fn clean(text: &str) -> Model {
     model
 }
 
-/// A text that is right by TOML 1.1 alone.
+/// Reads a text that is valid only in TOML 1.1.
 fn newer(text: &str) -> Model {
     let (model, diags) = read(text);
     let codes: Vec<&str> = diags.list.iter().map(|d| d.code).collect();
@@ -111,7 +111,7 @@ fn spans_point_at_what_they_say() {
     assert_eq!(at(m.items[0].span), r#"{ m = "2 g", f = "440 Hz", t60 = 2 }"#);
     assert_eq!(at(m.items[0].args[1].span), r#""440 Hz""#);
     assert_eq!(at(m.groups[0].span), "ball");
-    // a mark at the head of the file and lines of another system move nothing
+    // a byte order mark and CRLF line ends do not shift spans
     let other = format!("\u{feff}{}", FULL.replace('\n', "\r\n"));
     let m = clean(&other);
     let s = m.items[2].args[0].span;
@@ -140,7 +140,7 @@ sound = 3
     let (model, diags) = read(text);
     let list: Vec<&str> = diags.list.iter().map(|d| d.code).collect();
     assert_eq!(list, ["E002", "E004", "E004", "E003", "E014", "E002", "E012", "E006", "E002", "E002"]);
-    // what was meant is read on
+    // reading continues with the intended meaning
     assert_eq!(model.title(), "x");
     assert_eq!(model.rate.len(), 1);
     let names: Vec<_> = model.items.iter().map(|i| (i.kind.as_str(), i.name.as_str())).collect();
@@ -157,7 +157,7 @@ fn a_missing_bracket_does_not_hide_the_rest_of_the_file() {
     assert_eq!(diags.list.iter().map(|d| d.code).collect::<Vec<_>>(), ["E001", "E001", "E001", "E001", "E004"]);
     let q = diags.list[4].span();
     assert_eq!(&text[q.start..q.end], "q");
-    // the fixes of the first three make it TOML that far
+    // the fixes of the first three make it valid TOML up to there
     let mut fixed = text.to_string();
     for d in diags.list[..3].iter().rev() {
         let fix = d.fix.as_ref().unwrap();
@@ -170,7 +170,6 @@ fn a_missing_bracket_does_not_hide_the_rest_of_the_file() {
 fn lists_and_tables_may_run_over_lines() {
     let m = newer("[MAS]\na = {\n  m = 1, # one\n  x = \"2 m\"\n}\n[gesture]\nh = [\n [0, 0],\n [1, 1]\n ,\n]\n");
     assert_eq!((m.items.len(), m.items[0].args.len(), m.gestures.len()), (1, 2, 1));
-    // even beside an error elsewhere
     let (m, d) = read("[MAS]\na = {\n  m = 1, # one\n  x = \"2 m\"\n}\nb = { m = 20 g }\n");
     assert_eq!((m.items.len(), m.items[0].args.len(), d.list.len()), (2, 2, 1));
 }
@@ -287,7 +286,7 @@ fn the_schema_holds_the_catalog() {
     }
 }
 
-/// Reads, renders both ways, and checks that what is said can be trusted.
+/// Reads a text, renders its findings both ways, and checks them.
 fn survives(text: &str) {
     let (model, diags) = read(text);
     let inside = |s: Span| !s.is_some() || s.start <= s.end && s.end <= text.len();
@@ -326,7 +325,7 @@ proptest! {
 
     #[test]
     fn a_parsed_text_is_left_as_it_is(at in any::<prop::sample::Index>()) {
-        // cutting anywhere gives errors, but never a module that was not in the text
+        // cutting anywhere gives errors, but never a module that is not in the text
         let cut = at.index(FULL.len() + 1);
         let names: Vec<String> = clean(FULL).items.into_iter().map(|i| i.name).collect();
         for item in read(&FULL[..cut]).0.items {

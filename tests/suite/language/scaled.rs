@@ -1,11 +1,11 @@
-//! A number times a parameter, `"6.27 f"`, is the number that somebody would have written.
+//! A number times a parameter, `"6.27 f"`, equals the product written out.
 
 use crate::play::{model, off, within};
 use ca_compile::{Options, analysis::modes::modes, load};
 use ca_model::{Model, render};
 use ca_tests::catalog;
 
-/// Two instances of a part with a bank of cells, the second of 330 Hz; `bank` are its numbers, `param` more parameters.
+/// Two instances of a part with a bank of cells `bank`, the second of 330 Hz; `param` adds parameters.
 fn tines(param: &str, bank: &str) -> String {
     format!(
         "[part.tine.param]\nf = {{ unit = \"Hz\", doc = \"pitch\" }}\n{param}\n\
@@ -15,14 +15,13 @@ fn tines(param: &str, bank: &str) -> String {
     )
 }
 
-/// The pitches of a model by its numbers, lowest first \[Hz\].
+/// Pitches of a model by its modes, lowest first \[Hz\].
 fn pitches(model: &Model) -> Vec<f64> {
     let network = ca_compile::linear(model, &catalog(), &Options::default())
         .unwrap_or_else(|found| panic!("{}", render::text(&found, model, false)));
     modes(&network).expect("they are found").list.iter().map(|m| m.heard).collect()
 }
 
-/// What is wrong in a text.
 fn errors(text: &str) -> String {
     let (model, result) = load(text, "m.ca.toml", &catalog(), &Options::default());
     let found = result.err().unwrap_or_else(|| panic!("nothing is wrong in\n{text}"));
@@ -43,13 +42,13 @@ const WANT: [f64; 4] = [220.0, 330.0, 6.27 * 220.0, 6.27 * 330.0];
 fn a_number_times_a_parameter_is_the_product_in_each_instance() {
     let bank = "m = \"2 g\", f = [\"f\", \"6.27 f\"], t60 = \"1 s\"";
     sounds(&tines("", bank), WANT);
-    // a default, and a default of that
+    // a default, and a default derived from it
     let bank = bank.replace("6.27 f", "3 half");
     sounds(&tines("over = { value = \"4.18 f\" }\nhalf = { value = \"0.5 over\" }", &bank), WANT);
-    // a plain number, and a list that is handed in as a whole
+    // a plain number, and a list passed as a whole
     let bank = "m = \"2 g\", f = \"all\", t60 = \"2 half\"";
     sounds(&tines("half = 0.5\nall = { value = [\"f\", \"6.27 f\"] }", bank), WANT);
-    // handed to a part within, scaled there again
+    // passed to an inner part and scaled there again
     let text = "[part.in.param]\ntone = {}\n[part.in.BANK]\nbar = { m = \"2 g\", f = [\"tone\", \"3.135 tone\"], t60 = 1 }\n\
                 [part.out.param]\nf = {}\n[part.out.use]\nin = { part = \"in\", with = { tone = \"2 f\" } }\n\
                 [use]\no = { part = \"out\", n = 2, with = { f = [\"110 Hz\", \"165 Hz\"] } }\n\
@@ -92,7 +91,6 @@ fn what_cannot_be_scaled_is_said_to_be_so() {
                [CEL]\nlow = { m = 1, f = 9 }\n[SOX]\nout = { from = \"low\" }\n";
     let driven = errors(cel);
     assert!(driven.contains("[E025]") && driven.contains("`z` is live"), "{driven}");
-    // misspelt
     let near = errors(
         &tines("", &bank.replace("6.27 f", "6.27 pitsh").replace("2 ring", "1 s"))
             .replace("f = {", "pitch = {")
@@ -100,7 +98,6 @@ fn what_cannot_be_scaled_is_said_to_be_so() {
             .replace("with = { f", "with = { pitch"),
     );
     assert!(near.contains("did you mean `6.27 pitch`? parameters here: `pitch`"), "{near}");
-    // of another unit, out of range, of a `[param]`
     let other = errors(&tines("", &bank.replace("2 ring", "2 f")));
     assert!(other.contains("[E008]") && other.contains("given in Hz, not in s"), "{other}");
     let far = errors(&tines("", &bank.replace("6.27 f", "-1 f").replace("2 ring", "1 s")));

@@ -1,4 +1,4 @@
-//! Selectors: every form, its text back, errors with their place.
+//! Selectors: every form, printing, errors with their place.
 
 use ca_model::select::{At, Coord, Index, Part, is_name, is_word, parse};
 use proptest::prelude::*;

@@ -1,4 +1,4 @@
-//! Files, examples and output of the program are TOML 1.0, by a parser of TOML 1.0. A model in TOML 1.1 gets a note.
+//! Files, examples and output are valid for a TOML 1.0 parser; a model in TOML 1.1 gets a note.
 
 use ca_haptic::calibration::{Axis, Calibration};
 use ca_haptic::profile::{Profile, SHIPPED};
@@ -10,7 +10,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..")
 }
 
-/// The files of the repository whose names end so.
+/// Files of the repository with these endings.
 fn files(ends: &[&str]) -> Vec<PathBuf> {
     let (mut folders, mut found) = (vec![root()], Vec::new());
     while let Some(folder) = folders.pop() {
@@ -29,7 +29,7 @@ fn files(ends: &[&str]) -> Vec<PathBuf> {
     found
 }
 
-/// Blocks marked `toml` of a page or of the comments of a source, each with its line.
+/// Blocks marked `toml` in a page or in source comments, each with its line.
 fn blocks(text: &str) -> Vec<(usize, String)> {
     let bare = |l: &str| {
         let l = l.trim_start();
@@ -74,7 +74,7 @@ fn all_that_is_shown_is_toml_1_0() {
         let text = std::fs::read_to_string(&path).expect("UTF-8");
         for (line, block) in blocks(&text) {
             let at = format!("{}:{line}", path.display());
-            // pages of findings show what is wrong
+            // pages of findings show wrong models
             if ["E001", "E006", "E012", "E014", "N205"].iter().any(|code| says(&block, code)) {
                 assert!(path.components().any(|c| c.as_os_str() == "diagnostics"), "{at}");
                 wrong += usize::from(refused(&block).is_some());
@@ -130,7 +130,7 @@ fn what_is_only_toml_1_1_is_noted_where_it_stands() {
         assert_eq!((notes.len(), found.list.len(), model.items.len()), (1, 1, 2), "{text}{found}");
         let span = notes[0].span();
         assert_eq!(&text[span.start..span.end], place, "{text}");
-        // the edit that is proposed makes it TOML 1.0
+        // the proposed edit makes it TOML 1.0
         if let Some(fix) = &notes[0].fix {
             let mended = format!("{}{}{}", &text[..fix.span.start], fix.text, &text[fix.span.end..]);
             assert_eq!(refused(&mended), None, "{mended}");
@@ -145,6 +145,5 @@ fn what_is_only_toml_1_1_is_noted_where_it_stands() {
     ] {
         assert_eq!((refused(text), says(text, "N205")), (None, false), "{text}");
     }
-    // not for a text with syntax errors
     assert!(says("[MAS]\nm = { m = 1,\n x = }\n", "E001") && !says("[MAS]\nm = { m = 1,\n x = }\n", "N205"));
 }

@@ -1,10 +1,10 @@
-//! The writer: what is written reads back to the same model.
+//! The writer: a written model reads back as the same model.
 
 use ca_model::{Entry, Group, Item, Model, Span, Value, read, render, write};
 use ca_tests::catalog;
 use proptest::prelude::*;
 
-/// A model without spans, text and file, its modules gathered by group and kind, its groups by name.
+/// A model without spans, text and file, with modules sorted by group and kind, and groups by name.
 fn bare(m: &Model) -> Model {
     fn entry(e: &Entry) -> Entry {
         let value = match &e.value {
@@ -147,7 +147,7 @@ fn free() -> impl Strategy<Value = Vec<Entry>> {
         .prop_map(|m| m.into_iter().map(|(k, v)| Entry::new(&k, v)).collect())
 }
 
-/// Gestures are lists; a table would be a path.
+/// Gestures are lists, because a table would be a path.
 fn gestures() -> impl Strategy<Value = Vec<Entry>> {
     let list = prop::collection::vec(value().prop_map(|v| Entry::new("", v)), 0..4).prop_map(Value::List);
     prop::collection::btree_map("[a-z]{1,3}(\\.[a-z]{1,3})?", list, 0..4)

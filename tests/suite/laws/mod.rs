@@ -1,4 +1,4 @@
-//! Laws of interaction: closed forms, LPR. `tests/conformance` has the promises of all records.
+//! Laws of interaction: closed forms and LPR. `tests/conformance` checks all kind records.
 
 mod lpr;
 mod pluck;

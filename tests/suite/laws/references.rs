@@ -1,18 +1,18 @@
-//! Compiled scenes against solutions from outside: closed forms, elliptic functions, a Runge–Kutta at a far higher
-//! rate. The numbers of the cases are the errors the scheme *should* have: more or less than that is a bug.
+//! Compiled scenes against independent solutions: closed forms, elliptic functions, and Runge–Kutta at a far higher
+//! rate. The cases give the errors that the scheme *should* have; a larger or smaller error is a bug.
 
 use crate::play::{PI, TURN, case, list, mat, mats, num, off, rel_l2, rows, scene, within};
 use ca_benches::atlas::{contact, ratio};
 use ca_core::{Scene, State, tick};
 use serde_json::Value;
 
-/// Relative distance of an error from the error it should be, where the case gives two or three digits.
+/// Checks an error against its expected value, where the case gives two or three digits.
 #[track_caller]
 fn about(what: &str, error: f64, should_be: f64, room: f64) {
     within(&format!("{what}: error {error:.4e}, {should_be:.3e} expected"), off(error, should_be), room);
 }
 
-/// B01: the error of a plucked chain over 0.1 s by a method, sampled at 48 kHz, run at `r` times that.
+/// B01: error of a plucked chain over 0.1 s by `method`, run at `r` times 48 kHz and sampled at 48 kHz.
 pub fn pluck(method: &str, r: usize) -> f64 {
     let c = case("B01");
     let (n, m) = (num(c, "setup/N") as usize, num(c, "setup/m"));
@@ -27,12 +27,11 @@ pub fn pluck(method: &str, r: usize) -> f64 {
     let shape: Vec<f64> =
         (0..n + 2).map(|i| i as f64 / length).map(|s| 1e-3 * if s < 0.2 { s / 0.2 } else { (1.0 - s) / 0.8 }).collect();
     let mut s = scene.state();
-    // second-order start at rest, where the motion of a tick is not that of its beginning
+    // second-order start at rest, where the motion of a tick (`d`) is not the velocity at its beginning
     let a = if method == "ca" { num(c, "setup/a") / (r * r) as f64 } else { 0.0 };
     for (i, p) in masses.iter().enumerate() {
         (s.x[*p], s.d[*p]) = (shape[i + 1], -0.5 * a * (shape[i] - 2.0 * shape[i + 1] + shape[i + 2]));
     }
-    // modes of the chain in continuous time
     let modes: Vec<(f64, f64)> = (1..=n)
         .map(|j| {
             let sin = |i: usize| (j as f64 * PI * i as f64 / length).sin();
@@ -64,7 +63,7 @@ fn b01_a_plucked_chain() {
     within("B01 order 2", off(pluck("ca", 32) / fine, 0.25), 0.02);
 }
 
-/// B02: the error of a damped oscillator of text `bob` at `fs`, from the exact two-point start.
+/// B02: error of a damped oscillator with model text `bob` at `fs`, from the exact two-point start.
 fn damped(fs: f64, bob: &str) -> f64 {
     let c = case("B02");
     let (f, t60, dur) = (num(c, "setup/f"), num(c, "setup/T60"), num(c, "setup/dur"));
@@ -106,7 +105,7 @@ fn b02_a_damped_oscillator() {
         within(&format!("B02 retuned at {fs} Hz"), tuned, num(c, "tolerance/retuned"));
         errors.push(cell);
     }
-    // first order in the damper: halving the tick halves the error, in the end
+    // the damper is of first order: halving the tick halves the error in the limit
     let order = (errors[errors.len() - 2] / errors[errors.len() - 1]).log2();
     within("B02 order 1", (order - num(c, "tolerance/order_CA")).abs(), 0.3);
 }
@@ -129,7 +128,7 @@ fn cn(u: f64, m: f64) -> f64 {
     phi.cos()
 }
 
-/// B03: the error of a hardening spring over 20 ms by a method of the model; `more` are arguments of the spring.
+/// B03: error of a hardening spring over 20 ms by a method of the model. `more` is further arguments of the spring.
 pub fn duffing(method: &str, more: &str, fs: f64) -> f64 {
     let c = case("B03");
     let (a, ratio, m) = (num(c, "setup/A"), num(c, "setup/beta_A2_over_w02"), 1e-3);
@@ -166,8 +165,8 @@ fn b03_a_hardening_spring() {
     within("B03 order 2", (order - num(c, "tolerance/CA_order")).abs(), 0.05);
 }
 
-/// Root mean squares over `phases` of (position, velocity) errors just after a bounce off a wall that should take
-/// `contact` seconds and turn v to −v. `law` is the section of the link from `wall` to `ball`.
+/// Root mean squares over `phases` of the position and velocity errors just after a bounce off a wall. The contact
+/// should take `contact` seconds and turn v into −v. `law` is the section of the link from `wall` to `ball`.
 fn bounce(fs: f64, law: &str, contact: f64, phases: u32) -> (f64, f64) {
     let scene = scene(&format!(
         "[rate]\nsound = {fs:?}\n[SOL]\nwall = {{}}\n[MAS]\nball = {{ m = 0.001 }}\n{law}[SOX]\nout = {{ from = \"ball\" }}\n"
@@ -205,7 +204,6 @@ fn b04_a_hertz_contact() {
     within("B04 position at 48 kHz [m]", position, num(c, "values/rms_pos_err_48k/CA"));
     let (fine, finer) = (bounce(192e3, &law, contact, 200).0, bounce(384e3, &law, contact, 200).0);
     within("B04 order 2", ((fine / finer).log2() - num(c, "tolerance/order")).abs(), 0.1);
-    // depth and peak force of a finely sampled blow
     let scene = scene(&format!(
         "[rate]\nsound = 10e6\n[SOL]\nwall = {{}}\n[MAS]\nball = {{ m = {m:?} }}\n{law}[SOX]\nout = {{ from = \"ball\" }}\n[SOF]\nf = {{ from = \"hit\" }}\n"
     ));
@@ -261,7 +259,7 @@ impl Bow {
     }
 }
 
-/// The friction of a case in continuous time, after the mass `m`.
+/// The friction of a case in continuous time, and its `f` and `v0` for the mass `m`.
 fn bow_of(c: &Value, m: f64) -> (Bow, f64, f64) {
     let alpha = num(c, "setup/alpha");
     let bow = Bow { force: num(c, "setup/FB_over_m"), alpha, speed: num(c, "setup/vb") };
@@ -269,8 +267,8 @@ fn bow_of(c: &Value, m: f64) -> (Bow, f64, f64) {
     (bow, f, v0)
 }
 
-/// Against the same bow in continuous time, sampled at 384 kHz with 32 steps between; `column` is that of the error by
-/// this method in a row.
+/// Compares with the same bow in continuous time, sampled at 384 kHz with 32 Runge–Kutta steps between samples.
+/// `column` is the index of this method's error in a row of the case.
 fn bow(id: &str, method: &str, column: impl Fn(&[f64]) -> usize) {
     const FINE: f64 = 384e3;
     let c = case(id);
@@ -293,27 +291,26 @@ fn bow(id: &str, method: &str, column: impl Fn(&[f64]) -> usize) {
         ));
         let error = rel_l2(&draw(&scene, &bow, fs), &every(&reference, (FINE / fs).round() as usize));
         if should_be < 1e-3 && id == BOWS[2] {
-            // nearly all of the error is that of the start, which decays within a tick
+            // nearly all of the error comes from the start and decays within a tick
             within(&format!("{id} {method} at {fs} Hz"), error, 5.0 * should_be);
         } else if should_be < 0.9 {
-            // what is near the limit of a method hangs on the start; and the table of the curve leaves out a little
+            // near the limit of a method the error depends on the start, and the table of the curve adds a little
             let room = if method == "newton" { 0.08 } else { 0.02 };
             about(&format!("{id} {method} at {fs} Hz"), error, should_be, room + 1e-5 / should_be);
         } else {
-            // it has lost the solution: an error of about 100 %, whose digits mean nothing
+            // the solution is lost: the digits of an error of about 100 % mean nothing
             assert!(error > 0.5 && error < 2.0, "{id} {method} at {fs} Hz: {error}");
         }
     }
 }
 
-/// Plays a bow for 50 ms. Starts at tick 1 with the bow already moving, as the first tick only places it, and from
-/// the exact point before.
+/// Plays a bow for 50 ms from the exact solution, at tick 1 with the bow moving, because tick 0 only places it.
 fn draw(scene: &Scene, law: &Bow, fs: f64) -> Vec<f64> {
     let (bar, bow) = (mat(scene, "bar"), mat(scene, "bow"));
     let mut s: State = scene.state();
     s.tick = 1;
     s.x[bow] = -law.speed / fs;
-    // a port that runs a tick late is told a tick earlier
+    // a port that runs one tick late gets its input one tick earlier
     let ahead = scene.layout.ports.ahead.len() as u32;
     s.ports.under_way.fill([-law.speed / fs, 0.0]);
     s.d[bar] = -(0..64).fold([0.0, 0.0], |at, _| law.step(at, -1.0 / fs / 64.0))[0];
@@ -376,7 +373,7 @@ fn c02_stiffnesses_that_make_nothing() {
         let worst = (0..500).map(|p| (ratio(&scene, &start, (f64::from(p) + 0.5) / 500.0) - 1.0).abs());
         within(&format!("C02 N = {n}"), worst.fold(0.0, f64::max), num(c, "tolerance/energy_rel"));
     }
-    // and in between, they make something
+    // between these phases, energy is made
     let scene = contact(0.5, 0.0, "ca");
     assert!(ratio(&scene, &scene.state(), 0.1) > 1.05);
 }
@@ -396,7 +393,6 @@ fn c03_viscosity_that_makes_a_contact_passive() {
         }
     }
     within("C03 energy out over energy in", most, 1.0);
-    // outside the rule energy does appear, so the rule is not idle
     let gains = |a: f64, b: f64| {
         let scene = contact(a, b, "ca");
         let start = scene.state();

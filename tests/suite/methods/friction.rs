@@ -1,5 +1,5 @@
-//! Friction by the methods that only resist: no energy ever, sliding that stops, shared masses, space, the choice of
-//! method. The bowed mass itself is B07, in the references.
+//! Friction by the methods that only resist: no energy gain, sliding that stops, shared masses, space, choice of
+//! method. The bowed mass itself is B07, in `references.rs`.
 
 use crate::methods::stable::{heat, made, only_falls, ran};
 use crate::play::{TURN, audited, mat, off, rel_l2, scene, within};
@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 
 const CURVES: [&str; 4] = ["smooth", "piecewise", "coulomb", "table"];
 
-/// The arguments of a curve of force `f` and speed `v0`; the table is uneven, and steeper on one side.
+/// Arguments of a curve of force `f` and speed `v0`. The table is uneven and steeper on one side.
 fn curve(name: &str, f: f64, v0: f64) -> String {
     match name {
         "table" => {
@@ -28,7 +28,7 @@ fn curve(name: &str, f: f64, v0: f64) -> String {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, ..ProptestConfig::default() })]
 
-    /// Two masses on springs, rubbing, with slopes from next to nothing to 1e12 T/m: it is only taken from.
+    /// Two masses on springs that rub, with slopes from near zero to 1e12 T/m, never gain energy.
     #[test]
     fn any_friction_only_takes(exponents in [-3.0..3.0f64, -6.0..0.0f64, -6.0..0.0f64, -3.0..12.0f64], kind in 0usize..4) {
         let [speed, one, two, steep] = exponents.map(|e| 10f64.powf(e));
@@ -44,7 +44,7 @@ proptest! {
                     );
                     let scene = audited(&text);
                     prop_assert_eq!(scene.certificate.level, Level::Proven);
-                    // Newton's method gives way here and there
+                    // Newton's method gives way in some cases
                     prop_assert!(scene.findings.list.iter().all(|d| d.code == "N206"), "{}", scene.findings);
                     let s = only_falls(&scene, 400, 1e-12, &text, |_| {});
                     prop_assert!(made(&s) <= 1e-12, "made {:e}\n{text}", made(&s));
@@ -55,13 +55,13 @@ proptest! {
     }
 }
 
-/// A block that slides on a table: v²m/2f until it stops, and there it stays.
+/// A block that slides on a table stops after v²m/2f and stays there.
 #[test]
 fn a_block_slides_and_stops() {
     let (m, f, v) = (1e-3, 0.02, 0.5);
     for v0 in [1e-3, 1e-6, 1e-12] {
         for method in ["secant", "newton"] {
-            // the secant is half a tick late, and Newton gives way to it where it is steep
+            // the secant is half a tick late, and Newton's method gives way to it where the curve is steep
             let tolerance = if method == "newton" && v0 == 1e-3 { 1e-5 } else { 1e-3 };
             let scene = audited(&format!(
                 "[SOL]\ntable = {{}}\n[MAS]\nblock = {{ m = {m:?}, v = {v:?} }}\n[BOW]\nrub = {{ between = [\"table\", \"block\"], curve = \"coulomb\", f = {f:?}, v0 = {v0:?}, method = \"{method}\" }}\n[SOX]\nout = {{ from = \"block\" }}\n"
@@ -70,19 +70,18 @@ fn a_block_slides_and_stops() {
             let i = mat(&scene, "block");
             (0..48_000).for_each(|_| tick(&scene, &mut s));
             let way = v * v * m / (2.0 * f);
-            // below v0 it glides on for another m v0²/2f
+            // below v0 it glides for another m v0²/2f
             within(
                 &format!("way of the block, {method}, v0 = {v0}"),
                 off(s.x[i], way),
                 tolerance + 2.0 * (v0 / v).powi(2),
             );
-            // the secant trembles on, ever less
+            // the secant oscillates with decreasing amplitude
             let tremor = f * scene.rates.sample_dt / (4.0 * m * 46e3);
             within("at rest", (s.d[i] * scene.rate).abs(), tremor);
             within("all is heat", off(heat(&scene, &s), s.ledger.as_ref().expect("a ledger").h0), 1e-9);
         }
     }
-    // what is explicit rings there for ever
     let ca = scene(&format!(
         "[SOL]\ntable = {{}}\n[MAS]\nblock = {{ m = {m:?}, v = {v:?} }}\n[BOW]\nrub = {{ between = [\"table\", \"block\"], curve = \"coulomb\", f = {f:?}, v0 = 1e-6 }}\n[SOX]\nout = {{ from = \"block\" }}\n"
     ));
@@ -91,7 +90,7 @@ fn a_block_slides_and_stops() {
     assert!((s.d[mat(&ca, "block")] * ca.rate).abs() > 1e-5);
 }
 
-/// Below the largest friction a push makes no more than a creep of v0·push/f.
+/// Below the largest friction a push makes it creep at no more than v0·push/f.
 #[test]
 fn what_is_held_creeps() {
     for method in ["secant", "newton"] {
@@ -124,7 +123,7 @@ fn played(text: &str, ticks: u32) -> Vec<f64> {
         .collect()
 }
 
-/// Newton up to b = 4, where the root is surely the only one; the secant beyond.
+/// Newton's method up to b = 4, where the root is certainly unique; the secant beyond.
 #[test]
 fn newton_gives_way_where_it_would_jump() {
     let force = |b: f64| b * 0.01 * 0.001 * 48e3 / 0.5f64.exp();
@@ -132,7 +131,7 @@ fn newton_gives_way_where_it_would_jump() {
     assert_ne!(played(&bowed(force(3.999), "newton"), 2000), played(&bowed(force(3.999), "secant"), 2000));
 }
 
-/// A single link is the same by itself as by the system: on a line, and along a direction of space.
+/// A single link gives the same alone and in the system: on a line, and along a direction of space.
 #[test]
 fn alone_and_together_are_the_same() {
     for name in CURVES {
@@ -250,13 +249,13 @@ fn force_turned_while_it_rubs() {
         let b = s.ledger.as_ref().expect("a ledger").balance();
         within("residual", b.residual.abs() / b.peak, 1e-12);
         within("changed", b.changed.abs(), 0.0);
-        // but for the tick in which the hand begins to move, which no link foresees
+        // except for the tick in which the hand begins to move, which no link can predict
         within("made", made(&s), 1e-3);
     }
 }
 
-/// What dies away between two looks of the engine at what is too small is solved together without a NaN: squares of
-/// it are none any more, and the largest of what is left is divided by.
+/// Motion that decays between two flushes of tiny numbers is solved together without NaN: its squares underflow to
+/// zero, and the largest of them is a divisor.
 #[test]
 fn what_has_died_away_is_still_a_number() {
     for (m, n, f, g) in [(1.0, 1.0, 0.3, 0.2), (0.3, 0.7, 0.05, 0.05)] {
@@ -280,8 +279,8 @@ fn what_has_died_away_is_still_a_number() {
     }
 }
 
-/// A block on a spring, on a belt: the case of a textbook, in closed form. It is carried until the spring holds more than the static
-/// force, x = f/k after f/(k v), then swings about fd/k until it has the speed of the belt again.
+/// A block on a spring and a belt, against the closed form of the textbook. It sticks until the spring exceeds the
+/// static force, x = f/k after f/(k v), then swings about fd/k until it has the speed of the belt again.
 #[test]
 fn a_block_on_a_belt_sticks_and_slips_as_by_hand() {
     let (k, m, v, f, fd): (f64, f64, f64, f64, f64) = (1000.0, 0.01, 0.1, 1.6, 0.8);
@@ -307,11 +306,10 @@ fn a_block_on_a_belt_sticks_and_slips_as_by_hand() {
         stuck = sticks;
     }
     within("what sticks moves with the belt, in a tick", far, 1e-15);
-    // the swing about fd/k begins (f − fd)/k from its middle, at the speed of the belt, and ends at that speed
+    // the swing about fd/k begins at (f − fd)/k from its middle, at the speed of the belt, and ends at that speed
     let (w, a) = ((k / m).sqrt(), (f - fd) / k);
     let slip = (TURN - 2.0 * (w * a / v).atan()) / w;
     let stick = 2.0 * a / v;
-    // from the first whole period on
     let from = changes.iter().position(|c| c.1 && c.0 > 9600).expect("it sticks again");
     let turns = &changes[from..from + 2 * ((changes.len() - from - 1) / 2) + 1];
     let mean = |all: Vec<f64>| all.iter().sum::<f64>() / all.len() as f64 * scene.rates.sample_dt;
@@ -325,7 +323,7 @@ fn a_block_on_a_belt_sticks_and_slips_as_by_hand() {
     within("energy", s.balance().residual.abs() / s.balance().peak, 1e-12);
 }
 
-/// What is pushed less than the static force does not creep, and the block that slides stops for good where it should.
+/// A push below the static force causes no creep, and a sliding block stops for good at the right place.
 #[test]
 fn set_valued_friction_holds_and_stops_exactly() {
     let rub = |more: &str| {
@@ -335,7 +333,7 @@ fn set_valued_friction_holds_and_stops_exactly() {
     };
     let scene = audited(&rub(""));
     let (mut s, block) = (scene.state(), mat(&scene, "block"));
-    // at load it is let be found out whether it slides: with the sliding force
+    // starts below the sliding force, so the block sticks in either state
     s.input[0] = 0.0099;
     tick(&scene, &mut s);
     s.input[0] = 0.0199;
@@ -352,7 +350,7 @@ fn set_valued_friction_holds_and_stops_exactly() {
     within("all is heat", off(heat(&scene, &s), s.ledger.as_ref().expect("a ledger").h0), 1e-9);
 }
 
-/// A block that sticks to a port goes with it, since such a port runs a tick late: nothing is made.
+/// A block that sticks to a port moves with it, because such a port runs a tick late. No energy is made.
 #[test]
 fn what_sticks_to_a_port_goes_with_it() {
     let (a, w) = (0.01, 20.0 * TURN);
@@ -378,7 +376,7 @@ fn what_sticks_to_a_port_goes_with_it() {
     within("made", made(&s), 1e-11);
 }
 
-/// Several links keep what they remember apart.
+/// Several links keep separate memories.
 #[test]
 fn the_heat_of_several_is_that_of_each() {
     let scene = audited(
@@ -400,7 +398,7 @@ fn the_heat_of_several_is_that_of_each() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
 
-    /// Two masses on springs and a third link that shares one: it is only taken from, alone and together.
+    /// Two masses on springs, and a third link that shares one of them, never gain energy, alone or together.
     #[test]
     fn set_valued_friction_only_takes(exponents in [-3.0..3.0f64, -6.0..0.0f64, -6.0..0.0f64, -3.0..3.0f64], share in 0.0..1.0f64) {
         let [speed, one, two, strong] = exponents.map(|e| 10f64.powf(e));
@@ -413,7 +411,6 @@ proptest! {
                 -0.3 * speed, share * f, 0.1 * one * 48e3 * 48e3, 0.02 * two * 48e3 * 48e3
             );
             let scene = audited(&text);
-            // on a shared mass it creeps
             let level = if more.is_empty() { Level::Proven } else { Level::RuleOfThumb };
             prop_assert_eq!(scene.certificate.level, level);
             let s = only_falls(&scene, 400, 1e-12, &text, |_| {});
@@ -422,7 +419,7 @@ proptest! {
     }
 }
 
-/// A block of 10 g on a table, under a weight along it of 5 m/s² times its mass and `more` words.
+/// A block of 10 g on a table, with a force along it of 5 m/s² times its mass, and `more` arguments.
 fn weighed(f: f64, more: &str) -> String {
     format!(
         "[h]\ngravity = 5.0\n[h.SOL]\ntable = {{}}\n[h.MAS]\nb = {{ m = 0.01{more} }}\n[BOW]\nr = {{ between = [\"h.b\", \"h.table\"], curve = \
@@ -430,7 +427,7 @@ fn weighed(f: f64, more: &str) -> String {
     )
 }
 
-/// The static force holds a block at rest at load; the sliding force acts on a block that moves.
+/// The static force holds a block at rest at load; the sliding force acts on a moving block.
 #[test]
 fn what_rests_at_load_sticks() {
     let far = |text: &str| {
@@ -440,13 +437,13 @@ fn what_rests_at_load_sticks() {
         s.x[mat(&scene, "h.b")]
     };
     within("held", far(&weighed(0.0501, "")).abs(), 1e-15);
-    // g − 0.03/m over a second, whether the static force is too small or it moves
+    // g − 0.03/m for a second, whether the static force is too small or the block moves
     within("let go", off(far(&weighed(0.0499, "")), -1.0), 1e-3);
     within("on its way", off(far(&weighed(0.06, ", v = -1e-6")), -1.0), 1e-3);
     let still = scene(&weighed(0.06, ""));
     assert_eq!(still.initial.links.mem[0], 1.0);
     within("its first tick", still.initial.d[mat(&still, "h.b")].abs(), 1e-18);
-    // takes of before were played from a start that slides
+    // takes of older arithmetic start sliding
     let (model, _) = ca_model::read::read(&weighed(0.06, ""), "old.ca.toml", &catalog());
     let older = |arithmetic| {
         let options = ca_compile::Options { arithmetic, ..ca_compile::Options::default() };
@@ -455,7 +452,7 @@ fn what_rests_at_load_sticks() {
     assert_eq!([Some(4), Some(5), None].map(older), [0.0, 1.0, 1.0]);
 }
 
-/// Blocks that are stacked creep where they should stick: it is said, and not called proven; one block is.
+/// Stacked blocks creep instead of sticking: this is reported and not called proven; a single block is proven.
 #[test]
 fn stacked_blocks_creep_and_are_not_called_proven() {
     let text = "[SOL]\nt = {}\n[MAS]\na = { m = 0.02 }\nb = { m = 0.01 }\n[ENF]\np = { to = \"b\" }\n[BOW]\nr = { between = [\"a\", \"t\"], \
@@ -480,11 +477,10 @@ fn stacked_blocks_creep_and_are_not_called_proven() {
     assert!(alone.findings.list.iter().all(|d| d.code != "W118"), "{}", alone.findings);
 }
 
-/// Newton's method that is not used is reported, whatever the cause; where it is used, nothing is.
+/// N206 reports whenever Newton's method is not used, whatever the cause, and only then.
 #[test]
 fn newtons_method_that_gives_way_is_reported() {
     let notes = |text: &str| scene(text).findings.list.iter().filter(|d| d.code == "N206").count();
-    // slope·T/m is √e f T/(v0 m)
     let bow = |f: f64, method: &str| {
         format!(
             "[MAS]\na = {{ m = 1e-3 }}\nb = {{ m = 1e6, v = 0.1 }}\n[BOW]\nr = {{ between = [\"a\", \"b\"], f = {f:?}, v0 = 0.05, method = \

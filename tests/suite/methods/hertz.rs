@@ -26,7 +26,7 @@ fn b04_a_hertz_contact_by_method() {
     assert!((fine / finer).log2() > 0.9, "no order 1: {fine} {finer}");
 }
 
-/// The linear law as a power of 1 is the linear law.
+/// HRZ with exponent 1 is the linear law.
 #[test]
 fn a_power_of_one_is_a_buffer() {
     let text = |law: &str| {
@@ -56,8 +56,8 @@ fn a_power_of_one_is_a_buffer() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
 
-    /// Blows from 1 µm/s to 1 km/s of masses from 1 mg to 1 kg, hardness kη^(p−1)T²/m at the depth of a tick up to 1e16,
-    /// losses from none to all: nothing is ever made, nothing pulls, and the ledgers balance.
+    /// Blows from 1 µm/s to 1 km/s of masses from 1 mg to 1 kg, with hardness kη^(p−1)T²/m at the depth of a tick up to
+    /// 1e16 and any loss, never make energy or pull, and the ledgers balance.
     #[test]
     fn any_blow_only_takes(
         exponents in [0.0..1.0f64, -6.0..3.0f64, -6.0..0.0f64, -4.0..16.0f64, -6.0..6.0f64],
@@ -72,9 +72,9 @@ proptest! {
         let reach = v / 48e3;
         let k = 10f64.powf(hard) * m * 48e3 * 48e3 / reach.powf(p - 1.0);
         let h = if lossless { 0.0 } else { 10f64.powf(loss) / v };
-        // begins at most three ticks away, or pressed by up to one
+        // starts at most three ticks away, or pressed by up to one tick
         let (x, sense, way) = (reach * (phase - begins), ["outside", "inside"][usize::from(inside)], [1.0, -1.0][usize::from(inside)]);
-        // √(kη^(p−1)T²/m) is what the rounding of a place is in energy, at the depth of a tick
+        // √(kη^(p−1)T²/m) is the energy of the rounding of a position, at the depth of a tick
         let room = 1e-12 + 1e-14 * 10f64.powf(0.5 * hard);
         for method in ["stable", "stable3d"] {
             let text = format!(
@@ -96,7 +96,7 @@ proptest! {
 
 #[test]
 fn losses_of_hunt_and_crossley() {
-    // restitution of a light loss: 1 − e = (2/3) h v as in Hunt and Crossley 1975, e.g. h = 1.5 α with α v ≪ 1
+    // restitution with a light loss: 1 − e = (2/3) h v as in Hunt and Crossley 1975, e.g. h = 1.5 α with α v ≪ 1
     for (method, tolerance) in [("stable", 0.03), ("stable3d", 0.03)] {
         for h in [0.001, 0.003, 0.01] {
             let text = format!(
@@ -113,7 +113,7 @@ fn losses_of_hunt_and_crossley() {
     }
 }
 
-/// A row of balls between walls; the ledgers of each stiffness.
+/// A row of balls between walls, with the ledgers for each stiffness.
 #[test]
 fn masses_that_share_a_blow_keep_their_energy() {
     for a in [1.0, 1e4, 1e8, 1e12] {
@@ -155,9 +155,9 @@ fn masses_that_share_a_blow_keep_their_energy() {
                 }
                 last = ledger.h;
             }
-            // the stiffer ones part within a tick
+            // stiffer ones separate within a tick
             assert!(struck > 0 || a > 1.0, "never two at once");
-            // what is left is the rounding of places times the stiffness
+            // the rest is the rounding of positions times the stiffness
             let most = 1e-14 * f64::max(a, 1e3);
             within(&format!("a row of round balls, a = {a:e}, h = {h}"), worst, if h == 0.0 { most } else { 1.0 });
             within("it rises by", rises, most);
@@ -208,7 +208,7 @@ fn a_ball_in_a_round_box() {
 #[test]
 fn pressed_at_load_turned_while_pressed_and_a_hand() {
     for method in ["stable", "stable3d"] {
-        // pressed at load: all of what it holds becomes motion, but for the half tick of the start
+        // pressed at load: all stored energy becomes motion, except for the half tick of the start
         let text = format!(
             "[param]\nk = {{ value = 1e7, unit = \"N/m^1.5\", live = true, min = 1e5, max = 1e9 }}\n[SOL]\nfloor = {{}}\n[MAS]\nball = {{ m = \"1 g\", x = \"-0.1 mm\" }}\n[HRZ]\nhit = {{ between = [\"floor\", \"ball\"], k = \"k\", method = \"{method}\" }}\n[SOX]\nout = {{ from = \"ball\" }}\n"
         );
@@ -227,7 +227,7 @@ fn pressed_at_load_turned_while_pressed_and_a_hand() {
         let (s, out) = play(None);
         within(&format!("all of what was pressed, {method}"), off(out, held), 0.05);
         within("made", made(&s), 1e-12);
-        // harder or softer while pressed: the turn is entered as such, and nothing is made
+        // a change of stiffness while pressed is booked as such, and no energy is made
         for k in [1e5, 1e9] {
             let (s, out) = play(Some(k));
             let b = s.ledger.as_ref().expect("a ledger").balance();
@@ -236,7 +236,6 @@ fn pressed_at_load_turned_while_pressed_and_a_hand() {
             within("what went in came out", off(out, b.h0 + b.changed), 1e-9);
             assert!(method == "stable3d" || (b.changed > 0.0) == (k > 1e7), "{b:?}");
         }
-        // a hand at 1 m/s throws a ball at 2 m/s
         let text = format!(
             "[ENX]\nfloor = {{ x = \"-1 mm\" }}\n[MAS]\nball = {{ m = \"1 g\" }}\n[HRZ]\nhit = {{ between = [\"floor\", \"ball\"], k = 1e9, method = \"{method}\" }}\n[SOX]\nout = {{ from = \"ball\" }}\n"
         );
@@ -265,7 +264,7 @@ fn nothing_where_there_is_no_stiffness() {
 
 #[test]
 fn the_first_try_is_near_the_root() {
-    // x^(4/n) by bits, and the mean slope of a power without its cancellation
+    // x^(4/n) from the bits, and the mean slope of a power without cancellation
     for n in 4..=24 {
         let n = f64::from(n);
         for e in -60..=60 {

@@ -1,4 +1,4 @@
-//! Linear links and cells by the methods `centred` and `implicit`: A14, A15, H04, orders, ledgers, and what is heard.
+//! Linear links and cells by `centred` and `implicit`: A14, A15, H04, orders, ledgers, outputs.
 
 use crate::play::{Random, apart, audited, case, list, mat, mats, num, off, reference, scene, with, within};
 use ca_core::internal::numeric::ldl::Pattern;
@@ -6,7 +6,7 @@ use ca_core::{Level, Scene, State, tick};
 use ca_tests::catalog;
 use std::fmt::Write as _;
 
-/// A bob on a link to the wall, T = 1.
+/// A mass on a link to a wall, T = 1.
 fn bob(link: &str) -> String {
     format!(
         "[rate]\nsound = 1\ngesture = 1\n[SOL]\nwall = {{}}\n[MAS]\nbob = {{ m = 1 }}\n[REF]\nhold = {{ between = [\"wall\", \
@@ -14,12 +14,11 @@ fn bob(link: &str) -> String {
     )
 }
 
-/// The same oscillator as a cell.
 fn cell(own: &str) -> String {
     format!("[rate]\nsound = 1\ngesture = 1\n[CEL]\nbob = {{ m = 1, {own} }}\n[SOX]\nout = {{ from = \"bob\" }}\n")
 }
 
-/// Both ways to write an oscillator, which are the same scheme.
+/// An oscillator written as a link and as a cell, which are the same scheme.
 fn both(own: &str) -> [String; 2] {
     [bob(own), cell(own)]
 }
@@ -58,7 +57,7 @@ fn a14_one_link_stiffened() {
         assert_eq!(level(&method), Level::Proven);
         let scene = audited(&text(&method));
         let mut s = scene.state();
-        // plucked at a fifth, the stiff link as long as ever
+        // plucked at a fifth, with the stiff link at its rest length
         for (j, i) in [mats(&scene, "s"), mats(&scene, "t")].concat().into_iter().enumerate() {
             let u = (j + usize::from(j < at)) as f64 / n as f64;
             s.x[i] = 1e-3 * (u / 0.2).min((1.0 - u) / 0.8);
@@ -124,7 +123,7 @@ fn h04_huge_damping() {
     }
 }
 
-/// From a = 4/(1 − 4θ) on it is unstable, and the certificate knows.
+/// From a = 4/(1 − 4θ) on it is unstable, and the certificate agrees.
 #[test]
 fn the_limit_moves_with_theta() {
     for theta in [0.0, 1.0 / 12.0, 0.2] {
@@ -139,7 +138,7 @@ fn the_limit_moves_with_theta() {
     }
 }
 
-/// Error at one second of a damped oscillator of 20 Hz against its closed form, at so many ticks a second.
+/// Error over one second of a damped oscillator of 20 Hz against its closed form, at `rate` ticks a second.
 fn missed(rate: f64, method: &str) -> f64 {
     let (w, s) = (std::f64::consts::TAU * 20.0, 3.0);
     let text = format!(
@@ -152,7 +151,7 @@ fn missed(rate: f64, method: &str) -> f64 {
     let (mut state, i) = (scene.state(), mat(&scene, "bob"));
     let damped = (w * w - s * s).sqrt();
     let exact = |t: f64| (-s * t).exp() * ((damped * t).cos() + s / damped * (damped * t).sin());
-    // the motion into the first tick as the true one has it
+    // the motion into the first tick comes from the exact solution
     state.d[i] = 1.0 - exact(-1.0 / rate);
     let mut worst = 0.0f64;
     for n in 1..=rate as usize {
@@ -170,7 +169,7 @@ fn orders() {
     {
         within(&format!("order of {method}"), (order(method) - want).abs(), 0.1);
     }
-    // centred differences of the fourth order without damping; docs/numerics.md §3.1
+    // centred differences of fourth order without damping; docs/numerics.md §3.1
     let undamped = |rate: f64, theta: f64| {
         let w = std::f64::consts::TAU * 20.0 / rate;
         let scene = scene(&bob(&format!("k = {:?}, method = \"implicit\", theta = {theta:?}", w * w)));
@@ -188,8 +187,8 @@ fn orders() {
     );
 }
 
-/// A plate on stiff legs with a damper between, pushed about, moved by a port and led by live parameters: the ledgers
-/// close, link by link and in document order alike, and the force that is heard is the one that acts.
+/// A plate on stiff legs with a damper between, pushed, moved by a port and changed by live parameters. The ledgers
+/// balance, link by link and also in document order, and the forces at the outputs are those that act.
 #[test]
 fn ledgers_balance_and_forces_are_whole() {
     let text = "[rate]\nsound = 1\ngesture = 1\n[param]\nkk = { value = 1e4, live = true, min = 1, max = 1e8 }\n\
@@ -222,7 +221,7 @@ fn ledgers_balance_and_forces_are_whole() {
             tick(scene, &mut s);
             let heard =
                 |name: &str| s.output[scene.names.channel_names.iter().position(|c| c == name).expect("a channel")];
-            // only the damper acts on `free`: what is heard of it is what moved it
+            // only the damper acts on `free`, so the force at its output is the one that moved it
             within("force on a mass", (heard("free_f") - 2.0 * (s.d[free] - d)).abs(), 1e-9);
             within("force of a link", (heard("heard") + heard("free_f")).abs(), 1e-9);
             within("force on a port", (heard("hand_f") - heard("grip_f")).abs(), 1e-12);
@@ -230,7 +229,7 @@ fn ledgers_balance_and_forces_are_whole() {
         let ledger = s.ledger.as_ref().expect("a ledger");
         let b = ledger.balance();
         within("not explained", b.residual.abs() / b.peak, 1e-11);
-        // only at the port, which goes another way than it went, is something made
+        // energy is made only at the port, whose motion no link can predict
         for (name, made) in
             (0..scene.counts.n_lia).map(|l| (scene.audited_name(l).unwrap_or("?".into()), ledger.scheme_error[l]))
         {
@@ -244,7 +243,6 @@ fn ledgers_balance_and_forces_are_whole() {
     within("batches and document order", far, 1e-9);
 }
 
-/// After a live change the factor is that of a scene written so from the start, bit by bit.
 #[test]
 fn a_change_is_the_scene_of_that_value() {
     let text = |k: f64| {
@@ -262,7 +260,7 @@ fn a_change_is_the_scene_of_that_value() {
     assert!(old.controls().set("kk", 2e6).is_err());
 }
 
-/// In space with a direction, and by the method of the group; the scheme's poles are those `ca modes` tells.
+/// In space with a direction, and by the method of the group. `ca modes` gives the poles of the scheme.
 #[test]
 fn a_group_has_a_method() {
     let text = "[rate]\nsound = 1\ngesture = 1\n[a]\ndim = 3\nmethod = \"implicit\"\ntheta = 0.25\n[a.SOL]\nw = {}\n[a.MAS]\nb = { m = 1, \
@@ -277,7 +275,6 @@ fn a_group_has_a_method() {
     let network = network.expect("it compiles");
     let modes = ca_compile::analysis::modes::modes(&network).expect("they are found");
     let top = modes.list.last().expect("a mode");
-    // let go in the shape of the highest mode
     let mut s = scene.state();
     for (name, shape) in network.names.iter().zip(&top.shape) {
         let (module, axis) = name.rsplit_once('.').expect("an axis");
@@ -290,7 +287,6 @@ fn a_group_has_a_method() {
             s.x[at]
         })
         .collect();
-    // the heard pitch by its zero crossings
     let ups: Vec<f64> =
         (1..x.len()).filter(|i| x[i - 1] < 0.0 && x[*i] >= 0.0).map(|i| i as f64 - x[i] / (x[i] - x[i - 1])).collect();
     let f = (ups.len() - 1) as f64 / (ups[ups.len() - 1] - ups[0]);
@@ -298,7 +294,7 @@ fn a_group_has_a_method() {
     assert!(top.heard < 0.7 * top.f, "{} of {}", top.heard, top.f);
 }
 
-/// A string of 30 masses, plucked, with every sixth link far beyond the limit and a damper on one of them.
+/// A plucked string of 30 masses. Every sixth link is far beyond the explicit limit, and one of them has a damper.
 fn mixed(more: &str) -> String {
     let mut t = String::from("[rate]\nsound = 1\ngesture = 1\n[SOL]\nl = {}\nr = {}\n[MAS]\n");
     for i in 0..30 {
@@ -320,8 +316,8 @@ fn mixed(more: &str) -> String {
         + "[SOX]\nout = { from = \"p19\" }\n[SOF]\nstiff = { from = \"t18\", dc = 0 }\nheld = { from = \"l\", dc = 0 }\n"
 }
 
-/// Springs stand in one row with stiff links, and such links as share no mass are solved one by one: as in document order,
-/// and as in one matrix, which they are where a link that does nothing ties two of them.
+/// Springs and stiff links are in one row; stiff links that share no mass are solved one by one. The result agrees with
+/// document order, and with one matrix, forced by a link without effect that ties two of them.
 #[test]
 fn a_row_stays_whole_and_pairs_need_no_matrix() {
     let tied = "tie = { between = [\"p5\", \"p12\"], k = 1e-200, method = \"implicit\" }\n";
@@ -351,7 +347,7 @@ fn a_row_stays_whole_and_pairs_need_no_matrix() {
     within("in one matrix", apart(&ours, &run(&solved)), 1e-9);
 }
 
-/// What cannot be solved implicitly is refused with a word, and a scene without such links has nothing of it.
+/// Unsupported cases are refused with a message, and a scene without implicit links has none of their passes.
 #[test]
 fn pay_only_for_what_is_used() {
     let s = scene(&bob("k = 1, z = 0.1"));
@@ -361,7 +357,7 @@ fn pay_only_for_what_is_used() {
     assert!(s.layout.implicit.is_none(), "a cell needs no matrix");
 }
 
-/// Two masses on a spring 10¹² times as stiff as they are heavy: what moves them together keeps its digits.
+/// Two masses on a spring 10¹² times their mass in stiffness: their common motion loses no digits.
 #[test]
 fn stiff_ties_cost_no_digits() {
     let p = Pattern::new(2, [(0, 1)].into_iter(), 10).expect("small");
@@ -372,7 +368,7 @@ fn stiff_ties_cost_no_digits() {
     assert!((y[0] - 0.5).abs() < 1e-12 && (y[1] - 0.5).abs() < 1e-12, "{y:?}");
 }
 
-/// A mesh of 7 x 5 and one far tie: A y = b is solved to rounding, in any numbering.
+/// A mesh of 7 x 5 and one long-range tie: A y = b is solved to rounding, in any numbering.
 #[test]
 fn a_mesh_is_solved() {
     let (w, h) = (7_u32, 5);

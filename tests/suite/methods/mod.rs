@@ -1,5 +1,4 @@
-//! Integration methods: the explicit scheme, implicit, modal, PEFRL, discrete gradient and energy quadratisation (`stable`,
-//! `stable3d`), friction.
+//! Integration methods: explicit, implicit, modal, PEFRL, `stable`, `stable3d`, friction.
 
 mod friction;
 mod hertz;

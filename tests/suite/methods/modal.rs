@@ -1,4 +1,4 @@
-//! Groups that go by their modes: exact to rounding, struck and held like any other, and cheap.
+//! Groups with `method = "modal"`: exact to rounding, with contacts and ports like any other group, and cheap.
 
 use crate::play::{PI, apart, audited, model, rel_l2, scene, within};
 use ca_compile::{Options, compile};
@@ -8,7 +8,7 @@ use std::fmt::Write as _;
 
 const N: usize = 64;
 
-/// A string of 64 masses between walls, plucked at a fifth: T = 1, `a` = k, `z` of each mass to its place, heard at two.
+/// A string of 64 masses between walls, plucked at a fifth: T = 1, k = `a`, viscosity `z` to ground, two outputs.
 fn string(method: &str, a: f64, z: f64, more: &str) -> String {
     let mut masses = String::new();
     for i in 0..N {
@@ -26,7 +26,7 @@ fn string(method: &str, a: f64, z: f64, more: &str) -> String {
     )
 }
 
-/// What the string does, by the closed form of its modes: displacement of mass `i` at ticks 0 …
+/// Closed form of the string: displacement of mass `i` at ticks 0 …
 fn exact(a: f64, z: f64, i: usize, ticks: usize) -> Vec<f64> {
     let shape = |j: usize, i: usize| (PI * (j * (i + 1)) as f64 / (N + 1) as f64).sin();
     let mut x = vec![0.0; ticks];
@@ -50,7 +50,7 @@ fn exact(a: f64, z: f64, i: usize, ticks: usize) -> Vec<f64> {
     x
 }
 
-/// Outputs of so many ticks, one row each.
+/// Outputs of `ticks` ticks, one row per output.
 fn play(scene: &Scene, ticks: usize) -> Vec<Vec<f64>> {
     let mut s = scene.state();
     let mut all = vec![Vec::with_capacity(ticks); scene.counts.n_out];
@@ -61,8 +61,8 @@ fn play(scene: &Scene, ticks: usize) -> Vec<Vec<f64>> {
     all
 }
 
-/// docs/numerics.md §3.1: exact over 0.1 s and over 1 s at 48 kHz, with and without damping; beyond the explicit limit
-/// the modes that half the rate has room for are left, however few.
+/// docs/numerics.md §3.1: exact over 0.1 s and 1 s at 48 kHz, with and without damping. Beyond the explicit limit the
+/// modes below half the rate are kept, however few.
 #[test]
 fn a_string_is_exact() {
     for (a, z) in [(0.25, 0.0), (0.98, 0.0), (0.25, 3e-4), (25.0, 1e-4), (1e4, 1e-4)] {
@@ -77,7 +77,7 @@ fn a_string_is_exact() {
                 within("at the far port", rel_l2(&heard[1], &exact(a, z, 50, ticks)), most);
             }
         }
-        // modes beyond half the rate are not there, so only what is left is compared
+        // modes beyond half the rate are left out, so only the others are compared
         assert!(
             scene.about.left_out.iter().any(|l| l.contains("above half the sound rate")) == (a > 9.0),
             "{:?}",
@@ -90,8 +90,8 @@ fn a_string_is_exact() {
     assert_eq!(scene(&string("ca", 25.0, 1e-4, "")).certificate.level, Level::Unstable);
 }
 
-/// Struck by a hammer, held by a damper, pushed by a force and pulled by a hand: the ledgers balance, and the motion is that of
-/// the explicit scheme at 64 times the rate.
+/// Struck by a hammer, held by a damper, pushed by a force and pulled by a hand: the ledgers balance, and the motion
+/// agrees with the explicit scheme at 64 times the rate.
 #[test]
 fn a_port_is_a_mass_to_others() {
     let touch = "[MAS]\nhammer = { m = 5, x = -2e-3, v = 4e-5 }\n[SOL]\nfelt = {}\n[ENX]\nhand = {}\n[BUT]\nhit = { between = [\"hammer\", \
@@ -111,7 +111,6 @@ fn a_port_is_a_mass_to_others() {
     }
     let b = s.ledger.as_ref().expect("a ledger").balance();
     within("not explained", b.residual.abs() / b.peak, 1e-12);
-    // the same scene, explicit, at 64 ticks for each: T is 1/64 of before
     let fine = compile(
         &model(&string("ca", 0.25, 1e-4, touch)),
         &catalog(),
@@ -150,7 +149,7 @@ fn play_driven(text: &str) -> Vec<f64> {
         .collect()
 }
 
-/// A stiff spring at a port is judged by the exact test, and what it says is what happens.
+/// The exact test judges a stiff spring at a port, and the scene behaves accordingly.
 #[test]
 fn the_certificate_sees_through_ports() {
     let held = |k: f64| {
@@ -174,7 +173,7 @@ fn the_certificate_sees_through_ports() {
     assert!(!grows(0.99 * low) && grows(1.05 * high), "{low} … {high}");
 }
 
-/// Asked for by the model, every group goes by its own modes, and what is in no group too.
+/// Set in `[model]`, the method applies to each group separately, and to the modules outside all groups.
 #[test]
 fn the_model_asks_for_all_its_groups() {
     let text = "[model]\nmethod = \"modal\"\n[rate]\nsound = 1\ngesture = 1\n[a]\n[a.CEL]\nx = { m = 1, k = 0.1 }\n[b]\nmethod = \"ca\"\n\
@@ -193,7 +192,7 @@ fn the_model_asks_for_all_its_groups() {
     );
 }
 
-/// What cannot go by modes is refused with a word; damping that couples modes is reported.
+/// Unsupported cases are refused with a message; damping that couples modes is reported.
 #[test]
 fn what_cannot_be() {
     let refused = |text: &str, code: &str, word: &str| {

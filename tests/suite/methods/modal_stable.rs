@@ -1,5 +1,4 @@
-//! Links that count on the motion to come at masses that go by their modes: the energy is kept at any stiffness, and the motion
-//! is that of masses.
+//! Links with `stable` methods and friction at modal masses: energy is kept, and they move as explicit masses do.
 
 use crate::methods::stable::{made, only_falls, ran};
 use crate::play::{apart, audited, rel_l2, scene, within};
@@ -9,10 +8,10 @@ use std::fmt::Write as _;
 
 const N: usize = 24;
 
-/// Lines of sections.
+/// Lines by section.
 type Lines = Vec<(&'static str, String)>;
 
-/// A lossless string between walls, T = 1, T²k/m = 0.25, in the group `low`, by a method; and `more`.
+/// A lossless string between walls, T = 1, T²k/m = 0.25, in the group `low`, by `method`; and `more`.
 fn string(method: &str, more: &Lines) -> String {
     let mut masses = String::new();
     for i in 0..N {
@@ -33,7 +32,7 @@ fn string(method: &str, more: &Lines) -> String {
     )
 }
 
-/// A heavy mass on a soft spring, `low` off, that falls on the string again and again.
+/// A heavy mass on a soft spring, displaced by `low`, that falls on the string many times.
 fn hammer(name: &str, place: usize, low: f64, law: &'static str, contact: &str) -> Lines {
     vec![
         ("CEL", format!("{name} = {{ m = 3, k = 3e-4, dx0 = {low:?} }}\n")),
@@ -42,7 +41,7 @@ fn hammer(name: &str, place: usize, low: f64, law: &'static str, contact: &str) 
     ]
 }
 
-/// The largest change of energy over what there was, and how often the force heard at `channel` begins.
+/// Largest relative change of energy, and the number of blows at output `channel`.
 fn drift(scene: &Scene, ticks: usize, channel: usize) -> (f64, usize) {
     let mut s = scene.state();
     let (mut worst, mut blows, mut pressed) = (0.0f64, 0, false);
@@ -62,14 +61,14 @@ fn drift(scene: &Scene, ticks: usize, channel: usize) -> (f64, usize) {
     (worst, blows)
 }
 
-/// One contact of any stiffness over many blows: proven, and the energy stays to rounding.
+/// One contact of any stiffness over many blows: proven, and the energy is kept to rounding.
 #[test]
 fn a_contact_at_a_string_of_modes_keeps_the_energy() {
     for k in [1e-2, 1.0, 1e2, 1e4, 1e6, 1e8] {
         let scene =
             audited(&string("modal", &hammer("h", 7, -1e-2, "BUT", &format!("k = {k:?}, method = \"stable\""))));
         assert_eq!(scene.certificate.level, Level::Proven, "{:?}", scene.certificate);
-        // in closed form, until its depth is nothing beside the rounding of places
+        // in closed form, until its depth is small beside the rounding of positions
         let pass = if k > 1e3 { "BUT stable3d" } else { "BUT stable" };
         assert!(ran(&scene).contains(&pass), "{:?}", ran(&scene));
         let (worst, blows) = drift(&scene, 60_000, 1);
@@ -78,7 +77,7 @@ fn a_contact_at_a_string_of_modes_keeps_the_energy() {
     }
 }
 
-/// Contacts at several masses of one string, and between two of them: solved together, and the energy stays.
+/// Contacts at several masses of one string, and between two of them, are solved together and keep the energy.
 #[test]
 fn contacts_that_share_a_string_of_modes_keep_the_energy() {
     for k in [1e-2, 1.0, 1e2, 1e4, 1e6, 1e8] {
@@ -109,7 +108,6 @@ fn play(scene: &Scene, ticks: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Masses that nothing ties together are their own modes, so what they do under contacts is what masses do.
 #[test]
 fn free_masses_by_their_modes_are_masses() {
     let balls = |method: &str, contact: &str| {
@@ -141,7 +139,7 @@ fn free_masses_by_their_modes_are_masses() {
     }
 }
 
-/// Against the string of masses at 64 times the rate, where all modes are near enough: nearer than masses at the rate itself.
+/// Against the string of masses at 64 times the rate: modes are nearer to it than masses at the rate itself.
 #[test]
 fn a_blow_on_modes_is_that_on_a_string_of_masses_at_a_higher_rate() {
     let text = |method: &str, law: &'static str, contact: &str| string(method, &hammer("h", 7, -1e-2, law, contact));
@@ -160,7 +158,7 @@ fn a_blow_on_modes_is_that_on_a_string_of_masses_at_a_higher_rate() {
     }
 }
 
-/// Losses, friction by each method, contacts that never pull: alone and together the energy only falls, and the ledger closes.
+/// With losses, friction and contacts that never pull, alone and together, energy only falls and ledgers balance.
 #[test]
 fn what_loses_only_loses() {
     let rub = |method: &str| {
@@ -193,7 +191,6 @@ fn what_loses_only_loses() {
     }
 }
 
-/// Who does not need it has none of its passes, numbers or places.
 #[test]
 fn nothing_is_paid_without() {
     let with = |contact: &str| scene(&string("modal", &hammer("h", 7, -1e-2, "BUT", contact)));

@@ -1,4 +1,4 @@
-//! Models that go by PEFRL: B01, B03, orders, the limit, its symmetry in time, and what it refuses.
+//! `method = "pefrl"`: B01, B03, orders, the limit, symmetry in time, and refusals.
 
 use crate::laws::references::{duffing, pluck};
 use crate::play::{TURN, apart, mat, model, off, scene, within};
@@ -10,7 +10,7 @@ use ca_tests::catalog;
 
 const HEAD: &str = "[model]\nmethod = \"pefrl\"\n";
 
-/// A bob on a spring of a = kT²/m, T = 1, and the same as a cell.
+/// A mass on a spring of a = kT²/m, T = 1, and the same as a cell.
 fn oscillators(a: f64) -> [String; 2] {
     let rate = "[rate]\nsound = 1\ngesture = 1\n";
     let out = "[SOX]\nout = { from = \"bob\" }\n";
@@ -23,7 +23,7 @@ fn oscillators(a: f64) -> [String; 2] {
     ]
 }
 
-/// What the first output gives in so many ticks.
+/// First output over `ticks` ticks.
 fn heard(scene: &Scene, ticks: usize) -> Vec<f64> {
     let mut s = scene.state();
     let mut all = Vec::with_capacity(ticks);
@@ -34,7 +34,7 @@ fn heard(scene: &Scene, ticks: usize) -> Vec<f64> {
     all
 }
 
-/// Error of an oscillator of 20 Hz after a second, at so many ticks a second, with a speed at the start.
+/// Error after one second of an oscillator of 20 Hz with an initial speed, at `rate` ticks a second.
 fn missed(rate: f64) -> f64 {
     let w = TURN * 20.0;
     let scene = scene(&format!(
@@ -67,7 +67,6 @@ fn b01_a_plucked_chain() {
     within("B01 pefrl over ca × 32", one / fine, 1.3);
 }
 
-/// Place of `bob` after a tick, and its motion, from (x, d).
 fn step(scene: &Scene, x: f64, d: f64) -> (f64, f64) {
     let (mut s, i) = (scene.state(), mat(scene, "bob"));
     (s.x[i], s.d[i]) = (x, d);
@@ -75,7 +74,7 @@ fn step(scene: &Scene, x: f64, d: f64) -> (f64, f64) {
     (s.x[i], s.d[i])
 }
 
-/// The trace of a tick is that of the closed form; its determinant is 1, as of all that is symplectic.
+/// The trace of a tick agrees with the closed form. Its determinant is 1, as for every symplectic map.
 #[test]
 fn a_tick_is_the_polynomial() {
     within("at the limit", off(explicit(LIMIT), 4.0), 1e-14);
@@ -89,7 +88,6 @@ fn a_tick_is_the_polynomial() {
     }
 }
 
-/// What `ca modes` tells is what is heard.
 #[test]
 fn modes_know_its_pitch() {
     for text in oscillators(5.0) {
@@ -102,7 +100,7 @@ fn modes_know_its_pitch() {
     }
 }
 
-/// Largest |x| of any mass, with `first` let go from 1.
+/// Largest |x| of any mass, with `first` released from 1.
 fn largest(scene: &Scene, first: &str, ticks: usize) -> f64 {
     let mut s = scene.state();
     s.x[mat(scene, first)] = 1.0;
@@ -125,7 +123,7 @@ fn the_limit_is_its_own() {
             assert_eq!(scene.certificate.level, level, "{text}");
             assert_eq!(largest(&scene, "bob", 50_000) > 1e3, level == Level::Unstable, "{text}");
         }
-        // a chain, where one mass by itself tells nothing
+        // a chain, where a single mass gives no answer
         let n = 7;
         let shape = (0.5 * std::f64::consts::PI * f64::from(n) / f64::from(n + 1)).sin();
         let k = share * LIMIT / (4.0 * shape * shape);
@@ -138,7 +136,7 @@ fn the_limit_is_its_own() {
     }
 }
 
-/// A hardening spring with weight, far from linear.
+/// A hardening spring under gravity, far from linear.
 fn hard() -> Scene {
     scene(&format!(
         "{HEAD}gravity = 9.81\n[rate]\nsound = 1000\ngesture = 1000\n[SOL]\nwall = {{}}\n[MAS]\nbob = {{ m = 1, dx0 = 1 }}\n[CUB]\n\
@@ -160,7 +158,6 @@ fn it_runs_backwards() {
     within("back where it was", (s.x[i] - 1.0).abs(), 1e-13);
 }
 
-/// Energy ripples with the motion, and does so as much in the end as in the beginning.
 #[test]
 fn energy_does_not_drift() {
     let scene = hard();
@@ -182,12 +179,12 @@ fn energy_does_not_drift() {
     within("drift", all / first, 1.1);
 }
 
-/// A push is a weight, a cell is a mass with a spring, and a point that stands on a mass is that mass.
+/// A constant push equals gravity, a cell equals a mass on a spring, and a point on a mass equals that mass.
 #[test]
 fn two_ways_to_write_it() {
     let low = "[rate]\nsound = 1000\ngesture = 1000\n[SOL]\nwall = {}\n[STRING]\nlow = { n = 5, m = 1, k = 10000 }\n[MAS]\nbob = { m \
                = 1, dx0 = 1 }\n[SOX]\nout = { from = \"low[2]\" }\n";
-    // five masses between two walls: the middle one is half-way
+    // five masses between two walls: the middle one is at 0.5
     let tie = |to: &str| scene(&format!("{HEAD}{low}[RES]\ntie = {{ between = [\"bob\", \"{to}\"], k = 20000 }}\n"));
     let (mass, point) = (heard(&tie("low[2]"), 2000), heard(&tie("low@0.5"), 2000));
     assert!(mass.iter().any(|x| x.abs() > 0.1));
@@ -207,13 +204,12 @@ fn two_ways_to_write_it() {
         })
         .collect();
     within("a push is a weight", apart(&weight, &push), 1e-14);
-    // what is not finite is refused once a tick, however many kicks there are
+    // a non-finite input is refused once per tick, however many kicks it has
     s.input[0] = f64::NAN;
     tick(&pushed, &mut s);
     assert_eq!(s.ports.refused, 1);
 }
 
-/// The passes of a model that goes by it, and of one that does not.
 #[test]
 fn only_who_asks_has_it() {
     let names = |text: &str| scene(text).passes.moves.iter().map(ca_core::internal::op::Op::name).collect::<Vec<_>>();
@@ -263,7 +259,7 @@ fn what_it_refuses() {
     assert_eq!(found, ["`g` asks for a method of its own, but `pefrl` is for the whole model"]);
     let kept = titles(&all, &Options { energy: true, ..Options::default() });
     assert_eq!(kept, ["no energy ledger is kept of `method = \"pefrl\"`"]);
-    // in a group it is not a word
+    // in a group the word is not allowed
     let group = "[g]\nmethod = \"pefrl\"\n[g.CEL]\nx = { m = 1, k = 1 }\n[SOX]\nxo = { from = \"g.x\" }\n";
     let refused = compile(&model(group), &catalog(), &Options::default()).expect_err("an error");
     assert!(refused.list.iter().any(|d| d.code == "E011"), "{:?}", refused.list);

@@ -8,7 +8,7 @@ use ca_core::Level;
 use ca_io::perform::Performance;
 use ca_tests::catalog;
 
-/// Each law with a slope of about `k` \[N/m\] at 1 mm; the last two are tables that rise, alone and with friction.
+/// Each law with a slope of about `k` \[N/m\] at 1 mm. The last two are rising tables, alone and with friction.
 fn laws(k: f64) -> [(&'static str, String); 6] {
     let table = |points: &[[f64; 2]]| {
         let points: Vec<String> = points.iter().map(|[x, y]| format!("[{:?}, {:?}]", x * 1e-3, y * 1e-3 * k)).collect();
@@ -25,12 +25,12 @@ fn laws(k: f64) -> [(&'static str, String); 6] {
     ]
 }
 
-/// The most that rounding of places makes, as a share of the peak.
+/// Largest energy that rounding of positions makes, relative to the peak.
 fn room(a: f64) -> f64 {
     (1e-14 * a).max(1e-11)
 }
 
-/// A mass that hangs on a wall by one such link, and flies through rest at several speeds.
+/// A mass on one such link to a wall passes through rest at several speeds.
 #[test]
 fn nothing_is_made_at_any_stiffness() {
     for a in [0.26, 0.9, 10.0, 1e3, 1e4, 1e8] {
@@ -51,7 +51,7 @@ fn nothing_is_made_at_any_stiffness() {
     }
 }
 
-/// Rows of such links between masses of different weight, beside a contact and friction: solved together, nothing is made.
+/// Rows of such links between different masses, beside a contact and friction, make no energy together.
 #[test]
 fn nothing_is_made_where_masses_are_shared() {
     for (a, room) in [(0.26, 1e-11), (10.0, 1e-11), (1e3, 1e-9), (1e4, 1e-8)] {
@@ -67,7 +67,6 @@ fn nothing_is_made_where_masses_are_shared() {
                 };
                 let links =
                     [link(0, "p", "\"wall\", \"a\""), link(1, "q", "\"a\", \"b\""), link(2, "r", "\"b\", \"c\"")];
-                // sections of one kind are one
                 let mut sections: Vec<(String, String)> = Vec::new();
                 for link in &links {
                     let (head, body) = link.split_once('\n').expect("a head");
@@ -86,7 +85,7 @@ fn nothing_is_made_where_masses_are_shared() {
                 let scene = audited(&text);
                 assert_eq!(scene.certificate.level, Level::Proven, "{text}");
                 assert!(ran(&scene).iter().any(|law| law.ends_with("stable, shared")), "{:?}", ran(&scene));
-                // beside friction contacts go by their ψ
+                // beside friction, contacts use energy quadratisation
                 let contact = if more.is_empty() { "BUT stable, shared" } else { "BUT stable3d" };
                 assert!(ran(&scene).contains(&contact), "{:?}", ran(&scene));
                 let s = only_falls(&scene, 20_000, room, &text, |_| {});
@@ -100,7 +99,6 @@ fn nothing_is_made_where_masses_are_shared() {
     }
 }
 
-/// A port that is moved gives what is stored and lost.
 #[test]
 fn what_a_moving_port_gives_is_stored_or_lost() {
     for (kind, law) in laws(2e5) {
@@ -119,7 +117,6 @@ fn what_a_moving_port_gives_is_stored_or_lost() {
     }
 }
 
-/// B03 by its potential: of second order too.
 #[test]
 fn a_hardening_spring_is_of_second_order() {
     let [coarse, fine] = [96e3, 192e3].map(|fs| duffing("ca", ", method = \"stable\"", fs));
@@ -128,8 +125,8 @@ fn a_hardening_spring_is_of_second_order() {
     within("error beside the explicit method", (fine / duffing("ca", "", 192e3) - 19.6).abs(), 0.2);
 }
 
-/// A plectrum lets go once for each passage, as by the explicit method, and what it held is then heat: k d²/2, but for the
-/// slack of a tick in which it took hold.
+/// A plectrum lets go once per passage, as by the explicit method. The stored energy then becomes heat: k d²/2, within
+/// the slack of the tick in which it engaged.
 #[test]
 fn a_plectrum_lets_go_once_per_passage_and_loses_what_it_held() {
     let text = |method: &str| {
@@ -158,13 +155,13 @@ fn a_plectrum_lets_go_once_per_passage_and_loses_what_it_held() {
     });
     assert_eq!(releases[0].0, releases[1].0);
     for (_, each, pulled) in releases {
-        // from 1 mm on, at up to 0.05 mm per 1000 ticks
+        // the port moves by about 1 µm a tick when the plectrum lets go at 1 mm
         within("heat of a release", (each / (0.5 * 2e3 * 1e-6) - 1.0).abs(), 0.01);
         within("force at the release", (pulled / 2.0 - 1.0).abs(), 0.01);
     }
 }
 
-/// Tables with kinks, between which Newton's steps alone go to and fro for ever, and an attractor with a steep fall.
+/// Tables with kinks between which plain Newton steps alternate forever, and an attractor with a steep fall.
 #[test]
 fn kinks_are_crossed_without_energy() {
     let tables =
@@ -186,7 +183,7 @@ fn kinks_are_crossed_without_energy() {
     assert!(made(&p.state) <= 1e-11, "made {:e}", made(&p.state));
 }
 
-/// Links solved together: friction that drops out has neither force nor heat, and a plectrum that lets go loses its energy as heat.
+/// Solved together, friction that drops out loses force and heat, and a released plectrum's energy becomes heat.
 #[test]
 fn what_drops_out_of_links_solved_together_is_entered() {
     let drops = "[SOL]\nw = {}\n[MAS]\na = { m = 1e-3, v = 1 }\nb = { m = 1e-3, v = -1 }\n[CUB]\ns = { between = [\"w\", \"b\"], \
@@ -203,7 +200,7 @@ fn what_drops_out_of_links_solved_together_is_entered() {
     }
 }
 
-/// The message names another method where this one does not serve.
+/// The message names another method where this one is not supported.
 #[test]
 fn where_it_does_not_serve_is_said() {
     let falls = "[SOL]\nw = {}\n[MAS]\na = { m = 1e-3 }\n[ATT]\nl = { between = [\"w\", \"a\"], k = 10, d = 1e-3, method = \"stable\" }\n\
@@ -219,7 +216,6 @@ fn where_it_does_not_serve_is_said() {
     }
 }
 
-/// Nothing changes where no method is written.
 #[test]
 fn the_explicit_method_is_the_default() {
     let text = "[SOL]\nw = {}\n[MAS]\na = { m = 1e-3, dx0 = 1e-3 }\n[CUB]\nl = { between = [\"w\", \"a\"], k3 = 1e9 }\n[SOX]\no = { from = \"a\" }\n";

@@ -1,4 +1,4 @@
-//! Discrete gradients that share masses, and links at moving ports that count on the motion to come.
+//! Discrete gradients of links that share masses, and ports that run a tick late.
 
 use super::stable::{made, ran};
 use crate::play::{audited, mat, with};
@@ -23,7 +23,7 @@ fn stack(k: f64) -> String {
     )
 }
 
-/// A stack sags as statics has it, and nothing is made while it settles.
+/// A stack settles at the sag given by statics, and no energy is made meanwhile.
 #[test]
 fn a_stack_stands_where_statics_has_it() {
     for k in [1e4, 1e6, 1e8] {
@@ -43,7 +43,7 @@ fn a_stack_stands_where_statics_has_it() {
     }
 }
 
-/// A mass between two walls and a row of balls of a power law: nothing is made at any stiffness.
+/// A mass between two walls, and a row of balls with a power law, make no energy at any stiffness.
 #[test]
 fn blows_that_are_shared_make_nothing() {
     for (a, most) in [(0.26, 1e-11), (10.0, 1e-11), (1e3, 1e-10), (1e4, 1e-10), (1e8, 1e-6)] {
@@ -70,7 +70,7 @@ fn blows_that_are_shared_make_nothing() {
     }
 }
 
-/// Pushes by a pull that is left out lose energy and make none.
+/// Contacts that may not pull lose energy where the pull is left out, and make none.
 #[test]
 fn a_shared_contact_that_never_pulls_only_loses() {
     let text = stack(1e6).replace("z = 2", "z = 200, sticky = false");
@@ -89,8 +89,8 @@ fn a_shared_contact_that_never_pulls_only_loses() {
 
 const PULSES: &str = "[gesture]\nh = { pulse = \"3 mm\", every = 0.2, rise = 0.006, hold = 0.01, fall = 0.02, offset = \"-2 mm\", to = 2 }\n";
 
-/// A moving port gives as much energy as is stored and lost: a contact by both methods, friction by Newton's, an implicit spring; at ports
-/// in every sample, across the border, and with several ticks in a sample.
+/// The energy given by a moving port is stored or lost: a contact by both methods, friction by Newton's method, and an
+/// implicit spring; at ports in every sample, across the rate boundary, and with several ticks in a sample.
 #[test]
 fn what_a_moving_port_gives_is_stored_or_lost() {
     let bell = "[CEL]\nb = { m = 5e-3, f = 200, t60 = 1 }\n[SOX]\no = { from = \"b\" }\n";
@@ -121,8 +121,7 @@ fn what_a_moving_port_gives_is_stored_or_lost() {
     }
 }
 
-/// A port at links that count on the motion to come runs a tick late, and no other port does. Takes of an older arithmetic are compiled
-/// as they were.
+/// Only ports at links that use the coming motion run a tick late. Takes of an older arithmetic are compiled as before.
 #[test]
 fn only_such_ports_run_a_tick_late() {
     let text = "[ENX]\nh = {}\nfree = {}\n[CEL]\nb = { m = 5e-3, f = 200 }\nc = { m = 5e-3, f = 200 }\n[BUT]\n\

@@ -13,14 +13,14 @@ pub fn heat(scene: &Scene, s: &State) -> f64 {
     (0..scene.counts.n_lia).map(|i| ledger.lost[i]).sum()
 }
 
-/// Largest |energy made| by a link, over the scale of the ledger.
+/// Largest |energy made| by a link, relative to the peak of the ledger.
 pub fn made(s: &State) -> f64 {
     let ledger = s.ledger.as_ref().expect("a ledger");
     ledger.scheme_error.iter().fold(0.0f64, |m, v| m.max(v.abs())) / ledger.extremes.peak
 }
 
-/// Plays `ticks` of an audited scene that is left alone: its energy only falls, but for `room` of its peak, and the ledger
-/// closes; `each` looks at every tick. Returns the end.
+/// Plays `ticks` of an audited scene without input, calls `each` at every tick, and returns the final state. The energy
+/// only falls, within `room` of its peak, and the ledger balances.
 pub fn only_falls(scene: &Scene, ticks: u64, room: f64, text: &str, mut each: impl FnMut(&State)) -> State {
     let mut s = scene.state();
     let mut last = f64::INFINITY;
@@ -53,7 +53,6 @@ fn walls(a: f64, method: &str, more: &str) -> String {
     )
 }
 
-/// The lower wall only.
 fn alone(a: f64) -> String {
     format!(
         "[rate]\nsound = 1\ngesture = 1\n[SOL]\nlow = {{}}\n[MAS]\nball = {{ m = 1, x = 11.1 }}\n[BUT]\n\
@@ -65,7 +64,7 @@ fn alone(a: f64) -> String {
 fn c04_near_rigid_walls() {
     let c = case("C04");
     let steps = num(c, "setup/steps") as usize;
-    // a contact with either wall would share the ball, which the closed form does not do: the upper wall is by hand
+    // the closed form does not cover a ball shared by two contacts: the upper wall is computed by hand
     for (a, tolerance) in list(c, "setup/a").into_iter().zip(list(c, "tolerance/energy_rel")) {
         let scene = scene(&alone(a));
         assert!(ran(&scene).contains(&"BUT stable"), "{:?}", ran(&scene));
@@ -107,8 +106,8 @@ fn c04_near_rigid_walls() {
     }
 }
 
-/// A ball thrown at a wall in the phases of a tick, by the section `law` of the link; rms errors of place and speed
-/// after it is free again.
+/// Throws a ball at a wall in all phases of a tick. `law` is the section of the link. Returns the rms errors of
+/// position and speed after it is free again.
 pub fn bounce(fs: f64, law: &str, contact: f64, m: f64) -> (f64, f64) {
     let text = format!(
         "[rate]\nsound = {fs:?}\n[SOL]\nwall = {{}}\n[MAS]\nball = {{ m = {m:?} }}\n{law}[SOX]\nout = {{ from = \"ball\" }}\n"
@@ -198,7 +197,7 @@ fn a_damper_only_takes() {
 
 #[test]
 fn masses_that_share_a_blow_keep_their_energy() {
-    // a row of balls between walls, thrown at each other from both sides; the springs between some are linear
+    // a row of balls between walls, thrown at each other from both sides; some are joined by linear springs
     for a in [0.1, 1.0, 30.0, 1e4, 1e8, 1e12] {
         let k = a * 1e-3 * 48e3 * 48e3;
         let mut text = String::from("[SOL]\nleft = { x = -0.01 }\nright = { x = 0.07 }\n[MAS]\n");
@@ -232,7 +231,7 @@ fn masses_that_share_a_blow_keep_their_energy() {
             }
         }
         assert!(struck > 3, "never two at once");
-        // what is left is the rounding of places times the stiffness
+        // the rest is the rounding of positions times the stiffness
         within(&format!("a row of balls, a = {a:e}"), worst, 1e-14 * f64::max(a, 1e3));
         assert!(
             s.links.touches.unsolved == 0 || a > 1e8 && s.links.touches.unsolved < 50,
@@ -241,7 +240,6 @@ fn masses_that_share_a_blow_keep_their_energy() {
         );
         let ledger = s.ledger.as_ref().expect("a ledger").balance();
         within("its residual", ledger.residual.abs() / ledger.peak, 1e-12);
-        // the walls aside, what the tie does not break: no ball has passed another
         assert!((0..6).all(|i| at(&scene, &s, i + 1) > at(&scene, &s, i)));
     }
 }
@@ -251,8 +249,8 @@ fn at(scene: &Scene, s: &State, i: usize) -> f64 {
     s.x[m] + scene.places.rest[m]
 }
 
-/// What contacts hold that let go together falls over some ticks; below 1e-200 J it is nothing, and so is their force, which a take
-/// from before had otherwise.
+/// Energy stored in contacts that let go together decays over some ticks. Below 1e-200 J it is set to zero, and so is
+/// their force; older takes differ here.
 #[test]
 fn contacts_that_let_go_together_hold_nothing_at_last() {
     let text = "[CEL]\nc = { m = 0.007, f = 822, t60 = 0.7, x = 0.012, v = 0.25 }\n[MAS]\na = { m = '10 g', x = 0.016, v = -1.23 }\nb = { m = '1.7 g', x = 0.020, v = -1.2 }\n[BUT]\nk3 = { between = ['c', 'a'], d = '1.6 mm', k = 12000, z = 3, method = 'stable3d' }\n[HRZ]\nk4 = { between = ['a', 'b'], d = '3.1 mm', k = '33000 N/m^1.5', h = 0.01, method = 'stable3d' }\n[SOX]\no = { from = 'a' }\n";
@@ -261,7 +259,7 @@ fn contacts_that_let_go_together_hold_nothing_at_last() {
     let (mut s, mut held) = (scene.state(), 0);
     for n in 0..480 {
         tick(&scene, &mut s);
-        // ψ of each, behind which is the heat of the tick
+        // ψ of each contact, followed in memory by the heat of the tick
         for psi in s.links.mem.iter().step_by(2) {
             held += usize::from(*psi > 1e-3);
             assert!(*psi == 0.0 || psi * psi > 1e-210, "tick {n}: {psi:e}");
@@ -272,7 +270,7 @@ fn contacts_that_let_go_together_hold_nothing_at_last() {
 
 #[test]
 fn held_from_more_sides_than_it_has_axes() {
-    // a ball in a cage of contacts, three of them the same: what the system cannot tell apart does no harm
+    // a ball in a cage of contacts, three of them equal: a singular system does no harm
     let mut text = String::from(
         "[room]\ndim = 3\ngravity = \"9.81 m/s^2\"\n[room.MAS]\nball = { m = \"1 g\", v = [1, 0.3, -2] }\n[room.SOL]\n",
     );
@@ -317,7 +315,6 @@ fn a_contact_pressed_at_load_and_a_hand() {
             let mut s = scene.state();
             let i = mat(&scene, "ball");
             for n in 0..2000 {
-                // the hand comes at 1 m/s and stops
                 if !scene.inputs.is_empty() {
                     s.input[0] = -1e-3 + (f64::from(n) / scene.rate).min(0.02);
                 }
@@ -332,7 +329,7 @@ fn a_contact_pressed_at_load_and_a_hand() {
                 within("all of what was pressed", off(0.5e-3 * v * v, 0.5 * 1e5 * 1e-8), 0.03);
                 within("made", made(&s), 1e-12);
             } else {
-                // an even motion is foreseen: the ball leaves at twice the speed of the hand, with the work of the hand
+                // a uniform motion is predicted: the ball leaves at twice the speed of the hand, with its work
                 within("twice the speed of the hand", (v - 2.0).abs(), 1e-9);
                 within("work of the hand", off(b.work, 2e-3), 1e-9);
             }
@@ -348,14 +345,14 @@ fn the_method_follows_the_geometry() {
     let hit = |name: &str, a: &str, b: &str| {
         format!("{name} = {{ between = [\"{a}\", \"{b}\"], k = 1e9, method = \"stable\" }}\n")
     };
-    // w is a wall: contacts with it share nothing that moves
+    // `w` is a wall: contacts with it do not share a moving mass
     let apart = scene(&text(&(hit("x", "w", "a") + &hit("y", "w", "c"))));
     assert!(ran(&apart).contains(&"BUT stable") && !ran(&apart).contains(&"contacts"));
     let shared = scene(&text(&(hit("x", "w", "a") + &hit("y", "a", "c"))));
     assert!(!ran(&shared).contains(&"BUT stable") && ran(&shared).contains(&"contacts"));
     assert_eq!(apart.certificate.level, Level::Proven);
     assert_eq!(shared.certificate.level, Level::Proven);
-    // they come last, whatever the order of the document, and are known by name there
+    // they come last, whatever the order of the document, and keep their names
     let mixed = text(&(hit("x", "w", "a") + "y = { between = [\"b\", \"c\"], k = 10 }\n" + &hit("z", "b", "d")));
     for options in [Options::default(), reference()] {
         let scene = with(&mixed, &Options { energy: true, ..options });

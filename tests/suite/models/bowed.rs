@@ -1,14 +1,14 @@
-//! What is rubbed: string, plate and glasses under a hand, and two strings under a pendulum.
+//! Bowed models: string, plate and glasses under a hand, and two strings under a pendulum.
 
 use super::heard::{Heard, by_hand, play};
 use crate::acoustics::{centroid, cents, db, envelope, partial, peak, period, rms, velocity};
 use ca_model::Model;
 
-/// Place of the bow on the string, and its pitch, D3.
+/// Position of the bow on the string, and its pitch, D3.
 const BETA: f64 = 12.0 / 101.0;
 const D3: f64 = 146.832_4;
 
-/// How often the string slips in a period, the share of time it sticks, its pitch [Hz] and how periodic it is.
+/// Slips per period, share of time that the string sticks, pitch [Hz] and periodicity.
 struct Motion {
     slips: f64,
     sticks: f64,
@@ -16,7 +16,7 @@ struct Motion {
     like: f64,
 }
 
-/// The motion of the rubbed mass, whose places are `x`, under hair of speed `bow` [m/s].
+/// Motion of the bowed mass from its positions `x`, under hair of speed `bow` [m/s].
 fn motion(x: &[f64], rate: f64, bow: f64) -> Motion {
     let v = velocity(x, rate);
     let (p, like) = period(&v, rate, 0.8 / D3, 1.2 / D3);
@@ -34,7 +34,7 @@ fn stroke(model: &Model, probes: &[&str], speed: f64, force: f64) -> Heard {
 
 pub fn bowed_string() {
     let h = play("bowed_string", &["low[11]"]);
-    // up, down, and slow and soft: the string slips once a period and else goes with the hair
+    // up, down, and slow and soft: the string slips once per period and otherwise moves with the hair
     for (t0, t1, bow) in [(1.15, 1.7, 0.3), (2.95, 3.5, -0.3), (4.7, 5.2, 0.05)] {
         let m = motion(h.probed(0, t0, t1), h.rate, bow);
         assert!((m.slips - 1.0).abs() < 0.05, "{t0} s: {:.2} slips a period", m.slips);
@@ -42,7 +42,7 @@ pub fn bowed_string() {
         assert!(cents(m.pitch, D3).abs() < 5.0 && m.like > 0.98, "{t0} s: {:.2} Hz, {:.3}", m.pitch, m.like);
     }
     assert!(db(rms(h.at(0, 5.85, 6.0)) / rms(h.at(0, 4.9, 5.2))) < -20.0, "it goes on under still hair");
-    // force between the two limits: Helmholtz motion from 0.03 to 0.6 m/s, louder with speed
+    // force between the two limits gives Helmholtz motion from 0.03 to 0.6 m/s, louder with speed
     let mut levels = Vec::new();
     for speed in [0.03, 0.1, 0.3, 0.6] {
         let h = stroke(&h.model, &["low[11]"], speed, 0.6 + 6.0 * speed);
@@ -51,7 +51,7 @@ pub fn bowed_string() {
         levels.push(db(rms(h.at(0, 1.4, 2.0))));
     }
     assert!(levels.windows(2).all(|l| l[1] > l[0] + 3.0), "{levels:.1?} dB");
-    // less force: no longer once a period; more: raucous
+    // with less force it no longer slips once per period; with more it is raucous
     for speed in [0.1, 0.3] {
         let h = stroke(&h.model, &["low[11]"], speed, 0.6 + 1.2 * speed);
         let m = motion(h.probed(0, 1.4, 2.0), h.rate, speed);
@@ -73,7 +73,7 @@ pub fn bowed_string() {
 pub fn bowed_plate() {
     let h = play("bowed_plate", &[]);
     let steady = |speed: f64, force: f64| stroke(&h.model, &[], speed, force).at(0, 1.0, 2.0).to_vec();
-    // force selects the mode, and what else is heard is harmonic to it
+    // force selects the mode; the other partials are harmonic to it
     let light = steady(0.2, 1.2);
     let (f, size) = partial(&light, h.rate, 309.0, 250.0);
     assert!((f / 309.0 - 1.0).abs() < 0.02, "{f:.1} Hz");
@@ -85,7 +85,7 @@ pub fn bowed_plate() {
     }
     let squeal = partial(&steady(0.2, 5.0), h.rate, 1300.0, 1200.0).0;
     assert!((squeal / 1240.0 - 1.0).abs() < 0.03, "{squeal:.0} Hz");
-    // below about 1 N nothing starts; the louder, the faster the bow
+    // below about 1 N it is silent; a faster bow is louder
     let level = |x: &[f64]| db(rms(x));
     assert!(level(&steady(0.2, 0.6)) < level(&light) - 20.0, "{:.1} dB", level(&steady(0.2, 0.6)));
     assert!(level(&steady(0.4, 2.0)) > level(&steady(0.1, 2.0)) + 3.0);
@@ -95,7 +95,6 @@ pub fn glass() {
     let h = play("glass", &["rim[0]", "rim[1]", "rim[2]"]);
     let pitches = h.numbers("rim", "f");
     for (i, (f, t)) in pitches.iter().copied().zip([0.1, 1.2, 2.4]).enumerate() {
-        // silent before its finger moves, dying when it stops
         assert!(peak(h.probed(i, 0.0, t)) < 1e-9, "rim {i} sounds before its time");
         let held = h.probed(i, 4.0, 4.5);
         let (note, size) = partial(held, h.rate, f, 15.0);
@@ -103,7 +102,7 @@ pub fn glass() {
         assert!(size > 5.0 * partial(held, h.rate, 2.0 * f, 15.0).1, "rim {i} is not pure");
         assert!(db(rms(held) / rms(h.probed(i, 6.8, 7.0))) > 20.0, "rim {i} goes on without its finger");
     }
-    // from 0.02 to 0.3 m/s: the faster, the louder, and the more the stem at three times the pitch
+    // from 0.02 to 0.3 m/s: a faster finger is louder and excites more of the stem, at three times the pitch
     let circle = |m: &Model, speed: f64| {
         let way = [(0.0, -0.3), (0.1, -0.3), (6.0, -0.3 + speed * 5.9)];
         let g = by_hand(m, &["rim[0]", "stem[0]"], &[("finger1", &way)], 6.0);
@@ -117,7 +116,7 @@ pub fn glass() {
     assert!(sizes.windows(2).all(|w| w[1][0] > 2.0 * w[0][0]), "{sizes:?}");
     let stem = sizes.map(|s| s[1] / s[0]);
     assert!(stem[1] > stem[0] && stem[2] > stem[1] && stem[2] > 3.0 * stem[0], "{stem:.3?}");
-    // no finger starts a rim that loses more than friction feeds
+    // a rim that loses more than friction feeds does not start
     let mut short = h.model.clone();
     assert!(short.set("rim.t60", "0.5 s"));
     let still =
@@ -128,14 +127,13 @@ pub fn glass() {
 pub fn physical_lfo() {
     let h = play("physical_lfo", &["pendulum", "low[36]"]);
     let f = h.number("pendulum", "f");
-    // two swells a swing
     let level = envelope(&velocity(h.probed(1, 0.0, 9.0), h.rate), 960);
     let (swell, like) = period(&level[..400], h.rate / 960.0, 0.3 / f, 0.7 / f);
     assert!((swell * 2.0 * f - 1.0).abs() < 0.03 && like > 0.6, "a swell every {swell:.3} s ({like:.2})");
     let slow: Vec<f64> = h.probed(0, 0.0, 10.0).iter().step_by(480).copied().collect();
     let (swing, like) = period(&slow, 100.0, 1.0, 3.0);
     assert!((swing * f - 1.0).abs() < 0.02 && like > 0.9, "swings every {swing:.3} s ({like:.2})");
-    // sounding costs it more of its swing than it loses by itself
+    // sounding costs the pendulum more of its swing than its own losses
     let fall = |x: &[f64]| {
         let size = |t: f64| peak(h.cut(x, t, t + 2.0));
         1.0 - (size(8.0) / size(0.0)).powf(1.0 / 8.0)
@@ -145,7 +143,6 @@ pub fn physical_lfo() {
     let free = by_hand(&free, &["pendulum"], &[], 10.0);
     let (with, without) = (fall(&h.probe[0]), fall(&free.probe[0]));
     assert!((with - 0.13).abs() < 0.015 && with > without + 0.01, "{with:.4} a second, {without:.4} by itself");
-    // and it plays the notes of the strings
     for name in ["low", "fifth"] {
         let (note, _) = partial(h.at(0, 0.2, 0.8), h.rate, h.number(name, "f"), 8.0);
         assert!(cents(note, h.number(name, "f")).abs() < 35.0, "{name} sounds {note:.1} Hz");

@@ -1,13 +1,12 @@
-//! Closed forms of modes that a model is held to.
+//! Closed forms of modes.
 
 use std::f64::consts::PI;
 
-/// sin²(j π / 2n)
 pub fn sin2(j: usize, n: usize) -> f64 {
     (j as f64 * PI / (2.0 * n as f64)).sin().powi(2)
 }
 
-/// Eigenvalues of a symmetric matrix, rising, by Jacobi rotations.
+/// Eigenvalues of a symmetric matrix in rising order, by Jacobi rotations.
 pub fn eigenvalues(mut m: Vec<Vec<f64>>) -> Vec<f64> {
     let n = m.len();
     for _ in 0..60 {

@@ -1,4 +1,4 @@
-//! A model played by its own gesture, as heard and as probed, and what every model must keep.
+//! Plays a model by its own gesture and checks the requirements common to all models.
 
 use super::closed_forms::sin2;
 use crate::acoustics::{cents, damping, db, mode, partial, peak, stiffness};
@@ -33,17 +33,17 @@ pub fn load(name: &str) -> Model {
     model
 }
 
-/// A performance, as heard and as probed.
+/// Outputs of a performance.
 pub struct Heard {
     pub model: Model,
     pub rate: f64,
-    /// sound, by channel
+    /// Sound by channel.
     pub sound: Vec<Vec<f64>>,
-    /// probes, in the order asked
+    /// Probes in the requested order.
     pub probe: Vec<Vec<f64>>,
 }
 
-/// Plays a model by its own gesture, and holds it to what every model must keep.
+/// Plays a model by its own gesture and checks the requirements common to all models.
 pub fn play(name: &str, probes: &[&str]) -> Heard {
     let model = load(name);
     for word in ["Play:", "Try:", "Source:"] {
@@ -74,7 +74,7 @@ pub fn perform(model: Model, scene: &Scene, gesture: Option<&Gesture>, seconds: 
         out.iter_mut().zip(&p.state.output).for_each(|(o, v)| o.push(*v));
     }
     assert!(!p.diverged && out.iter().flatten().all(|v| v.is_finite()), "{}: diverged", scene.about.title);
-    // the ledgers balance, and contacts and hard springs are soft enough for the scheme to make next to no energy
+    // the ledgers balance, and contacts and hard springs are soft enough for the scheme to make almost no energy
     let ledger = p.state.ledger.as_ref().unwrap().balance();
     let (open, made) = (ledger.residual.abs() / ledger.peak, ledger.scheme_error.abs() / ledger.peak);
     assert!(
@@ -88,7 +88,6 @@ pub fn perform(model: Model, scene: &Scene, gesture: Option<&Gesture>, seconds: 
 }
 
 impl Heard {
-    /// Samples from `t0` to `t1` [s].
     pub fn cut<'a>(&self, x: &'a [f64], t0: f64, t1: f64) -> &'a [f64] {
         &x[(t0 * self.rate) as usize..((t1 * self.rate) as usize).min(x.len())]
     }
@@ -100,13 +99,13 @@ impl Heard {
     pub fn probed(&self, i: usize, t0: f64, t1: f64) -> &[f64] {
         self.cut(&self.probe[i], t0, t1)
     }
-    /// The points [s, SI] of the model's own gesture of a port.
+    /// Points [s, SI] of the model's own gesture for a port.
     pub fn gesture(&self, port: &str) -> Vec<(f64, f64)> {
         let scene = scene(&self.model, &[]);
         let found = scene.about.gestures.iter().find(|g| g.0 == port).unwrap_or_else(|| panic!("no gesture of {port}"));
         found.1.iter().map(|p| (p[0], p[1])).collect()
     }
-    /// The numbers of a parameter as written, in SI.
+    /// Values of a parameter as written, in SI.
     pub fn numbers(&self, owner: &str, key: &str) -> Vec<f64> {
         ca_benches::instruments::numbers(&self.model, owner, key)
     }
@@ -128,12 +127,12 @@ impl Heard {
             (stiffness(second, zo, self.rate) / sin2(2, n1) - one) / (sin2(2, n1) - sin2(1, n1))
         });
         let a = (one + bend * (sin2(j, n1) - sin2(1, n1))) * sin2(j, n1);
-        // dampers are along the links, without bending
+        // dampers act along the links, without bending
         let z = self.number(name, "z") / (self.number(name, "m") * self.rate) * 4.0 * sin2(j, n1);
         mode(a, zo + z, self.rate)
     }
 
-    /// Asserts that partials of the sound stand where they should, within `within` cents.
+    /// Asserts that partials of the sound are within `within` cents of their frequencies.
     pub fn stands(&self, c: usize, t: [f64; 2], partials: impl IntoIterator<Item = f64>, reach: f64, within: f64) {
         for f in partials {
             let found = partial(self.at(c, t[0], t[1]), self.rate, f, reach).0;
@@ -143,8 +142,7 @@ impl Heard {
     }
 }
 
-/// A gesture of these ports alone, points of time [s] and value in SI; what the model's own gesture moves else stays where
-/// that begins.
+/// A gesture of these ports alone [s, SI]. Other ports of the model's own gesture stay at its first value.
 pub fn alone(scene: &Scene, ports: &[(&str, &[(f64, f64)])]) -> Gesture {
     let moved = |name: &str| ports.iter().find(|p| p.0 == name).map(|p| p.1.to_vec());
     let still =
@@ -153,14 +151,14 @@ pub fn alone(scene: &Scene, ports: &[(&str, &[(f64, f64)])]) -> Gesture {
     Gesture::new(tracks.map(|(name, points)| Track::points(name, points).unwrap()).collect()).unwrap()
 }
 
-/// Plays the model for `seconds` by these ports alone.
+/// Plays the model for `seconds` with these ports alone.
 pub fn by_hand(model: &Model, probes: &[&str], ports: &[(&str, &[(f64, f64)])], seconds: f64) -> Heard {
     let scene = scene(model, probes);
     let gesture = alone(&scene, ports);
     perform(model.clone(), &scene, Some(&gesture), seconds)
 }
 
-/// Blows in a force: how often it begins after 2 ms of nothing.
+/// Number of blows in a force: how often it begins after 2 ms of zero.
 pub fn blows(force: &[f64], rate: f64) -> usize {
     let pause = (0.002 * rate) as usize;
     let mut last = None;

@@ -1,9 +1,9 @@
-//! The mallet that comes with the program: what its header says of soft notes, light strings and heavy ones.
+//! The mallet part shipped with the program, checked against its header: soft notes, light and heavy strings.
 
 use super::heard::by_hand;
 use crate::play::model;
 
-/// Blows of a note of this velocity: the key goes its 8 mm with a fifth of the speed at 127, and evenly more with velocity.
+/// Number of contacts at this velocity. The key travels 8 mm; its speed is linear in velocity, a fifth at 0.
 fn struck(mass: &str, with: &str, attack: f64, velocity: f64) -> usize {
     let text = format!(
         "[STRING]\nlow = {{ n = 40, f = \"A2\", t60 = \"4 s\", m = \"{mass}\" }}\n\
@@ -13,7 +13,7 @@ fn struck(mass: &str, with: &str, attack: f64, velocity: f64) -> usize {
     let (down, t) = (-8e-3, 0.1 + attack / (0.2 + 0.8 * velocity / 127.0));
     let way = [(0.0, down), (0.1, down), (t, 0.0), (0.3, 0.0), (0.36, down)];
     let h = by_hand(&model(&text), &["mallet.strike"], &[("mallet.key", &way)], 0.5);
-    // each contact by itself, however soon after the one before
+    // counts each contact, however soon after the last
     let touches = h.probe[0].iter().map(|f| *f != 0.0);
     touches.clone().zip(touches.skip(1)).filter(|(before, now)| !before && *now).count()
 }

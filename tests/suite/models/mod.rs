@@ -1,5 +1,5 @@
-//! The instruments in `models/`: each reads, compiles without more warnings than its header explains, plays its own
-//! gesture at a good level, and sounds as its header says, by spectrum and envelope.
+//! The instruments in `models/`: each reads, compiles with only the warnings its header explains, plays its own gesture
+//! at a good level, and sounds as its header says, by spectrum and envelope.
 
 mod bars;
 mod bowed;
@@ -29,7 +29,7 @@ use strings::{
     slide_guitar, wave_guitar,
 };
 
-/// One test per model of this name, and the list of them.
+/// Makes one test per model, and the list of the models.
 macro_rules! models {
     ($($name:ident),* $(,)?) => {
         const CHECKED: &[&str] = &[$(stringify!($name)),*];

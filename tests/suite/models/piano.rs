@@ -1,8 +1,7 @@
-//! The hammer piano: its twelve pitches, what a louder key, the pedals and a release do, and the page
-//! `docs/measured/hammer-piano.md`, made by a finger that is a list of positions, through the engine and the guard of a TGR:
-//! how a key feels, what is heard, and where the energy goes.
+//! The hammer piano: its twelve pitches, dynamics, pedals and release, and the page `docs/measured/hammer-piano.md`.
 //!
-//! `UPDATE=1 cargo test $ALL --test suite -- hammer_piano` writes the page anew.
+//! The page is measured with a finger that follows a list of positions, through the engine and the guard of a TGR:
+//! force at the key, sound, and energy flow. `UPDATE=1 cargo test $ALL --test suite -- hammer_piano` rewrites it.
 
 use super::heard::{Heard, blows, by_hand, load, play};
 use crate::acoustics::{centroid, cents, db, partial, peak, rms, t60};
@@ -20,16 +19,16 @@ use ca_tests::long_form::long_form;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-/// Where a key rests, and where it meets its bed [m].
+/// Position of a key at rest, and where it meets its bed [m].
 pub const UP: f64 = -8e-3;
 pub const BED: f64 = 1.2e-3;
 
-/// A press of `speed` [m/s] at 0.1 s to just within the bed, held until `to` [s], then let go.
+/// A press of `speed` [m/s] at 0.1 s to just within the bed, held until `to` [s], then released.
 pub fn press(speed: f64, to: f64) -> Vec<(f64, f64)> {
     vec![(0.0, UP), (0.1, UP), (0.1 + 9.3e-3 / speed, 1.3e-3), (to, 1.3e-3), (to + 0.06, UP)]
 }
 
-/// One key of a model alone, pressed at `speed` and held until `to`.
+/// Plays one key of a model alone, pressed at `speed` and held until `to`.
 pub fn one_key(model: &Model, key: &str, probes: &[&str], speed: f64, to: f64, seconds: f64) -> Heard {
     by_hand(model, probes, &[(key, &press(speed, to))], seconds)
 }
@@ -38,7 +37,7 @@ pub fn hammer_piano() {
     let strikes: Vec<String> =
         (0..12).flat_map(|i| [format!("key[{i}].strike"), format!("key[{i}].strike2")]).collect();
     let h = play("hammer_piano", &strikes.iter().map(String::as_str).collect::<Vec<_>>());
-    // one contact a stroke: as many as the gesture plays
+    // one contact per stroke of the gesture
     let strokes = [3, 1, 2, 1, 3, 2, 1, 3, 1, 2, 1, 2];
     for (i, n) in strokes.into_iter().enumerate() {
         assert_eq!(blows(&h.probe[2 * i], h.rate), n, "key {i}");
@@ -46,10 +45,9 @@ pub fn hammer_piano() {
     // una corda leaves the second string unstruck
     assert!(peak(h.probed(0, 3.6, 4.0)) > 0.0 && peak(h.probed(1, 0.1, 0.4)) > 0.0);
     assert_eq!(peak(h.probed(1, 3.6, 4.0)), 0.0);
-    // into the pedal: it rings on though its keys are up, and stops with the pedal
+    // with the pedal it rings on after its keys are up, and stops when the pedal does
     let level = |t0: f64, t1: f64| db(rms(h.at(0, t0, t1)));
     assert!(level(7.3, 7.5) > level(6.2, 6.4) - 25.0 && level(8.1, 8.3) < level(7.3, 7.5) - 20.0);
-    // each key by itself sounds its note of equal temperament
     let long =
         long_form("eleven of twelve keys by themselves, and how one is heard that is hit harder, held and let go");
     for i in 0..if long { 12 } else { 1 } {
@@ -62,50 +60,47 @@ pub fn hammer_piano() {
     if !long {
         return;
     }
-    // louder is brighter
     for (speed, f) in [(0.08, 324.0), (0.58, 641.0)] {
         let x = one_key(&h.model, "key[0].key", &[], speed, 1.1, 1.1);
         let is = centroid(x.at(0, 0.1, 1.1), h.rate);
         assert!((is / f - 1.0).abs() < 0.2, "{speed} m/s: {is:.0} Hz, not {f} Hz");
     }
-    // two slopes
     let long = one_key(&h.model, "key[0].key", &[], 0.3, 6.0, 6.0);
     let (early, late) = (t60(long.at(0, 0.2, 1.0), h.rate, 261.63), t60(long.at(0, 3.0, 5.9), h.rate, 261.63));
     assert!((1.6..3.2).contains(&early) && (7.0..15.0).contains(&late), "T60 {early:.2} s, then {late:.2} s");
-    // let go, it is down by 40 dB within 0.3 s
+    // after a release the level falls by 40 dB within 0.3 s
     let short = one_key(&h.model, "key[0].key", &[], 0.3, 0.8, 1.3);
     let fell = db(rms(short.at(0, 0.7, 0.8)) / rms(short.at(0, 1.1, 1.2)));
     assert!(fell > 40.0, "{fell:.1} dB");
-    // a slow press is silent
     let slow = one_key(&h.model, "key[0].key", &["key[0].strike"], 0.05, 0.5, 0.5);
     assert_eq!(peak(&slow.probe[0]), 0.0);
-    // but for the dampers, which settle at load and then lift
+    // except for the dampers, which settle at load and then lift
     let heard = peak(slow.at(0, 0.3, 0.5));
     assert!(heard < 2e-3, "{:.1} dBFS", db(heard));
-    // and so are twelve keys that stand pressed when their device appears
+    // twelve keys that are pressed when their device connects are silent too
     let mut found = Finger::at("hammer_piano", 0.0);
     found.stay(1.5);
     assert_eq!(found.engine.ports[0].hand.met, u32::MAX);
     assert!(peak(&found.sound) < 2e-3, "{:.1} dBFS", db(peak(&found.sound)));
 }
 
-/// A finger on the first key of a TGR, and the engine that answers.
+/// A finger on the first key of a TGR, with the engine.
 pub struct Finger {
     scene: Arc<Scene>,
     engine: Engine,
     frame: DeviceFrame,
-    /// where it is [m]
+    /// Position [m].
     x: f64,
-    /// force on it, of the last frame [N], as sent
+    /// Force of the last frame [N], as sent.
     force: f64,
-    /// work it has done against the forces sent [J]
+    /// Work done against the forces sent [J].
     work: f64,
-    /// sound of everything so far
+    /// All sound so far.
     pub sound: Vec<f64>,
 }
 
 impl Finger {
-    /// At rest on a key whose forces are on.
+    /// A finger at rest on a key, with forces on.
     pub fn new(model: &str) -> Finger {
         let mut f = Finger::at(model, UP);
         f.engine.command(EngineCommand::Order(None, Order::Arm));
@@ -114,13 +109,13 @@ impl Finger {
         f
     }
 
-    /// A device whose keys all stand there, not heard of yet.
+    /// A device with all keys at `x`, before its first frame.
     pub fn at(model: &str, x: f64) -> Finger {
         let options = Options { energy: true, ..Options::default() };
         let scene = Arc::new(compile(&load(model), &ca_tests::catalog(), &options).expect("it compiles").scene);
         let gains = gains(&scene, "tgr12");
         assert!(gains.iter().all(|g| *g == Gains::default()), "{gains:?}");
-        // the model as it is: what the guard takes from it has tests of its own
+        // the forces of the model, without the stages of the guard that change them
         let mut profile = Profile::shipped("tgr12").expect("shipped");
         (profile.guard.passivity, profile.guard.oscillation, profile.guard.edge) = (false, false, 0.0);
         let setup = Setup { device: "tgr12".into(), profile, calibration: Calibration::default(), gains };
@@ -132,9 +127,9 @@ impl Finger {
         Finger { scene, engine, frame, x, force: 0.0, work: 0.0, sound: Vec::new() }
     }
 
-    /// Goes to a place and hears the answer: one gesture frame.
+    /// Moves to `x` for one gesture frame and receives the force.
     pub fn to(&mut self, x: f64) {
-        // what was sent is held while it moves
+        // the force that was sent is held during the motion
         self.work -= self.force * (x - self.x);
         self.x = x;
         self.frame.seq += 1;
@@ -150,7 +145,7 @@ impl Finger {
         (0..(seconds * 3000.0) as usize).for_each(|_| self.to(self.x));
     }
 
-    /// In a straight line; gives place and force of each frame.
+    /// Moves in a straight line; returns position and force of each frame.
     pub fn line(&mut self, to: f64, speed: f64) -> Vec<[f64; 2]> {
         let (from, n) = (self.x, ((to - self.x).abs() / speed * 3000.0).ceil());
         (1..=n as usize)
@@ -162,15 +157,15 @@ impl Finger {
     }
 }
 
-/// Three digits of something in thousandths.
+/// Formats a value in thousandths with three digits.
 fn milli(v: f64) -> String {
-    // no minus before nothing
+    // no minus sign before zero
     let v = 1e3 * v + 0.0;
     let digits = if v == 0.0 { 1 } else { (2 - v.abs().log10().floor() as i32).max(0) as usize };
     if v != 0.0 && v.abs() < 1e-3 { format!("{v:.1e}") } else { format!("{v:.digits$}") }
 }
 
-/// The page, and the worst residual over the energy given.
+/// The page, and the worst residual relative to the energy given.
 fn page() -> (String, f64) {
     let mut out = String::from(
         "# How the hammer piano feels, and where the energy of the finger goes\n\n\
@@ -244,12 +239,12 @@ fn page() -> (String, f64) {
     (out, worst)
 }
 
-/// Force against the finger [N] on a path of place and force, where it is nearest to `x` [m].
+/// Force against the finger [N] at the point of a path (position, force) nearest to `x` [m].
 pub fn felt(path: &[[f64; 2]], x: f64) -> f64 {
     path.iter().min_by(|a, b| (a[0] - x).abs().total_cmp(&(b[0] - x).abs())).map_or(0.0, |p| -p[1])
 }
 
-/// Where energy goes; the first three are what the others add up to.
+/// Rows of the energy table. The third, received, is the sum of the first two and of all that follow.
 const ROWS: [&str; 11] = [
     "given by the finger",
     "made by the border",
@@ -264,7 +259,7 @@ const ROWS: [&str; 11] = [
     "error of the scheme",
 ];
 
-/// The links of the action that lose energy, as `ROWS` has them from its fourth.
+/// Links of the action that lose energy, for the rows from the fourth on.
 const LINKS: [&[&str]; 6] = [
     &["drag"],
     &["fall", "escape", "let_off"],
@@ -274,13 +269,13 @@ const LINKS: [&[&str]; 6] = [
     &["link", "ties", "foot"],
 ];
 
-/// Where the energy of a finger went [J], as `ROWS` says.
+/// Energy [J] for each of `ROWS`.
 fn account(f: &Finger) -> [f64; ROWS.len()] {
     let ledger = f.engine.state.ledger.as_ref().expect("the ledger is kept");
     let hand =
         f.scene.ports.tgr.iter().position(|p| f.scene.inputs[p.input as usize].name == "key[0].key").expect("the key");
     let (received, given) = (ledger.hands[hand].received, ledger.hands[hand].given);
-    // the ledger of the border and the forces on the wire, which are of single precision, agree
+    // the ledger of the rate boundary agrees with the single-precision forces on the wire
     assert!((f.work / given - 1.0).abs() < 1e-6, "the finger worked {} J, the ledger says {given} J", f.work);
     let lost = |names: &[&str]| -> f64 {
         let last = |n: std::borrow::Cow<str>| n.rsplit('.').next().map(|n| n.split('[').next().unwrap_or(n).to_owned());

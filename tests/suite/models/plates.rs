@@ -1,4 +1,4 @@
-//! Membranes, plates and gongs: modes of meshes, and what hardening springs do to them.
+//! Membranes, plates and gongs: modes of meshes, and the effect of hardening springs.
 
 use super::closed_forms::sin2;
 use super::heard::{Heard, blows, by_hand, play, scene};
@@ -10,7 +10,7 @@ pub fn mesh(p: usize, q: usize, nx: usize, ny: usize) -> f64 {
     4.0 * (sin2(p, nx) + sin2(q, ny))
 }
 
-/// Share of the power from `lo` to `hi` [Hz] in that below `hi`.
+/// Share of the power below `hi` that is between `lo` and `hi` [Hz].
 pub fn share(x: &[f64], rate: f64, lo: f64, hi: f64) -> f64 {
     let (d, bin) = density(x, rate, 4800);
     let sum = |lo: f64| d[(lo / bin) as usize..((hi / bin) as usize).min(d.len())].iter().sum::<f64>();
@@ -27,14 +27,13 @@ pub fn membrane() {
     let modes = [(1, 1), (2, 1), (1, 2), (2, 2), (3, 1)].map(|(p, q)| tone(p, q).0);
     h.stands(0, [2.4, 3.4], modes, 6.0, 3.0);
     assert!(cents(modes[0], 147.0).abs() < 0.1);
-    // strings have 2, 3, 4; a skin has not
+    // strings have ratios 2, 3, 4; a skin does not
     assert!((modes[1] / modes[0] - 2.0).abs() > 0.3);
     let measured = t60(h.at(0, 2.5, 3.8), h.rate, modes[0]);
     assert!((measured / tone(1, 1).1 - 1.0).abs() < 0.03, "T60 {measured:.3} s, analytic {:.3} s", tone(1, 1).1);
-    // the colour opens from the centre to the rim
     let colour = [0.1, 0.8, 1.5, 1.85].map(|t| centroid(h.at(0, t + 0.01, t + 0.3), h.rate));
     assert!((colour[0] / 470.0 - 1.0).abs() < 0.2 && (colour[3] / 900.0 - 1.0).abs() < 0.2, "{colour:.0?} Hz");
-    // five strokes, and a stick that rests on the skin mutes it
+    // five strokes; a stick that rests on the skin mutes it
     assert_eq!(blows(&h.probe[0], h.rate), 5);
     let way = |up: f64| [(0.0, -9e-3), (0.1, -9e-3), (0.112, 3e-3), (0.124, up), (1.0, up)];
     let level = |up: f64| rms(by_hand(&h.model, &[], &[("stick", &way(up))], 1.0).at(0, 0.6, 0.9));
@@ -53,7 +52,7 @@ pub fn plate() {
         let found = partial(h.probed(0, 2.5, 4.1), h.rate, f, 6.0).0;
         assert!(cents(found, f).abs() < 3.0, "{found:.2} Hz is {:+.2} cents from {f:.2} Hz", cents(found, f));
     }
-    // no border holds it: the lowest mode has the long side as half a wave, λ ∝ nx alone
+    // free edges: the lowest mode has half a wave along the long side, λ ∝ nx alone
     assert!(cents(tone(1, 0), h.number("sheet", "f")).abs() < 0.5);
     // half of the power is above 3 kHz; the palm takes 22 dB in 0.6 s
     let high = share(h.at(0, 0.1, 4.2), h.rate, 3e3, 24e3);
@@ -65,7 +64,6 @@ pub fn plate() {
     assert!(strokes[0] < strokes[1] && strokes[1] < strokes[2], "{strokes:?}");
 }
 
-/// Both channels in one.
 fn both(h: &Heard) -> Vec<f64> {
     h.sound[0].iter().zip(&h.sound[1]).map(|(a, b)| a + b).collect()
 }
@@ -78,14 +76,14 @@ pub fn gong() {
         (colour(1.52), (0..4).map(|i| colour(1.7 + 0.1 * f64::from(i))).fold(0.0, f64::max), colour(4.5));
     assert!(bloom > 1.05 * blow, "blow {blow:.0} Hz, bloom {bloom:.0} Hz");
     assert!(late < 0.8 * bloom, "bloom {bloom:.0} Hz, late {late:.0} Hz");
-    // energy climbs to cells that the mallet does not reach: the share of what is above 900 Hz doubles in 0.3 s
+    // energy moves to cells that the mallet does not reach: the share above 900 Hz doubles in 0.3 s
     let high = |t: f64| share(h.cut(&all, t, t + 0.15), h.rate, 900.0, 24e3);
     assert!((high(1.85) / high(1.52) - 2.0).abs() < 0.5, "{:.3} {:.3}", high(1.52), high(1.85));
-    // a soft stroke wakes little, and the palm damps
+    // a soft stroke excites few modes, and the palm damps
     assert!(colour(0.2) < 0.7 * bloom, "soft {:.0} Hz", colour(0.2));
     let fell = db(rms(h.cut(&all, 6.5, 7.0)) / rms(h.cut(&all, 7.7, 8.0)));
     assert!(fell > 15.0, "the palm takes {fell:.1} dB");
-    // without the cubic springs the bells do not mix
+    // without the cubic springs the bells do not exchange energy
     let mut apart = h.model.clone();
     assert!(["next", "over", "leap"].iter().all(|l| apart.set(&format!("{l}.k3"), "0 N/m^3")));
     let g = by_hand(&apart, &[], &[("hand", &h.gesture("hand"))], 2.2);
@@ -94,7 +92,7 @@ pub fn gong() {
 }
 
 pub fn tam_tam() {
-    // what its header claims is measured for the page of instruments
+    // the claims of its header are measured for the page of instruments
     if !long_form("spectra of the tam-tam") {
         return;
     }
@@ -102,16 +100,13 @@ pub fn tam_tam() {
     let s = scene(&h.model, &[]);
     assert_eq!(s.mats() + s.lias(), 8798);
     let all = both(&h);
-    // the harder the stroke, the more energy goes to high modes
     let colour = |t: f64| centroid(h.cut(&all, t, t + 0.2), h.rate);
     for (t, f) in [(0.13, 320.0), (1.62, 840.0), (3.41, 1600.0)] {
         assert!((colour(t) / f - 1.0).abs() < 0.25, "{t} s: {:.0} Hz, not {f} Hz", colour(t));
     }
-    // which takes 0.1 s
     let short = |t: f64| centroid(h.cut(&all, t, t + 0.05), h.rate);
     let way = [3.415, 3.515, 4.5].map(short);
     assert!(way[1] > 1.05 * way[0] && way[2] < 0.9 * way[1], "{way:.0?} Hz");
-    // the lowest partial glides down
     let lowest = |t: f64| partial(h.cut(&all, t, t + 0.3), h.rate, 118.0, 14.0).0;
     assert!(
         (lowest(3.45) - 127.0).abs() < 3.0 && (lowest(6.8) - 110.0).abs() < 1.5,
@@ -126,7 +121,7 @@ pub fn tam_tam() {
 pub fn snare() {
     let h = play("snare", &["centre.strike", "edge.strike", "wire[2].rattle[5]"]);
     assert_eq!([0, 1].map(|i| blows(&h.probe[i], h.rate)), [8, 12], "one contact a stroke");
-    // the same strokes with the wires and without: a noisy tail, and a tom of its pitch
+    // the same strokes with and without wires: a noisy tail, and a tom of the given pitch
     for t in [0.2, 0.7] {
         let tail = |t: f64| share(h.at(0, t + 0.06, t + 0.23), h.rate, 1500.0, 24e3);
         let (with, without) = (tail(t), tail(t + 3.1));

@@ -1,11 +1,11 @@
-//! What is blown and what falls: noise and rhythm out of masses that collide.
+//! Wind and rain stick: noise and rhythm from colliding masses.
 
 use super::heard::{by_hand, play};
 use crate::acoustics::{cents, db, flatness, partial, peak, period, rms, slope, velocity};
 
 pub fn wind() {
     let h = play("wind", &["air[13]", "air[4]"]);
-    // the row of colliding masses is noise: its velocity is far flatter than any tone and does not repeat itself
+    // the row of colliding masses is noise: its velocity is far flatter than a tone and is not periodic
     for i in 0..2 {
         let v = velocity(h.probed(i, 1.0, 5.0), h.rate);
         let flat = flatness(&v, h.rate, 100.0, 2000.0);
@@ -13,13 +13,13 @@ pub fn wind() {
         assert!(flat > 0.5, "flatness {flat:.3}");
         assert!(beat < 0.5, "it repeats itself: {beat:.2}");
     }
-    // and so is what is heard, over the band of the twelve oscillators
+    // so is the sound, over the band of the twelve oscillators
     for c in 0..2 {
         let flat = flatness(h.at(c, 0.5, 5.5), h.rate, 211.0, 7030.0);
         assert!(flat > 0.2, "flatness {flat:.3}");
         assert!(rms(h.at(c, 6.6, 7.0)) < 0.1 * rms(h.at(c, 1.0, 5.0)), "no bow, no wind");
     }
-    // the faster the louder, 15 dB from 0.05 to 2 m/s
+    // faster is louder, by 15 dB from 0.05 to 2 m/s
     let level = |speed: f64| {
         let turn = 0.6 / speed;
         let mut way = vec![(0.0, -0.6)];
@@ -35,7 +35,7 @@ pub fn wind() {
 
 pub fn rain_stick() {
     let h = play("rain_stick", &["hop[4]", "hop[9]"]);
-    // the first bead falls for √(2h/g), then hops, each hop shorter than the last by the same factor
+    // the first bead falls for √(2h/g), then hops, each hop shorter by the same factor
     let x0 = h.number("beads.e", "x");
     let mut strikes: Vec<f64> = Vec::new();
     for (i, w) in h.probe[0].windows(2).enumerate() {
@@ -50,12 +50,11 @@ pub fn rain_stick() {
     assert!(hops.len() == 8 && hops[7] < 0.8 * hops[0], "{hops:?}");
     let line: Vec<[f64; 2]> = hops.iter().enumerate().map(|(i, h)| [i as f64, h.ln()]).collect();
     assert!(slope(&line) < -0.01, "{hops:?}");
-    // chimes are where they are tuned
     for (i, f) in h.numbers("chime", "f").into_iter().enumerate() {
         let found = partial(h.at(i % 2, 0.1, 3.0), h.rate, f, 20.0).0;
         assert!(cents(found, f).abs() < 5.0, "chime {i}: {found:.2} Hz, not {f:.2} Hz");
     }
-    // the hops end, and nothing is heard of the last
+    // the hops end, and the last is inaudible
     let end = (0..2).map(|c| db(peak(h.at(c, 6.9, 7.0)) / peak(&h.sound[c]))).fold(f64::MIN, f64::max);
     assert!(end < -60.0, "{end:.1} dB");
 }

@@ -1,8 +1,8 @@
-//! Bundled models sound as they did, to the bit: `tests/data/renders.txt` has a hash of the sound of each.
+//! Bundled models sound as before, to the bit: `tests/data/renders.txt` has a hash of the sound of each.
 //!
-//! The same list holds for every processor, width of vectors and build, which is what `ARITHMETIC` promises to takes.
-//! Where a model or a law is changed on purpose, `UPDATE=1 cargo test $ALL --test suite -- renders` writes it anew (`$ALL` is
-//! in CONTRIBUTING.md).
+//! One list holds for every processor, vector width and build, as `ARITHMETIC` promises to takes. After an intended
+//! change of a model or law, `UPDATE=1 cargo test $ALL --test suite -- renders` rewrites it (`$ALL` is in
+//! CONTRIBUTING.md).
 
 use ca_benches::instruments::{BUILT, Plays, on_all_cores};
 use ca_core::ARITHMETIC;
@@ -10,10 +10,10 @@ use ca_tests::long_form::long_form;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-/// How long all of them sound where not all is played \[s\].
+/// Seconds of each model in the core suite \[s\].
 const FIRST: f64 = 1.0;
 
-/// The hash of all channels, each its length and its samples as doubles, least byte first.
+/// Hash of all channels, each as its length and its samples as little-endian doubles.
 fn hash(sound: &[Vec<f64>]) -> String {
     let mut hasher = blake3::Hasher::new();
     for channel in sound {
@@ -25,7 +25,7 @@ fn hash(sound: &[Vec<f64>]) -> String {
     hasher.finalize().to_hex()[..16].to_string()
 }
 
-/// A line for each model: its name, the hash of its first second, and of all that its gesture plays.
+/// A line for each model: name, hash of the first second, and hash of the whole gesture.
 fn list(whole: bool) -> String {
     let lines = on_all_cores(|i| {
         let plays = Plays::new(i);

@@ -1,5 +1,4 @@
-//! Instruments in space, held by a hand: the rattle in its two manipulations, maracas, wind chimes; and one that is
-//! dropped, a jack.
+//! Instruments in space: the rattle in two manipulations, maracas, wind chimes, and a dropped jack.
 
 use super::closed_forms::eigenvalues;
 use super::heard::{Heard, blows, by_hand, load, perform, play, scene};
@@ -9,7 +8,7 @@ use ca_core::{Location, Scene};
 use ca_io::gesture::{Gesture, Track};
 use ca_model::Model;
 
-/// Places of the modules `names` over time [m], absolute, from probes of the same names in the same order.
+/// Absolute positions [m] of the modules `names` over time, from probes of the same names in the same order.
 struct Motion<'a> {
     heard: &'a Heard,
     rest: Vec<[f64; 3]>,
@@ -51,7 +50,7 @@ fn played(name: &str) -> Heard {
     let mut bent: f64 = 0.0;
     for n in 0..motion.ticks() {
         for corner in 1..13 {
-            // a blow presses a corner in by less than a tenth of a millimetre for each newton a softer shell would give
+            // a blow presses a corner in by less than a tenth of a millimetre per newton that a softer shell would give
             assert!(motion.apart(0, corner, n) < 46e-3, "{name}: a corner is outside, tick {n}");
         }
         for body in 0..3 {
@@ -61,17 +60,16 @@ fn played(name: &str) -> Heard {
             }
         }
     }
-    // flying and turning are silent: nothing is heard before the first blow
+    // flying and turning are silent: no sound before the first blow
     let first = (0..motion.ticks()).find(|n| keep.iter().any(|f| f[*n] != 0.0)).expect("a blow");
     let loudest = peak(&h.sound[0]);
     assert!(first > 200 && peak(&h.sound[0][..first]) < 1e-9 * loudest, "{name}: a sound of nothing");
     let count: usize = keep.iter().map(|f| blows(f, h.rate)).sum();
     assert!((60..5000).contains(&count), "{name}: {count} blows");
-    // louder while it is shaken than after
     let level = |t0: f64, t1: f64| db(rms(h.at(0, t0, t1)));
     assert!(bent < 0.016, "{name}: an edge bends by {bent}");
     assert!(level(0.5, 4.7) > level(6.0, 7.0) + 12.0, "{name}: {} dB, {} dB", level(0.5, 4.7), level(6.0, 7.0));
-    // blows of a fifth of a millisecond make it sharp
+    // blows of a fifth of a millisecond give a sharp sound
     let mut lengths: Vec<f64> = keep.iter().flat_map(|f| lengths(f)).map(|n| n as f64 / h.rate).collect();
     lengths.sort_by(f64::total_cmp);
     let middle = lengths[lengths.len() / 2];
@@ -79,7 +77,7 @@ fn played(name: &str) -> Heard {
     h
 }
 
-/// How many ticks each contact lasts.
+/// Length of each contact in ticks.
 fn lengths(force: &[f64]) -> Vec<usize> {
     let runs = force.split(|f| *f == 0.0).map(<[f64]>::len);
     runs.filter(|n| *n > 0).collect()
@@ -87,11 +85,11 @@ fn lengths(force: &[f64]) -> Vec<usize> {
 
 pub fn rattle() {
     let h = played("rattle");
-    // blows are so short that most of it is high
+    // the blows are so short that most of the power is high
     let high = share(h.at(0, 0.5, 5.0), h.rate, 3e3, 24e3);
     assert!((high - 0.83).abs() < 0.06, "{high:.3} of the power is above 3 kHz");
-    // the degraded experiments: without force feedback the sound of a given gesture is the same, and nothing is sent to
-    // the hand; late by 30 frames of 16 ticks, the key moves 480 ticks later
+    // the degraded experiments: without force feedback the sound of a given gesture is the same and no force is sent;
+    // with a latency of 30 frames of 16 ticks the key moves 480 ticks later
     let push = || {
         let x = Track::points("key_x", vec![(0.0, 0.0), (0.1, 30e-3), (0.2, -30e-3), (0.3, 0.0)]).unwrap();
         let y = Track::points("key_y", vec![(0.0, 0.0), (0.15, 20e-3), (0.3, 0.0)]).unwrap();
@@ -135,7 +133,7 @@ pub fn rattle_stick() {
     assert_eq!(body(&stick.model), body(&keys));
 }
 
-/// A value without the places it was read from.
+/// A value without its source places.
 fn plain(v: &ca_model::Value) -> String {
     use ca_model::Value;
     match v {
@@ -158,7 +156,7 @@ pub fn maracas() {
     }
     let high = share(h.at(0, 0.1, 3.5), h.rate, 3e3, 24e3);
     assert!((high - 0.95).abs() < 0.03, "{high:.3} of the power is above 3 kHz");
-    // without what rests on the skin: differences of the sound
+    // differences of the sound, to suppress contacts at rest on the skin
     let swing = |t0: f64, t1: f64| {
         let x = h.at(0, t0, t1);
         let d: Vec<f64> = x.windows(2).map(|w| w[1] - w[0]).collect();
@@ -176,14 +174,14 @@ pub fn chimes() {
     let struck: Vec<usize> = (0..5).filter(|i| blows(&h.probe[*i], h.rate) > 0).collect();
     assert!(struck.len() >= 3, "the wind reaches {struck:?}");
     for i in struck {
-        // heard where it is tuned, in the second after its last blow
+        // at its pitch, in the second after its last blow
         let last = h.probe[i].iter().rposition(|f| *f != 0.0).unwrap() as f64 / h.rate + 0.01;
         let to = (last + 1.0).min(h.sound[0].len() as f64 / h.rate);
         let f = h.number(&format!("tube_{}", tubes[i]), "f");
         let found = partial(h.at(i % 2, last, to), h.rate, f, 15.0).0;
         assert!(cents(found, f).abs() < 8.0, "tube {}: {found:.2} Hz, not {f}", tubes[i]);
     }
-    // the air stills the threads, and the tubes have rung out
+    // air damps the threads, and the tubes have decayed
     let end = (0..2).map(|c| db(peak(h.at(c, 10.9, 11.0)) / peak(&h.sound[c]))).fold(f64::MIN, f64::max);
     assert!(end < -50.0, "{end:.1} dB");
 }
@@ -204,20 +202,20 @@ pub fn jack() {
     let any: Vec<f64> = (0..motion.ticks()).map(|n| land.iter().map(|f| f[n]).sum()).collect();
     let struck = land.iter().filter(|f| f.iter().any(|f| *f != 0.0)).count();
     assert!(struck >= 4 && blows(&any, h.rate) >= 20, "{struck} tips, {} blows", blows(&any, h.rate));
-    // it falls from 9 cm and ends on the skin, which it presses by its weight alone
+    // it falls from 9 cm and ends on the skin with its weight alone
     let first = any.iter().position(|f| *f != 0.0).unwrap() as f64 / h.rate;
     assert!((0.13..0.14).contains(&first), "{first}");
     let weight = 7.0 * h.number("room.jack", "m") * 9.81;
     let end = any[any.len() - 1000..].iter().sum::<f64>() / 1000.0;
     assert!((-end / weight - 1.0).abs() < 0.02, "{end} N, {weight} N");
-    // while it is in the air the skin is heard where it is tuned
+    // while it is in the air the skin sounds at its pitch
     let f = h.number("drum", "f");
     let found = partial(h.at(0, first + 0.01, first + 0.15), h.rate, f, 20.0).0;
     assert!(cents(found, f).abs() < 20.0, "{found:.2} Hz");
     assert!(rms(h.at(0, 3.0, 4.0)) < 1e-2 * rms(h.at(0, 0.0, 1.0)));
 }
 
-/// Eigenvalues of the stiffness of springs of 1 N/m along the edges `length` long between masses of 1 kg at `points`.
+/// Eigenvalues of the stiffness of springs of 1 N/m on all edges of `length` between masses of 1 kg at `points`.
 fn stretching(points: &[[f64; 3]], length: f64) -> Vec<f64> {
     let n = 3 * points.len();
     let mut k = vec![vec![0.0; n]; n];
@@ -241,7 +239,6 @@ fn stretching(points: &[[f64; 3]], length: f64) -> Vec<f64> {
 
 pub fn crystal() {
     let h = play("crystal", &["hit[0]", "room.crystal[0]", "room.crystal[5]"]);
-    // the corners of an icosahedron of edge 2
     let phi = f64::midpoint(1.0, 5f64.sqrt());
     let mut corners = Vec::new();
     for (a, b) in [(1.0, phi), (1.0, -phi), (-1.0, phi), (-1.0, -phi)] {
@@ -266,7 +263,7 @@ pub fn crystal() {
         }
     }
     assert!(heard >= 5, "{heard} modes are heard");
-    // it flies away as a whole: the middle of two opposite corners moves on steadily
+    // the body flies away: the middle of two opposite corners moves on
     let middle = |t: f64| {
         let n = (t * h.rate) as usize;
         [1, 2, 3].map(|k| 0.5 * (h.probe[k][n] + h.probe[k + 3][n]))
@@ -280,18 +277,17 @@ pub fn tossed_grains() {
     let mut probes: Vec<&str> = tubes.iter().map(String::as_str).collect();
     probes.push("toss[*]");
     let h = play("tossed_grains", &probes);
-    // each toss louder than the one before, 8.5 dB in all
     let both = |a: f64, b: f64| rms(&[h.at(0, a, b), h.at(1, a, b)].concat());
     let loud = [(1.0, 2.2), (2.2, 3.4), (3.4, 4.6)].map(|(a, b)| db(both(a, b)));
     assert!(loud[1] > loud[0] && loud[2] > loud[1] && (loud[2] - loud[0] - 8.5).abs() < 1.5, "{loud:.1?} dB");
-    // grains come down on all bars, which sound where they are tuned
+    // grains fall on all bars, which sound at their pitches
     for (i, note) in [4, 7, 9, 12, 14, 16, 19, 21, 24, 26, 28, 31].into_iter().enumerate() {
         let f = 440.0 * 2f64.powf((f64::from(note) - 9.0) / 12.0);
         let x = h.probed(i, 1.0, 6.0);
         let found = partial(x, h.rate, f, 15.0).0;
         assert!(peak(x) > 0.0 && cents(found, f).abs() < 8.0, "bar {i}: {found:.2} Hz, not {f:.2} Hz");
     }
-    // the weight of the grains is felt when the comb lifts them
+    // the comb carries the weight of the grains when it lifts them
     let way = [(0.0, -40e-3), (0.5, -40e-3), (1.5, 25e-3), (3.0, 25e-3)];
     let lifted = by_hand(&h.model, &["toss[*]"], &[("key", &way)], 3.0);
     let mean = |p: &Vec<f64>| lifted.cut(p, 2.7, 3.0).iter().sum::<f64>() / (0.3 * h.rate);

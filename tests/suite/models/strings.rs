@@ -1,4 +1,4 @@
-//! Strings that are struck, plucked, touched and held: partials, decay, and what the player does to them.
+//! Struck, plucked, touched and stopped strings: partials, decay, and the effects of playing.
 
 use super::closed_forms::sin2;
 use super::heard::{Heard, blows, by_hand, perform, play, scene};
@@ -11,15 +11,14 @@ pub fn hammered_string() {
     let (f, t) = h.string("low", 1);
     let measured = t60(h.at(0, 4.2, 6.9), h.rate, f);
     assert!((measured / t - 1.0).abs() < 0.01, "T60 {measured:.3} s, analytic {t:.3} s");
-    // five strokes of one contact each, each harder than the one before
+    // five strokes of one contact each, each harder than the last
     let strokes = [0.1, 0.9, 1.7, 2.5, 3.3];
     assert_eq!(blows(&h.probe[0], h.rate), 5);
     let force = strokes.map(|t| peak(h.probed(0, t, t + 0.2)));
     assert!(force.windows(2).all(|w| w[1] > 1.1 * w[0]), "{force:?}");
-    // and brighter, as the felt hardens
     let colour = strokes.map(|t| centroid(h.at(0, t + 0.05, t + 0.25), h.rate));
     assert!(colour[4] > 1.5 * colour[0], "{colour:.0?} Hz");
-    // a key that rises slowly is silent; an arm that is hardly calmed lets the hammer strike twice
+    // a key that rises slowly is silent; with a weakly damped arm the hammer strikes twice
     let slow = by_hand(&h.model, &[], &[("key", &[(0.0, -8e-3), (0.5, 0.0)])], 1.0);
     assert_eq!(peak(&slow.sound[0]), 0.0);
     let mut lively = h.model.clone();
@@ -38,7 +37,7 @@ pub fn plucked_string() {
         let measured = t60(h.at(1, 5.3, 7.9), h.rate, f);
         assert!((measured / t - 1.0).abs() < 0.02, "partial {j}: T60 {measured:.3} s, analytic {t:.3} s");
     }
-    // it lets go at k d, and then there is not a trace of force until the plectrum comes back
+    // it lets go at k d, then the force is zero until the plectrum returns
     let drawn = |depth: f64| 0.275e-3 + 0.825e-3 * (depth + 8e-3) / 16e-3;
     for (from, to, depth) in
         [(0.1, 0.2, 3e-3), (1.4, 1.5, 3e-3), (2.5, 3.1, 3e-3), (3.9, 4.0, -8e-3), (4.3, 4.4, -3e-3), (5.1, 5.2, 8e-3)]
@@ -48,14 +47,13 @@ pub fn plucked_string() {
         assert_eq!(peak(h.probed(0, to, to + 0.2)), 0.0, "{from} s");
     }
     assert_eq!(peak(h.probed(0, 5.2, 8.0)), 0.0);
-    // up, down and slowly up are as loud, four times the draw is 12 dB
+    // up, down and slowly up are equally loud; four times the draw is 12 dB
     let loud = |from: f64, to: f64| {
         let held = h.probed(0, from, to).iter().rposition(|f| *f != 0.0).unwrap() as f64 / h.rate;
         db(rms(h.at(0, from + held, from + held + 0.3)))
     };
     let same = [(0.1, 0.2), (1.4, 1.5), (2.5, 3.1)].map(|(from, to)| loud(from, to));
     assert!(same.iter().all(|l| (l - same[0]).abs() < 1.0), "{same:?}");
-    // on a string at rest
     let plucked = |depth: f64| {
         let way = [(0.0, -4e-3), (0.1, -4e-3), (0.13, 4e-3), (0.8, 4e-3)];
         let deep = [(0.0, depth), (0.8, depth)];
@@ -84,7 +82,6 @@ pub fn natural_harmonic() {
         assert_eq!(loudest.map(|j| j % n), Some(0), "1/{n}: {loudest:?}");
         h.stands(0, after, [n, 2 * n].map(|j| h.string("low", j).0), 15.0, 1.0);
     }
-    // a fifth above the octave
     let pitch_is = partial(h.at(0, 1.4, 2.3), h.rate, 330.0, 30.0).0;
     assert!(cents(pitch_is, 330.0).abs() < 2.0);
 }
@@ -95,23 +92,23 @@ pub fn pinched_string() {
     let (open, held, again) = (pitch(0.3, 1.1, 110.0), pitch(2.0, 3.15, 165.0), pitch(5.5, 7.8, 110.0));
     assert!(cents(open, h.string("low", 1).0).abs() < 1.0, "{open}");
     assert!(cents(again, h.string("low", 1).0).abs() < 1.0, "{again}");
-    // a third of the string is cut off: a fifth, a little less because fingers give way
+    // a third of the string is cut off: a fifth, slightly less because fingers yield
     let fifth = cents(held / open, 1.5);
     assert!((-15.0..0.5).contains(&fifth), "{held} Hz: {fifth:.1} cents from a fifth");
     let low = partial(h.at(1, 2.0, 3.15), h.rate, 110.0, 20.0).1;
     assert!(low < 0.05 * partial(h.at(1, 2.0, 3.15), h.rate, 165.0, 20.0).1);
-    // both sides press while it is held, and neither when open
+    // both sides press while it is held, neither when open
     assert!(h.probed(0, 2.0, 3.15).iter().chain(h.probed(1, 2.0, 3.15)).all(|f| *f != 0.0));
     assert_eq!(peak(h.probed(0, 3.4, 3.8)) + peak(h.probed(1, 3.4, 3.8)), 0.0);
     assert_eq!(peak(h.probed(0, 5.4, 8.0)) + peak(h.probed(1, 5.4, 8.0)), 0.0);
-    // the thumb alone is a fret: the string leaves it and comes back, which buzzes
+    // the thumb alone is a fret: the string leaves it and returns, which buzzes
     assert_eq!(peak(h.probed(1, 4.2, 5.2)), 0.0);
     assert!(touches(h.probed(0, 4.3, 5.0)) > 20, "{} touches", touches(h.probed(0, 4.3, 5.0)));
     let bright = |t0: f64, t1: f64| centroid(h.at(1, t0, t1), h.rate);
     assert!(bright(4.3, 4.8) > 1.2 * bright(0.2, 0.7), "{:.0} Hz, {:.0} Hz", bright(4.3, 4.8), bright(0.2, 0.7));
 }
 
-/// How often a force begins.
+/// Number of times a force begins.
 fn touches(force: &[f64]) -> usize {
     force.windows(2).filter(|w| w[0] == 0.0 && w[1] != 0.0).count()
 }
@@ -119,7 +116,7 @@ fn touches(force: &[f64]) -> usize {
 pub fn wave_guitar() {
     let h = play("wave_guitar", &["pick.pluck"]);
     let f = h.number("low", "f");
-    // harmonic, but for the junctions: a bead m at β makes partial j slower by m sin²(jπβ) over the mass of the string
+    // harmonic except for the junctions: a bead m at β lowers partial j by m sin²(jπβ) over the mass of the string
     let (at, m) = (h.numbers("low", "at"), h.number("low", "m"));
     let whole = (h.number("low", "tension") * h.number("low", "mu")).sqrt() / (2.0 * f);
     let slower = |j: f64| at.iter().map(|b| m * (j * PI * b).sin().powi(2)).sum::<f64>() / whole;
@@ -127,13 +124,12 @@ pub fn wave_guitar() {
     h.stands(0, [1.0, 2.9], partials, 20.0, 0.3);
     let measured = t60(h.at(0, 0.2, 2.9), h.rate, f);
     assert!((measured / h.number("low", "t60") - 1.0).abs() < 0.01, "T60 {measured:.3} s");
-    // high partials are reflected a little by the beads, and die faster or slower; about 4.4 kHz as asked, on average
+    // beads reflect high partials slightly, which changes their decay; near 4.4 kHz the mean decay is the one given
     let rate: f64 = (36..=44).map(|j| 1.0 / t60(h.at(0, 0.2, 1.0), h.rate, f64::from(j) * f)).sum();
     let high = 9.0 / rate;
     assert!((high / h.number("low", "t60_high") - 1.0).abs() < 0.2, "T60 about partial 40: {high:.3} s");
-    // the plectrum lets go
     assert!(peak(h.probed(0, 0.0, 0.2)) > 0.5 && peak(h.probed(0, 0.2, 2.9)) == 0.0);
-    // touched at half its length it sounds the octave: odd partials die, even ones stay
+    // touched at half its length it sounds the octave: odd partials decay, even ones stay
     let level = |j: usize, t0: f64, t1: f64| db(partial(h.at(0, t0, t1), h.rate, j as f64 * f, 15.0).1);
     for j in 1..=6 {
         let fell = level(j, 3.2, 3.6) - level(j, 4.4, 4.8);
@@ -145,7 +141,7 @@ pub fn slide_guitar() {
     let h = play("slide_guitar", &[]);
     let f0 = h.string("neck", 1).0;
     let pitch = |t0: f64, t1: f64, near: f64| partial(h.at(0, t0, t1), h.rate, near, 12.0).0;
-    // f / (1 − slide), a little less as the bar gives way
+    // f / (1 − slide), slightly less because the bar yields
     for (slide, t0, t1) in [(0.1, 0.2, 0.5), (0.4, 1.9, 2.4), (0.4, 2.75, 3.15), (0.1, 4.4, 5.8)] {
         let ideal = f0 / (1.0 - slide);
         let off = cents(pitch(t0, t1, ideal), ideal);
@@ -191,7 +187,6 @@ pub fn hoop() {
     let n = h.number("hoop", "n") as usize;
     let zo = damping(h.number("hoop", "t60"), h.rate);
     let z = h.number("hoop", "z") / (h.number("hoop", "m") * h.rate);
-    // sin²(jπ/n)
     let shape = |j: usize| 4.0 * sin2(2 * j, n);
     let a = stiffness(h.number("hoop", "f"), zo, h.rate) / shape(1);
     let tone = |j: usize| mode(a * shape(j), zo + z * shape(j), h.rate);
@@ -204,16 +199,15 @@ pub fn hoop() {
 
 pub fn prepared_string() {
     let h = play("prepared_string", &["hammer.strike", "rattle", "hop", "loose.ring"]);
-    // free, with the screw, with screw and rubber, each softly and loud, and free again
+    // free; with the screw; with screw and rubber, each soft and loud; and free again
     let strokes = [0.1, 1.1, 2.6, 3.6, 5.1, 6.1, 7.0];
     assert_eq!(blows(&h.probe[0], h.rate), strokes.len(), "one contact a stroke");
     let rattles = strokes.map(|t| touches(h.probed(1, t, if t < 6.6 { (t + 0.9).min(6.6) } else { t + 0.9 })));
     assert_eq!([rattles[0], rattles[1], rattles[6]], [0; 3], "the screw is away");
     assert!(rattles[2..6].iter().all(|n| *n > 5), "the screw rattles: {rattles:?}");
-    // the ring hops, the louder the higher
     let height = strokes.map(|t| 1e3 * h.probed(3, t, t + 0.9).iter().fold(0.0, |m: f64, v| m.max(*v)));
     assert!((0.4..3.0).contains(&height[0]) && (8.0..40.0).contains(&height[6]), "{height:.2?} mm");
-    // without the ring: louder is brighter, and what is fastened pulls the partials apart
+    // without the ring: louder is brighter, and attached objects spread the partials
     let stroke = |washer: &str, time: f64, rubber: f64| {
         let mut m = h.model.clone();
         assert!(m.set("washer.m", washer) && m.set("loose.ring.x", "20 m"));
@@ -224,7 +218,6 @@ pub fn prepared_string() {
     assert_eq!(peak(&loud.probe[0]), 0.0);
     let colour = [&soft, &loud].map(|g| centroid(g.at(0, 0.1, 0.6), h.rate));
     assert!(colour[1] > 1.2 * colour[0], "{colour:.0?} Hz");
-    // the rubber shortens it
     let fall = |g: &Heard| db(rms(g.at(0, 0.2, 0.3)) / rms(g.at(0, 0.8, 0.9)));
     let (with, without) = (fall(&stroke("1.5 g", 0.007, 8e-3)), fall(&loud));
     assert!(with > without + 10.0, "{with:.1} dB with the rubber, {without:.1} dB without");

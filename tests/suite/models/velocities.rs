@@ -1,5 +1,5 @@
-//! Every bundled instrument that notes of MIDI play, from the softest to the loudest: each note is heard, none is softer than one of less
-//! velocity, and nothing new sounds where it ends.
+//! Every bundled instrument with MIDI notes, from the softest to the loudest velocity: each note is audible, a higher
+//! velocity is never softer, and no new sound begins at its end.
 
 use super::heard::{file_names, load};
 use crate::acoustics::{db, peak};
@@ -14,28 +14,27 @@ use std::collections::BTreeSet;
 
 const VELOCITIES: [u8; 5] = [1, 20, 64, 100, 127];
 
-/// A hand that damps: what it touches sounds less, which is tested apart.
+/// Hands that damp: their notes reduce the sound. `a_palm_damps_at_any_velocity` tests them.
 const DAMPERS: [(&str, u8); 2] = [("gong", 50), ("tam_tam", 50)];
 
-/// The damper of a piano lands with a soft thud: it is meant, and is below the softest note by this [dB].
+/// Instruments whose damper lands with an intended soft thud, below the softest note by `THUD_BELOW` [dB].
 const THUDS: [&str; 4] = ["hammer_piano", "piano24", "piano_key", "piano_wire"];
 const THUD_BELOW: f64 = 2.0;
 
-/// A body that is thrown up falls later, and is heard then.
+/// A body that is thrown up falls later and sounds then.
 const LATER: &str = "tossed_grains";
 
-/// When a note begins, once what lies loose has come to rest, and for how long what is held sounds [s].
+/// Start of a note, after loose bodies have come to rest, and length of a held note [s].
 const BEGINS: f64 = 1.0;
 const HELD: f64 = 2.0;
-/// Lengths of notes, and the time of listening after their end [s]. A mallet that leaves what it lies on is heard after long
-/// notes, when the note itself is soft.
+/// Lengths of notes, and listening time after them [s]. After a long note a mallet that leaves its rest is heard.
 const LENGTHS: [f64; 3] = [0.1, 0.5, 2.0];
 const AFTER: f64 = 0.3;
-/// Notes end at these velocities: the softest note hides least, the loudest moves most.
+/// Velocities of notes whose end is tested: the softest masks least, the loudest moves most.
 const ENDING: [u8; 2] = [1, 127];
 /// Levels after the end are taken over parts of this length [s].
 const PART: f64 = 0.05;
-/// The time of listening to a palm [s].
+/// Listening time for a palm [s].
 const LISTENS: f64 = 2.2;
 
 /// A track of these events (second, status, key, velocity), in ticks of a millisecond.
@@ -56,7 +55,7 @@ fn midi(events: &[(f64, [u8; 3])]) -> Vec<u8> {
     file
 }
 
-/// All outputs for `seconds` while these events play it, as `ca render --gesture` has it: what MIDI does not move goes on by itself.
+/// All outputs for `seconds` under these events. Ports not moved by MIDI follow the model's own gesture.
 fn play(scene: &Scene, events: &[(f64, [u8; 3])], seconds: f64) -> Vec<Vec<f64>> {
     let ports: Vec<PortMap> =
         scene.inputs.iter().filter_map(|i| Some(PortMap { port: i.name.clone(), map: i.midi? })).collect();
@@ -104,7 +103,7 @@ fn faults(name: &str, scene: &Scene, key: u8) -> Vec<String> {
             let sound = play(scene, &[strike, (end, [0x80, key, 0])], end + AFTER);
             let before = level(&sound, scene.rate, end - 0.1, end);
             let thud = if THUDS.contains(&name) { softest - THUD_BELOW } else { -60.0 };
-            // what rings as loud as before, or as the note that is held, is not new
+            // a sound no louder than before, or than in the held note, is not new
             let parts = (0..(AFTER / PART).round() as u32).map(|i| {
                 let t = end + f64::from(i) * PART;
                 let of = |x: &[Vec<f64>]| level(x, scene.rate, t, t + PART);
@@ -125,7 +124,7 @@ fn scene(name: &str) -> Scene {
     compile(&load(name), &catalog(), &Options::default()).expect("it compiles").scene
 }
 
-/// The keys that some port listens to, the lowest of each.
+/// Keys that ports listen to, the lowest of each port.
 fn keys(scene: &Scene) -> BTreeSet<u8> {
     let low = |m: ca_core::internal::io::midi::MidiMap| match m.source {
         MidiSource::Note { low, .. } => Some(low),
@@ -164,7 +163,6 @@ fn every_note_is_heard_and_louder_with_velocity_and_ends_quietly() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// The palm of a gong stops it however softly its key is pressed.
 #[test]
 fn a_palm_damps_at_any_velocity() {
     for (name, palm) in DAMPERS {

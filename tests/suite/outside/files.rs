@@ -1,5 +1,5 @@
-//! Files in and out through the public interface: what one part writes the other reads, independent libraries agree,
-//! and no content of any file ends the process. `PROPTEST_CASES=100000` makes a long search of it.
+//! Files through the public interface: written files are read back, independent libraries agree, and no file content
+//! ends the process. `PROPTEST_CASES=100000` makes a long search.
 
 use ca_core::internal::io::midi::{MidiMap, MidiSource};
 use ca_io::FileErrorKind;
@@ -32,7 +32,7 @@ fn ports() -> Vec<PortMap> {
         .collect()
 }
 
-/// What every gesture must keep to, wherever it came from.
+/// Checks what holds for every gesture, whatever its format.
 fn playable(g: &Gesture) {
     assert!(!g.tracks().is_empty());
     let end = g.duration();
@@ -49,7 +49,7 @@ fn playable(g: &Gesture) {
     }
 }
 
-/// Either it plays or it says why not, in the words of every other finding.
+/// The file is read into a playable gesture, or refused with a message in the style of all findings.
 fn survives(format: GestureFormat, bytes: &[u8], rate: Option<f64>) {
     match Gesture::read(format, bytes, &ports(), rate) {
         Ok(g) => playable(&g),
@@ -85,7 +85,7 @@ fn npy(dir: &Path, names: &[&str], values: &[f64]) -> Vec<u8> {
     std::fs::read(path).unwrap()
 }
 
-/// Good files of every format.
+/// Valid files of every format.
 fn seeds() -> Vec<(GestureFormat, Vec<u8>)> {
     let dir = tempfile::tempdir().unwrap();
     let fields = b"{'descr': [('time', '<f4'), ('key', '>i2')], 'fortran_order': False, 'shape': (2,), }\n";
@@ -116,7 +116,7 @@ fn the_seeds_of_the_mutations_are_good() {
         let rate = (format == GestureFormat::Npy && !bytes.windows(4).any(|w| w == b"time")).then_some(3000.0);
         let g = Gesture::read(format, &bytes, &ports(), rate).unwrap_or_else(|e| panic!("{format:?}: {e}"));
         playable(&g);
-        // and they are small enough for every prefix to be tried
+        // they are small enough to try every prefix
         for end in 0..bytes.len() {
             survives(format, &bytes[..end], rate);
         }
@@ -186,7 +186,6 @@ proptest! {
         match Gesture::read(GestureFormat::Midi, &smf(&track), &ports(), None) {
             Ok(g) => {
                 playable(&g);
-                // never beyond the ends of the way
                 for t in g.tracks() {
                     for i in 0..200 {
                         let x = t.at(g.duration() * f64::from(i) / 199.0);

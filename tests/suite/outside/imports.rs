@@ -1,8 +1,8 @@
-//! Imported MIMS models against mi.lib itself, from the first sample on: the text of the model becomes a Faust program
-//! here, as the exporter of MIMS makes it, and is played in double precision beside the model that the import writes.
+//! Imported MIMS models against mi.lib itself, from the first sample on.
 //!
-//! The link of mi.lib gets the delayed positions of its ends, x₋₂, as the exporter gives them. What the library makes of
-//! them in its first sample is in `peers.rs`, `first_samples`.
+//! The text of the model is turned into a Faust program as the exporter of MIMS does. It is played in double precision
+//! beside the model that the import writes. The link of mi.lib gets the delayed positions of its ends, x₋₂, as from the
+//! exporter; `first_samples` in `peers.rs` describes the effect in the first sample.
 
 use crate::outside::peers::{Heard, Played, SECOND, agree, by_faust};
 use crate::play::{Random, scene};
@@ -12,14 +12,14 @@ use ca_model::write::write;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-/// The scene of an import, as written to its file, and the titles of what was said.
+/// The scene of an import, through its written file, and the titles of the findings.
 fn imported(text: &str) -> (Scene, Vec<String>) {
     let (model, diags) = import(text, "drawn.mdl");
     assert!(!diags.has_errors(), "{diags}{text}");
     (scene(&write(&model)).scene, diags.list.iter().map(|d| d.title.clone()).collect())
 }
 
-/// What the import plays in a second.
+/// Output of the imported scene for one second.
 fn ours(scene: &Scene, played: Played) -> Heard {
     let mut s = scene.state();
     let ports: Vec<usize> = played.iter().map(|(name, _)| scene.input(name).expect("a port")).collect();
@@ -41,7 +41,6 @@ fn faust(text: &str) -> String {
     let lines: Vec<Vec<&str>> = text.lines().map(|l| l.split_whitespace().collect::<Vec<_>>()).collect();
     let (mut modules, mut links) = (Vec::new(), Vec::new());
     let (mut outs, mut pushes, mut moved) = (Vec::new(), Vec::new(), Vec::new());
-    // index and delayed position of each material element
     let mut mats: BTreeMap<&str, (usize, &str)> = BTreeMap::new();
     for l in &lines {
         let (made, delayed) = match l[1] {
@@ -127,7 +126,7 @@ fn faust(text: &str) -> String {
     )
 }
 
-/// Every output of the import within 1e-12 of that of mi.lib, from the first sample to the last.
+/// Every output of the import is within 1e-12 of mi.lib, from the first sample to the last.
 #[track_caller]
 fn same(text: &str, played: Played) {
     let (scene, _) = imported(text);
@@ -156,7 +155,7 @@ fn a_start_speed_is_the_step_before_the_first_sample() {
 fn a_displaced_mass_rings_about_the_place_where_it_rests() {
     let (scene, _) = imported(AWAY);
     let ours = ours(&scene, &[]);
-    // the first link force: of the stretch, and of the delayed position taken for a speed
+    // the first link force: from the stretch, and from the delayed position taken for a speed
     assert_eq!(ours[0][0], 0.1);
     assert!((ours[0][1] - (0.1 - 0.01 - 0.02)).abs() < 1e-15);
     assert!(ours[0][SECOND - 1].abs() < 1e-15, "it comes to rest at 0: {}", ours[0][SECOND - 1]);
@@ -185,7 +184,7 @@ fn inputs_act_in_the_same_sample() {
 /// A network of a dozen masses with drawn speeds, places, laws and numbers, tied to two grounds.
 fn drawn(seed: u64) -> String {
     let mut rng = Random(seed);
-    // three digits, so that both read the same number
+    // three digits, so that both programs read the same number
     let mut roll = |from: f64, to: f64| format!("{:.3e}", from + (to - from) * 0.5 * (rng.uniform() + 1.0));
     let mut text = format!("@g0 ground {}\n@g1 ground {}\n", roll(-0.5, 0.5), roll(-0.5, 0.5));
     let mats = 12;
@@ -226,7 +225,7 @@ fn drawn_networks_move_as_in_mi_lib_for_a_second() {
     }
 }
 
-/// With the energy ledger: the force that only the first sample has is a change that came in, and nothing is left over.
+/// The ledger books the force of the first sample as a change from outside and balances.
 #[test]
 fn the_ledger_counts_the_first_force() {
     let (model, _) = import(&drawn(7), "drawn.mdl");
@@ -238,7 +237,7 @@ fn the_ledger_counts_the_first_force() {
     assert!(ledger.residual.abs() < 1e-12 * ledger.peak, "{ledger:?}");
 }
 
-/// The start is that of the explicit scheme, a tick a sample; with anything else it is refused, not approximated.
+/// `start = "mi.lib"` is refused with another scheme than explicit, one tick per sample, not approximated.
 #[test]
 fn the_start_of_mi_lib_is_refused_where_mi_lib_has_no_like() {
     let first = |model: &str, rate: &str, more: &str| {

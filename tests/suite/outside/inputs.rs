@@ -1,4 +1,4 @@
-//! `tests/data/inputs`: small files as other programs write them. An older version refused each of them or read it wrong.
+//! `tests/data/inputs`: small files as other programs write them. An older version refused or misread each of them.
 
 use ca_io::cloud;
 use ca_io::gesture::{Gesture, Track};
@@ -32,7 +32,6 @@ fn tables_of_other_programs_are_read() {
         let g = Gesture::open(path(name), &[], None).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!((g.tracks().len(), g.track("key").expect("a key").at(0.25)), (1, 0.002), "{name}");
     }
-    // 16-bit floats, to their last bit
     let g = Gesture::open(path("npy/n04_f16.npy"), &[], Some(3000.0)).unwrap_or_else(|e| panic!("{e}"));
     let half = |x: u16| f64::from(x & 0x3ff | 0x400) * f64::from(i32::from(x >> 10) - 25).exp2();
     let want = [0.0, half(0x151f), half(0x191f), half(0x1bae), half(0x1d1f)];

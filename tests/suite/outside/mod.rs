@@ -1,4 +1,4 @@
-//! Against others: MIMS models, mi.lib by Faust, independent readers of our files.
+//! Against foreign programs: MIMS models, mi.lib by Faust, independent readers of our files.
 
 mod files;
 mod imports;

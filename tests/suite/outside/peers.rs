@@ -1,22 +1,23 @@
-//! Compiled scenes against another's program: mi.lib, the CORDIS-ANIMA modules of Faust. The programs in `peers/` are
-//! ours, the modules and the compiler are not; each is compiled to C++ in double precision, and the same network is
-//! written as a model in per-sample units. Both play one second at 48 kHz. Where there is no Faust or no C++ compiler,
-//! nothing is compared, and the test is skipped.
+//! Compiled scenes against mi.lib, the CORDIS-ANIMA modules of Faust.
 //!
-//! The two must agree to 1e-9 of the largest value heard, which is rounding: mi.lib keeps the last two positions, we a
-//! position and a step, and what differs in the last digits grows by contacts and by springs whose pitch depends on how
-//! far they swing. Programs and models are such that some 1e-11 is the most. Where the two start is not the same, and that is settled here, not in the
-//! programs:
+//! The programs in `peers/` are ours; the modules and the Faust compiler are not. Each program is compiled to C++ in
+//! double precision, and the same network is written as a model in per-sample units. Both play one second at 48 kHz.
+//! Without Faust or a C++ compiler the test is skipped.
 //!
-//! - a module of mi.lib is given its places one and two samples before the first, x₋₁ and x₋₂; its first output is
-//!   already a step on from there. In that step the links do not act yet, whatever they are stretched by (an
-//!   oscillator's own spring and gravity do). Our scenes therefore begin with what comes out of it, x₀ and x₀ − x₋₁.
-//!   Left to itself our text takes half a step of the forces off at the start, to be of second order.
-//! - a link of mi.lib is given "initial delayed positions" for the speeds of its first sample. They are *added* where
-//!   they should be taken away, so that only −x₋₁ makes a right speed ([`first_samples`]).
-//! - a contact forgets its threshold in that same speed; ours do not touch anything in the first sample.
+//! The two must agree to 1e-9 of the largest value, which is rounding: mi.lib stores the last two positions, we a
+//! position and a step. Differences in the last digits grow in contacts and in springs whose pitch depends on
+//! amplitude; with these programs and models they reach about 1e-11. The starts differ. This is handled here, not in
+//! the programs:
 //!
-//! Two laws differ for good, see [`a_clipped_spring`] and [`a_pluck`], and the smooth bow in its sixth digit, see
+//! - A module of mi.lib gets its positions one and two samples before the first, x₋₁ and x₋₂, and its first output is
+//!   already one step later. In that step the links do not act yet, even if stretched (an oscillator's own spring and
+//!   gravity do). Our scenes therefore begin with the result of that step, x₀ and x₀ − x₋₁. By default our text would
+//!   subtract half a step of the forces at the start, to be of second order.
+//! - A link of mi.lib gets "initial delayed positions" for the speeds of its first sample. They are *added* where they
+//!   should be subtracted, so that only −x₋₁ gives the right speed ([`first_samples`]).
+//! - A contact ignores its threshold in that same speed; in our scenes nothing touches in the first sample.
+//!
+//! Two laws differ permanently, see [`a_clipped_spring`] and [`a_pluck`], and the smooth bow in its sixth digit, see
 //! [`bows`].
 
 use crate::acoustics::peak;
@@ -30,20 +31,19 @@ use std::process::{Command, Stdio};
 pub const SECOND: usize = 48_000;
 const SAME: f64 = 1e-9;
 
-/// Ports and what goes into them, a value per tick.
+/// Ports and their inputs, one value per tick.
 pub type Played<'a> = &'a [(&'a str, Vec<f64>)];
 
-/// What came out: a row per output.
+/// Outputs, one row each.
 pub type Heard = Vec<Vec<f64>>;
 
-/// Runs a command that should work.
 fn run(command: &mut Command) -> Result<(), String> {
     let out = command.output().map_err(|e| format!("{}: {e}", command.get_program().display()))?;
     let said = String::from_utf8_lossy(&out.stderr);
     out.status.success().then_some(()).ok_or_else(|| format!("{command:?}: {said}"))
 }
 
-/// A C++ compiler, where there is also a Faust that knows mi.lib; else what is missing, and how that was seen.
+/// A C++ compiler, if there is also a Faust with mi.lib. Otherwise what is missing, and how it was detected.
 fn tools() -> Result<&'static str, (&'static str, String)> {
     let faust = |command: &mut Command| run(command).map_err(|why| ("faust", why));
     faust(Command::new("faust").arg("--version"))?;
@@ -55,14 +55,14 @@ fn tools() -> Result<&'static str, (&'static str, String)> {
     ["c++", "g++", "clang++"].into_iter().find(here).ok_or_else(|| ("c++", "no C++ compiler".into()))
 }
 
-/// What `peers/NAME.dsp` plays in a second; `None` where it cannot be compiled here.
+/// Output of `peers/NAME.dsp` for one second; `None` if it cannot be compiled here.
 #[track_caller]
 fn theirs(name: &str, played: Played) -> Option<Heard> {
     let here = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("peers");
     by_faust(&std::fs::read_to_string(here.join(format!("{name}.dsp"))).unwrap(), played)
 }
 
-/// What a Faust program plays in a second; `None` where it cannot be compiled here.
+/// Output of a Faust program for one second; `None` if it cannot be compiled here.
 #[track_caller]
 pub fn by_faust(text: &str, played: Played) -> Option<Heard> {
     let compiler = match tools() {
@@ -80,7 +80,7 @@ pub fn by_faust(text: &str, played: Played) -> Option<Heard> {
     let mut faust = Command::new("faust");
     faust.arg("-double").arg("-a").arg(here.join("run.cpp")).arg(dsp);
     run(faust.arg("-o").arg(&source)).unwrap();
-    // products and sums rounded one by one, as ours are, also where the processor could join them
+    // products and sums are rounded separately, as ours are, even if the processor could fuse them
     run(Command::new(compiler).args(["-O1", "-ffp-contract=off"]).arg(&source).arg("-o").arg(&program)).unwrap();
 
     let mut program = Command::new(program);
@@ -88,7 +88,6 @@ pub fn by_faust(text: &str, played: Played) -> Option<Heard> {
     let mut program = program.spawn().unwrap();
     let mut to = program.stdin.take().unwrap();
     let bytes: Vec<u8> = (0..SECOND).flat_map(|n| played.iter().flat_map(move |p| p.1[n].to_ne_bytes())).collect();
-    // it answers while it reads
     let feeding = std::thread::spawn(move || to.write_all(&bytes));
     let out = program.wait_with_output().unwrap();
     feeding.join().unwrap().unwrap();
@@ -99,8 +98,8 @@ pub fn by_faust(text: &str, played: Played) -> Option<Heard> {
     Some((0..channels).map(|c| values.iter().skip(c).step_by(channels).copied().collect()).collect())
 }
 
-/// What a model in per-sample units plays in a second. It begins at rest where nothing is displaced, but for masses
-/// that are at x after a step d.
+/// Output of a model in per-sample units for one second. It begins at rest without displacement, except for the masses
+/// in `start`, which are at x after a step d.
 fn ours(text: &str, start: &[(&str, f64, f64)], played: Played) -> Heard {
     let scene = scene(&format!("[rate]\nsound = {SECOND}\n[model]\nunits = \"alg\"\n{text}"));
     let mut s = scene.state();
@@ -124,7 +123,7 @@ fn ours(text: &str, start: &[(&str, f64, f64)], played: Played) -> Heard {
     heard
 }
 
-/// One row against the other, to a part of the largest value.
+/// Compares one row with the other, to a part of the largest value.
 #[track_caller]
 pub fn agree(what: &str, ours: &[f64], theirs: &[f64], tolerance: f64) {
     let top = peak(theirs);
@@ -132,7 +131,7 @@ pub fn agree(what: &str, ours: &[f64], theirs: &[f64], tolerance: f64) {
     within(what, apart(ours, theirs) / top, tolerance);
 }
 
-/// All rows, to rounding.
+/// Compares all rows, to rounding.
 #[track_caller]
 fn all_agree(what: &str, ours: &[Vec<f64>], theirs: &[Vec<f64>]) {
     assert_eq!(ours.len(), theirs.len(), "{what}: outputs");
@@ -141,7 +140,7 @@ fn all_agree(what: &str, ours: &[Vec<f64>], theirs: &[Vec<f64>]) {
     }
 }
 
-/// A soft push, 40 ticks long.
+/// A smooth push, 40 ticks long.
 fn push() -> Vec<f64> {
     let bell = |n: usize| 1e-3 * (std::f64::consts::PI * (n as f64 - 10.0) / 40.0).sin().powi(2);
     (0..SECOND).map(|n| if (10..50).contains(&n) { bell(n) } else { 0.0 }).collect()
@@ -151,16 +150,15 @@ fn push() -> Vec<f64> {
 fn first_samples() {
     let Some(theirs) = theirs("first", &[]) else { return };
     let [damper, contact, pluck, tied, cell] = &theirs[..] else { panic!("{} outputs", theirs.len()) };
-    // a damper on an end that stands still at 10, said to have been at 3: not the force of 7, but of 10 + 3
+    // a damper on an end at rest at 10, declared to have been at 3: not the force of 7, but of 10 + 3
     assert_eq!((damper[0], damper[1]), (-13.0, 0.0));
-    // a contact 2 deep between ends that stand still, by the rule above: its threshold is taken for a speed
+    // a contact 2 deep between ends at rest, by the rule above: its threshold is taken for a speed
     assert_eq!((contact[0], contact[1]), (2.0 + 2.0, 2.0));
-    // the second end of a plucked pair stands above the first and is pushed up: it is repelled
+    // the second end of a plucked pair is above the first and is pushed up: it is repelled
     assert_eq!(pluck[0], 0.9 * 0.5);
-    // a stretched spring does not act in the first sample, an oscillator's own does
+    // a stretched spring does not act in the first sample, an oscillator's own spring does
     assert_eq!((tied[0], tied[1]), (1.0, 0.75));
     assert_eq!((cell[0], cell[1]), (0.75, 0.3125));
-    // from there on they are the same
     assert_eq!(tied[1..], cell[..SECOND - 1]);
 }
 
@@ -194,7 +192,7 @@ fn cells_and_linear_links() {
          [REF]\ncd = {{ between = [\"b\", \"c\"], k = 4e-3, z = 5e-4 }}\n\
          [SOX]\nx = {{ from = \"a\" }}\ny = {{ from = \"b\" }}\nz = {{ from = \"c\" }}\n"
     );
-    // the first step of mi.lib, links not yet acting
+    // the first step of mi.lib, before the links act
     let first = |k: f64, z: f64, [before, now]: [f64; 2]| {
         let x = (2.0 - k - z) * now + (z - 1.0) * before - g;
         (x, x - now)
@@ -214,8 +212,8 @@ fn springs_that_stiffen() {
     all_agree("springs", &ours(text, &[("a", 0.5, 0.0), ("b", 0.5, 0.0)], &[]), &theirs);
 }
 
-/// The clipped cubic spring of mi.lib goes over into its linear bound where the forces are not equal, at √(k − s)/c
-/// instead of √((k − s)/c), and damps by 0.3 k there. We have no such law: up to that point it is a CUB.
+/// The clipped cubic spring of mi.lib changes to its linear bound where the forces differ, at √(k − s)/c instead of
+/// √((k − s)/c), and damps by 0.3 k beyond. We lack such a law; up to that point it is a CUB.
 #[test]
 fn a_clipped_spring() {
     let Some(theirs) = theirs("clipped", &[]) else { return };
@@ -233,15 +231,15 @@ fn a_clipped_spring() {
     let n = theirs.iter().position(|x| x.abs() > wrong).expect("it goes so far");
     assert!(theirs[..n].iter().any(|x| x.abs() > right), "no sample between the two points");
     agree("a clipped spring, up to the point", &ours[..=n], &theirs[..=n], SAME);
-    // and from there on by the difference of the two laws
+    // beyond, the sounds differ by the difference of the two laws
     let (x, v) = (theirs[n], theirs[n] - theirs[n - 1]);
     let step = (k * x + (z + 0.3 * k) * v) - (s * x + c * x.powi(3) + z * v);
     within("a clipped spring, the step at the point", off(ours[n + 1] - theirs[n + 1], step), SAME);
     assert!(step.abs() > 1e-3, "no step to speak of: {step}");
 }
 
-/// The bow of straight pieces is the same law. The smooth one we take from a table of 4097 points, within 2e-6 of its
-/// peak: the swing of a bowed cell differs by as little.
+/// The piecewise bow is the same law. Our smooth bow uses a table of 4097 points, within 2e-6 of its peak, and the
+/// motion of a bowed cell differs by as little.
 #[test]
 fn bows() {
     let played = [("bow", (0..SECOND).map(|n| 1.2e-3 * n as f64).collect())];
@@ -264,8 +262,8 @@ fn bows() {
     agree("a smooth bow", &ours[1], &theirs[1], 1e-5);
 }
 
-/// A few contacts in the second: each makes a difference in the last digits larger, so there should not be many more,
-/// nor long flights between them, over which the positions of mi.lib lose digits.
+/// A few contacts in the second. Each enlarges differences in the last digits, so there should not be many more, nor
+/// long flights between them, in which the positions of mi.lib lose digits.
 #[test]
 fn contacts() {
     let Some(theirs) = theirs("contact", &[]) else { return };
@@ -273,7 +271,7 @@ fn contacts() {
                 a = { m = 0.5, k = 1e-4, z = 2e-3 }\nb = { m = 0.5, k = 1e-4, z = 2e-3 }\n\
                 [BUT]\nhit = { between = [[\"x\", \"y\"], [\"a\", \"b\"]], k = 0.05, z = 5e-3, d = -0.05 }\n\
                 [SOX]\no0 = { from = \"x\" }\no1 = { from = \"a\" }\no2 = { from = \"y\" }\no3 = { from = \"b\" }\n";
-    // thrown at 0.01, of which the hammer's own viscosity has taken a part in the first step
+    // thrown at 0.01, reduced by the hammer's own viscosity in the first step
     let d = (2e-3 / 0.5 - 1.0) * 0.01;
     let ours = ours(text, &[("a", d, d), ("b", d, d)], &[]);
     let touching: Vec<bool> = theirs[0].iter().zip(&theirs[1]).map(|(cell, hammer)| hammer - cell < -0.05).collect();
@@ -282,10 +280,10 @@ fn contacts() {
     all_agree("a contact", &ours, &theirs);
 }
 
-/// The pluck of mi.lib *repels*: a plectrum pushes the string ahead until it has come closer than a tenth of the reach,
-/// then the string slips through and is pushed back from the other side. That is a LNL of four points. An ATT of the
-/// same size pulls where this one pushes; a PLK holds on. mi.lib also has a viscosity within reach, for which the LNL
-/// has no place: it is 0 here.
+/// The pluck of mi.lib *repels*: a plectrum pushes the string ahead until it is closer than a tenth of the reach; then
+/// the string slips through and is pushed back from the other side. That is an LNL of four points. An ATT of the same
+/// size pulls where this one pushes, and a PLK holds on. The pluck of mi.lib also has a viscosity within reach, which
+/// the LNL lacks: it is 0 here.
 #[test]
 fn a_pluck() {
     let way = |n: usize| 0.6 * n.min(10_000) as f64 / 10_000.0;
@@ -305,7 +303,7 @@ fn a_pluck() {
     ));
     let pluck = ours(&table, &[], &played);
     all_agree("a pluck", &pluck, &theirs);
-    // which way it pushes is heard
+    // the sign of the first sound shows the direction of the push
     let pulling = model(&format!(
         "[ATT]\npluck = {{ between = [\"bar\", \"pick\"], k = {:?}, d = {scale:?}, rho = 0.1 }}\n",
         0.9 * k

@@ -1,5 +1,5 @@
-//! Models that others published, played by gestures of ours: imported, written out, read back, compiled, heard. They
-//! are read where they are at hand, beside the project; the project's own tests use models of our own.
+//! Models published by other people, played by our gestures: imported, written, read back, compiled, played. They are
+//! read if they lie beside the project; the project's own tests use our own models.
 
 use crate::acoustics::{cents, partial, peak, period, rms};
 use ca_compile::{Options, compile};
@@ -12,7 +12,7 @@ use ca_tests::catalog;
 use ca_tests::skipped::skipped;
 use std::path::PathBuf;
 
-/// The scene of a published model, by way of the text `ca import` writes; `None` where it is not at hand.
+/// The scene of a published model, through the text that `ca import` writes; `None` if the model is missing.
 #[track_caller]
 fn published(name: &str) -> Option<Scene> {
     let dir = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../shared/data/mims");
@@ -32,7 +32,7 @@ fn published(name: &str) -> Option<Scene> {
     )
 }
 
-/// The outputs while `in1` follows `points`.
+/// Outputs while `in1` follows `points`.
 fn play(scene: &Scene, points: &[(f64, f64)], seconds: f64) -> Vec<Vec<f64>> {
     let gesture = Gesture::new(vec![Track::points("in1", points.to_vec()).unwrap()]).unwrap();
     let mut p = Performance::new(scene, Some(&gesture)).unwrap();
@@ -57,7 +57,7 @@ fn chain(n: usize, a: f64, j: usize, rate: f64) -> f64 {
 #[test]
 fn the_bowed_string_sings_at_its_pitch() {
     let Some(scene) = published("BowedString") else { return };
-    // the bow starts where the model puts it and is drawn at 2.5e-5 a sample, where its friction falls with speed
+    // the bow starts where the model puts it and moves at 2.5e-5 a sample, where its friction falls with speed
     let speed = 2.5e-5 * scene.rate;
     let out = play(&scene, &[(0.0, 1.0), (4.0, 1.0 + 4.0 * speed)], 4.0);
     let tail = &out[0][(2.0 * scene.rate) as usize..];
@@ -76,7 +76,7 @@ fn the_thousand_mass_string_carries_a_pluck() {
     let Some(scene) = published("1000massString") else { return };
     let at = 0.01;
     let out = play(&scene, &[(0.0, 0.0), (at, 0.0), (at + 0.002, 0.2)], 0.2);
-    // 60 masses on, at √a masses a sample, the wave needs 190 samples; viscosity lets a little run ahead
+    // over 60 masses, at √a masses a sample, the wave needs 190 samples; viscosity lets a little run ahead
     let top = peak(&out[0]);
     let onset = out[0].iter().position(|v| v.abs() > 0.02 * top).unwrap() as f64 - at * scene.rate;
     assert!(top > 1e-4, "silent: {top}");

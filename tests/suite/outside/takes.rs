@@ -1,4 +1,4 @@
-//! MCAP files whose records are cut short or lie about their lengths: an error, never a panic.
+//! MCAP files with truncated records or wrong lengths give an error, never a panic.
 
 use ca_haptic::take::Take;
 use proptest::prelude::*;
@@ -16,14 +16,14 @@ fn record(kind: u8, body: &[u8]) -> Vec<u8> {
     [&[kind], &(body.len() as u64).to_le_bytes()[..], body].concat()
 }
 
-/// A chunk that is not compressed, without a sum.
+/// A chunk without compression and without checksum.
 fn chunk(records: &[u8]) -> Vec<u8> {
     let length = (records.len() as u64).to_le_bytes();
     let body = [&[0; 16], &length[..], &[0; 4], &text(""), &length, records].concat();
     record(CHUNK, &body)
 }
 
-/// A good body of every kind of record.
+/// A valid body of every kind of record.
 fn bodies() -> Vec<(u8, Vec<u8>)> {
     let map = [&30_u32.to_le_bytes()[..], &text("format"), &text("1"), &text("a"), &text("bcdefg")].concat();
     vec![
@@ -50,7 +50,7 @@ fn bodies() -> Vec<(u8, Vec<u8>)> {
     ]
 }
 
-/// A file with these bytes behind its header.
+/// A file with these bytes after its header.
 fn file(path: &Path, records: &[u8]) -> PathBuf {
     let header = record(0x01, &[text("ca"), text("x")].concat());
     let end = [record(0x0f, &[0; 4]), record(0x02, &[0; 20])].concat();
@@ -68,7 +68,7 @@ fn a_record_of_any_kind_may_be_cut_anywhere() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("cut.mcap");
     for (kind, body) in bodies() {
-        // whole, it is read; what is missing is a take
+        // complete, it is read; the file is then only not a take
         let whole = said(&file(&path, &record(kind, &body)));
         assert!(whole.contains("no take of `ca`") || [0x02, 0x05].contains(&kind), "{kind:#x}: {whole}");
         for end in 0..body.len() {
@@ -95,7 +95,6 @@ fn an_attachment_without_its_sum_is_named() {
         let what = said(&file(&path, &record(ATTACHMENT, &body[..end])));
         assert!(what.contains("ttachment length"), "{end}: {what}");
     }
-    // a length that no file has
     let mut vast = body.clone();
     vast[32..40].fill(0xff);
     assert!(said(&file(&path, &record(ATTACHMENT, &vast))).contains("ttachment length"));

@@ -1,4 +1,4 @@
-//! The page of error against run time: all scenes are there, what is expected of them holds, and follows from the tables.
+//! The page of error against run time has all scenes, and its claims hold and follow from its tables.
 
 use crate::play::off;
 use ca_benches::accuracy::page::rows;
@@ -7,12 +7,12 @@ use ca_core::tick;
 
 const PAGE: &str = include_str!("../../../docs/measured/accuracy.md");
 
-/// A number of a cell, which may be given as below it.
+/// Number in a cell, which may be an upper bound.
 fn number(cell: &str) -> f64 {
     cell.trim_start_matches("< ").parse().unwrap_or(f64::NAN)
 }
 
-/// Error and time of a row of a scene.
+/// Error and time in a row of a scene.
 fn of(title: &str, row: &str) -> [f64; 2] {
     let all = rows(PAGE, title);
     let row = all.iter().find(|r| r[0].trim_end_matches(" *") == row).unwrap_or_else(|| panic!("no {row} in {title}"));
@@ -28,11 +28,9 @@ fn every_scene_is_on_the_page() {
         assert!(all.iter().any(|r| r[0].ends_with(" *")), "{}: nothing is best", case.title);
         let path = format!("{}/../docs/measured/accuracy/{}.svg", env!("CARGO_MANIFEST_DIR"), case.name);
         let picture = std::fs::read_to_string(&path).expect("a picture");
-        // a dot for each row, and one for each method in the legend
         let methods: std::collections::BTreeSet<&str> =
             all.iter().filter_map(|r| r[0].split_once(" ×").map(|(m, _)| m)).collect();
         assert_eq!(picture.matches("<circle").count(), all.len() + methods.len(), "{}", case.name);
-        // and it can be played
         let scene = crate::play::scene(&(case.text)());
         let mut s = scene.state();
         (0..100).for_each(|_| tick(&scene, &mut s));
@@ -52,7 +50,6 @@ fn what_is_expected_follows_from_the_tables() {
     let string = CASES[0].title;
     let ([modal, modal_ns], [_, ns]) = (of(string, "modal ×1"), of(string, "as written ×1"));
     let ([fourth, fourth_ns], [fine, fine_ns]) = (of(string, "pefrl ×1"), of(string, "as written ×32"));
-    // the tables are written with two digits
     assert!(off(is("error of `modal` over 0.1 s"), modal) < 0.06);
     assert!(off(is("time of `modal` over that of `ca`, 0.1 s"), modal_ns / ns) < 0.02);
     assert!(off(is("error of `pefrl` over that of `ca` at 32 times the rate"), fourth / fine) < 0.06);
@@ -64,7 +61,7 @@ fn what_is_expected_follows_from_the_tables() {
     assert_eq!(reported.len(), 8);
 }
 
-/// Stiff links are proven, and a million times over the limit without the method.
+/// Scenes with stiff links are proven, and without the method they are a million times over the limit.
 #[test]
 fn stiff_links_are_beyond_the_limit() {
     let text = stiffened(1);

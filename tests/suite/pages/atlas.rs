@@ -1,5 +1,5 @@
-//! The stability atlas: coarse maps by the functions that make `docs/measured/atlas.md`, the survival table, and what is no
-//! number at every door.
+//! The stability atlas: coarse maps by the functions that make `docs/measured/atlas.md`, the survival table, and
+//! non-finite numbers at every input.
 
 use crate::play::{case, list, num, off, within};
 use ca_benches::atlas::page::{DOORS, door, row};
@@ -16,13 +16,13 @@ fn no_cell_of_any_map_contradicts_theory() {
         let wrong: Vec<_> = field.cells.iter().filter(|c| c.contradicts()).collect();
         assert!(wrong.is_empty(), "{}: {wrong:?}", map.name);
         assert!(field.judged() >= 40, "{}: theory says something of {} cells only", map.name, field.judged());
-        // and the map has both sides, where theory has a boundary
+        // the map covers both sides of each boundary in theory
         let said = |grows: bool| field.cells.iter().filter(|c| c.said == Some(grows)).count();
         if (map.lines)().is_empty() {
             continue;
         }
         assert!(said(false) >= 5 && said(true) >= 5, "{}", map.name);
-        // so that a boundary that is a quarter off would be seen
+        // a boundary wrong by a quarter would be detected
         for off in [0.8, 1.25] {
             let other = |c: &&Cell| (map.theory)(c.at[0] * off, c.at[1] * off).is_some_and(|said| said != c.grows);
             assert!(field.cells.iter().any(|c| other(&c)), "{}: nothing tells theory × {off}", map.name);
@@ -30,7 +30,7 @@ fn no_cell_of_any_map_contradicts_theory() {
     }
 }
 
-/// The bounds of one undamped bounce, and the closed form behind its map.
+/// Bounds of one undamped bounce, and the closed form behind its map.
 #[test]
 fn c01_a_bounce_is_what_the_closed_form_says() {
     let (mut worst, mut out) = (0.0f64, 0.0f64);
@@ -49,7 +49,7 @@ fn c01_a_bounce_is_what_the_closed_form_says() {
     within("C01 beyond [1 - a/4, 1/(1 - a/4)]", out, 1e-12);
 }
 
-/// The boundary of the device maps at the device of E02, and that passivity is on its safe side for every device.
+/// The boundary of the device maps at the device of E02; passivity is on its safe side for every device.
 #[test]
 fn e02_the_boundary_of_the_device_maps() {
     let c = case("E02");
@@ -65,13 +65,13 @@ fn e02_the_boundary_of_the_device_maps() {
     }
 }
 
-/// What the engine does in one case by one method, played as long as the core suite may.
+/// Outcome of one case by one method, played as long as in the core suite.
 fn played(case: Case, method: &str) -> Outcome {
     let method = METHODS.iter().find(|m| m.name == method).expect("a method");
     case.outcome(&(method.text)(&case).expect("it has a part in it"), case.ticks()[1])
 }
 
-/// docs/numerics.md §3.6, the columns there are.
+/// The columns of docs/numerics.md §3.6.
 #[test]
 fn the_survival_table() {
     let largest = |a: f64, b: f64| match played(Case::Oscillator(a, b), "ca") {
@@ -105,7 +105,7 @@ fn the_survival_table() {
     }
     assert_eq!(largest(0.1, 1.94), (1.0, false));
 
-    // what is implicit bears what explicit links do not: docs/numerics.md §3.6
+    // implicit links survive what explicit links do not: docs/numerics.md §3.6
     let by = |case: Case, method: &str| match played(case, method) {
         Outcome::Largest(x, rises) => (x, rises),
         other => panic!("{case:?} by {method}: {other:?}"),
@@ -125,8 +125,8 @@ fn the_survival_table() {
         assert!(x <= 1.0 && !rises, "a bow, b = {b} by {method}: {x}");
     }
 
-    // a bow beyond its limit: the place stays within what its largest force gives in a tick, over √a; far beyond, the
-    // bar is driven further and further, by no more than that each tick
+    // a bow beyond its limit: the position stays within what its largest force moves it in a tick, over √a; far beyond,
+    // the bar moves further and further, by no more than that each tick
     let far = |b: f64| match played(Case::Bow(b), "ca") {
         Outcome::Largest(x, rises) => (x / (b / 0.5f64.exp() / 0.1f64.sqrt()), rises),
         other => panic!("b = {b}: {other:?}"),
@@ -136,7 +136,7 @@ fn the_survival_table() {
     assert!(!steep.1 && steeper.1 && steeper.0 > 1.0, "{steeper:?}");
     within("a bow, b = 100, per tick", steeper.0 / 48_000.0, 1.0);
 
-    // at a = 4.5 a blow may take as much as the one before made
+    // at a = 4.5 a blow may take as much energy as the one before made
     let Outcome::Energy(worst, _) = played(Case::Contact(4.5), "ca") else { panic!("a = 4.5") };
     assert!(worst > 1.0, "{worst}");
     for a in [3.0, 1e8, 1e16] {
@@ -161,7 +161,7 @@ fn the_survival_table() {
         assert!(gone && ticks < 1024, "H06 b = {b}: {ticks}");
     }
     let Outcome::Astray(by) = played(Case::Flight, "ca") else { panic!("a flight") };
-    // each addition errs by half a unit of the last place at most
+    // each addition errs by at most half a unit in the last place
     within("ten seconds of free flight", by, 0.5 * f64::EPSILON * Case::Flight.ticks()[1] as f64);
 }
 
@@ -171,7 +171,7 @@ fn nothing_that_is_no_number_comes_in() {
         let tried = try_it();
         assert!(tried.through.is_empty() && tried.tried >= 6, "{name}: {:?}", tried.through);
         let row = door(name, what, &tried);
-        // a new kind has new numbers, of which nothing else on the page tells
+        // the row of a new kind is written by `UPDATE`, since nothing else on the page depends on it
         if std::env::var_os("UPDATE").is_some() {
             let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/measured/atlas.md");
             let page = std::fs::read_to_string(path).expect("the page");
@@ -184,7 +184,7 @@ fn nothing_that_is_no_number_comes_in() {
     }
 }
 
-/// The page has a section and a picture for every map, no contradiction, and the rows the engine gives today.
+/// The page has a section and a picture for every map, no contradiction, and the rows that the engine gives today.
 #[test]
 fn the_page_of_the_atlas_holds() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/measured/atlas");
@@ -207,7 +207,6 @@ fn the_page_of_the_atlas_holds() {
             assert!(PAGE.contains(&format!("| {} |", case.name())), "{}", case.name());
         }
     }
-    // and the pictures are drawn by what is here
     let map = &MAPS[0];
     assert!(svg::draw(map, &map.play(4, 3)).matches("<rect").count() > 6);
 }

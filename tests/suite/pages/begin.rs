@@ -1,4 +1,4 @@
-//! The start of every method has the order of the method, by the functions that make the table of `docs/measured/atlas.md`.
+//! Every start has the order of its method, by the functions that make the table of `docs/measured/atlas.md`.
 
 use crate::play::{scene, within};
 use ca_benches::atlas::orders::CASES;
@@ -17,7 +17,7 @@ fn a_start_has_the_order_of_its_method() {
     assert!(page.contains(&here), "the page is of another build, not\n{here}");
 }
 
-/// What the default scheme makes of a hand is what it always was: it is placed by the first tick, and stands.
+/// The default scheme starts a hand as before: the first tick places it, at rest.
 #[test]
 fn the_default_scheme_begins_as_it_did() {
     let text = |method: &str| {

@@ -1,5 +1,5 @@
-//! The peers of `docs/measured/peers.md` play what the engine plays: two networks by flat C, which needs no Faust; and the
-//! page is the one the bench makes. Its times are for the bench, `benches/peers.rs`: they hang on the machine.
+//! The peers of `docs/measured/peers.md` play what the engine plays, tested with two networks in flat C, which needs no
+//! Faust; and the page is the one of the bench. Times depend on the machine and are left to `benches/peers.rs`.
 #![cfg(target_os = "linux")]
 
 use crate::play::within;
@@ -8,7 +8,7 @@ use ca_benches::peers::page::{HEAD, PEERS, Row, SHORT};
 use ca_benches::peers::player::{BLOCK, Engine, Peer, Player, apart};
 use ca_benches::peers::{Case, cases, write};
 
-/// Of two machines with AVX-512, and of one without.
+/// Two machines with AVX-512, and one without.
 const PAGES: [&str; 3] = [
     include_str!("../../../docs/measured/peers.md"),
     include_str!("../../../docs/measured/peers-xeon.md"),
@@ -33,7 +33,7 @@ fn flat_c_plays_what_the_engine_plays() {
         };
         let started = engine.started(&case.net);
         within(name, apart(&heard, &peer(&started)), case.tolerance);
-        // a network that is another by a thousandth of one mass is not taken for this one
+        // a network with one mass different by a thousandth is detected
         let mut other = started.clone();
         other.mats[case.net.heard[0]].m *= 1.001;
         assert!(apart(&heard, &peer(&other)) > case.tolerance, "{name}: nobody would see it");
@@ -53,7 +53,7 @@ fn a_compiler_that_is_not_here_is_said() {
     assert_eq!(builder.peer("flat.c", "no-such-compiler"), Err(Without::Missing("no-such-compiler".into())));
 }
 
-/// The program of Faust has every module once, and there is none for space.
+/// The Faust program has every module once; there is none for space.
 #[test]
 fn faust_has_every_module() {
     for Case { net, .. } in cases() {
@@ -83,7 +83,7 @@ fn has_the_rows(page: &str) {
     for ((case, times), ratios) in all.iter().zip(times).zip(ratios) {
         assert_eq!([times[0], ratios[0]], [case.net.name.as_str(); 2]);
         assert_eq!((times[1].parse(), times.len()), (Ok(case.net.modules()), 3 + PEERS.len()));
-        // what is said of a target is what the times of the same page say
+        // claims about a target follow from the times on the same page
         let mut row = Row::new(case);
         let time = |cell: &str| cell.parse::<f64>().ok().map(Ok);
         row.engine = times[2].parse().unwrap();
@@ -96,7 +96,6 @@ fn has_the_rows(page: &str) {
                 continue;
             };
             let is: f64 = cell.split(' ').next().and_then(|n| n.parse().ok()).expect("a figure");
-            // both are rounded
             assert!((is / claim.is - 1.0).abs() < 0.06, "{}: {is} is not {}", case.net.name, claim.is);
             assert_eq!(cell.contains('('), claim.target.is_some(), "{}: {cell}", case.net.name);
         }

@@ -1,6 +1,5 @@
-//! The page of costs is the one the bench makes, every method and every rule of the guard is on it, and no scene has
-//! anything of what it does not use. The numbers are for the bench, `benches/costs.rs`: they hang on the build and, the
-//! times, on the machine.
+//! The page of costs is the one of the bench, has every method and every rule of the guard, and shows that no scene has
+//! parts it does not use. The numbers depend on build and machine and are left to `benches/costs.rs`.
 
 use ca_benches::costs::page::{HEAD, proof};
 use ca_benches::costs::rows;
@@ -10,7 +9,7 @@ use std::collections::BTreeSet;
 
 const PAGE: &str = include_str!("../../../docs/measured/costs.md");
 
-/// The cells of each line of a table that is no head.
+/// Cells of each table row except heads.
 fn table() -> Vec<Vec<&'static str>> {
     let lines = PAGE.lines().filter(|l| l.starts_with("| ") && !l.starts_with("| thing |"));
     lines.map(|l| l.trim_matches('|').split('|').map(str::trim).collect()).collect()
@@ -19,7 +18,7 @@ fn table() -> Vec<Vec<&'static str>> {
 #[test]
 fn the_page_has_the_rows_the_bench_makes() {
     assert!(PAGE.starts_with(HEAD), "`UPDATE=1 cargo bench -p ca-benches --bench costs` makes it anew");
-    // what every scene pays stands last, in the page and here
+    // costs of every scene come last, on the page and here
     let (there, made) = (table(), rows());
     assert_eq!(there.len(), made.len());
     let key = |thing: &str, with: &str| format!("{thing} | {with}");
@@ -35,7 +34,6 @@ fn the_page_has_the_rows_the_bench_makes() {
             let n: f64 = cell.replace('−', "-").parse().unwrap_or(f64::NAN);
             assert!(n.is_finite(), "{cells:?}");
         }
-        // counted as 0, or not there
         assert_eq!(cells.get(4).copied().unwrap_or(""), proof(&row.without), "{cells:?}");
     }
 }
@@ -49,7 +47,6 @@ fn every_method_is_on_the_page() {
         let Type::Choice(of) = kind else { panic!("a method that is no word") };
         words.extend(of);
     }
-    // all others are beside it
     assert!(words.remove("ca") && PAGE.contains("Methods are beside `ca`"));
     let reported = table().into_iter().filter_map(|c| c[0].strip_prefix("method ").map(|m| m.trim_matches('`')));
     assert_eq!(reported.collect::<BTreeSet<_>>(), words);

@@ -1,5 +1,5 @@
-//! The page of instruments says what is measured, every bundled model is on it, and each sentence stands in a header and is so.
-//! `UPDATE=1` writes the figures anew; times, pictures and sounds are of the bench, `benches/instruments.rs`.
+//! The page of instruments agrees with measurements, has every bundled model, and each of its sentences is in a header
+//! and true. `UPDATE=1` rewrites the figures; times, pictures and sounds come from `benches/instruments.rs`.
 
 use ca_benches::instruments::page::{HEAD, page};
 use ca_benches::instruments::{Figures, Instrument, Plays, all, figures, on_all_cores, one_line};
@@ -7,7 +7,6 @@ use ca_tests::long_form::long_form;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-/// What is measured of all, once.
 fn measured() -> &'static [(&'static Instrument, Figures)] {
     static ALL: OnceLock<Vec<(&'static Instrument, Figures)>> = OnceLock::new();
     ALL.get_or_init(|| on_all_cores(|i| (i, figures(&Plays::new(i)))))
@@ -17,7 +16,6 @@ fn docs(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../docs").join(name)
 }
 
-/// Names of the bundled models, in order.
 fn bundled() -> Vec<String> {
     let names = std::fs::read_dir(docs("../models")).expect("models/ is there").map(|e| e.expect("a file").file_name());
     let mut names: Vec<String> = names.filter_map(|n| Some(n.to_str()?.strip_suffix(".ca.toml")?.to_owned())).collect();
@@ -25,7 +23,7 @@ fn bundled() -> Vec<String> {
     names
 }
 
-/// The times of a page: the machine, and the cell of each instrument.
+/// Times on a page: the machine, and the cell of each instrument.
 fn times_of(page: &str) -> Option<(&str, Vec<(&str, &str)>)> {
     let machine = page.strip_prefix(HEAD)?.split_once(".\n- **MAT")?.0;
     let rows = page
@@ -35,7 +33,7 @@ fn times_of(page: &str) -> Option<(&str, Vec<(&str, &str)>)> {
     Some((machine, rows.collect()))
 }
 
-/// Compares two pages; a number with a point may differ by one of its last digit.
+/// Compares two pages. A number with a decimal point may differ by one in its last digit.
 fn same(a: &str, b: &str) -> Result<(), String> {
     if a.lines().count() != b.lines().count() {
         return Err(format!("{} lines, not {}", a.lines().count(), b.lines().count()));

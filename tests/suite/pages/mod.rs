@@ -1,4 +1,4 @@
-//! Measured pages: each says what its bench makes, and no more.
+//! Measured pages agree with their benches.
 
 mod accuracy;
 mod atlas;

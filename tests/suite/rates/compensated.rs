@@ -1,5 +1,5 @@
-//! Groups at the gesture rate with `border = "compensated"`: what crosses may be anything, what the border makes is what theory
-//! says of it, and the ledger has it.
+//! Groups at the gesture rate with `border = "compensated"`: any link may cross. The energy made at the border is that
+//! of theory, and the ledger counts it.
 
 use crate::play::{audited, mat, model, off, rel_l2, scene, within};
 use ca_compile::{Options, compile};
@@ -10,12 +10,11 @@ use faer::c64;
 
 const GESTURE: &str = "rate = \"gesture\"\nborder = \"compensated\"";
 
-/// One gesture frame.
 fn frame(scene: &Scene, s: &mut State) {
     (0..scene.rates.ratio).for_each(|_| tick(scene, s));
 }
 
-/// A mass in a group and one at the sound rate that a wall holds; the link between them is a straight line that is not of a linear kind.
+/// A mass in a group and one held by a wall, joined by a non-linear kind that is linear in effect.
 fn two(kind: &str, link: &str) -> String {
     format!(
         "[slow]\n{GESTURE}\n[slow.MAS]\nbig = {{ m = \"0.2 kg\", dx0 = \"1 mm\" }}\n[MAS]\nsmall = {{ m = \"10 g\" }}\n[SOL]\nwall = \
@@ -24,17 +23,16 @@ fn two(kind: &str, link: &str) -> String {
     )
 }
 
-/// A spring whose cubic part is below rounding.
 fn straight() -> String {
     two("CUB", "k = \"5 kN/m\", k3 = 1e-30")
 }
 
-/// The two masses in closed form: what the frame of the sound side is to straight lines of the border, and what that makes of the
-/// group (docs/numerics.md §5.4, eq. 5).
+/// The two masses in closed form: response of the sound side within a frame to straight lines of the border, and the
+/// resulting motion of the group (docs/numerics.md §5.4, eq. 5).
 struct TwoMasses {
-    /// T²/m, of a tick
+    /// T²/m per tick
     small: f64,
-    /// T²/M, of a frame
+    /// T²/M per frame
     big: f64,
     ground: f64,
     tie: f64,
@@ -42,8 +40,8 @@ struct TwoMasses {
 }
 
 impl TwoMasses {
-    /// Position and motion of the small mass after a frame, and the mean force on the border in it: the part of its first force, which
-    /// is known as it begins, and the rest.
+    /// Position and motion of the small mass after a frame, and the mean force on the border in that frame: the part of
+    /// its first force, known in advance, and the rest.
     fn frame(&self, [mut x, mut d]: [f64; 2], from: f64, to: f64) -> ([f64; 2], [f64; 2]) {
         let mut mean = [0.0; 2];
         let part = 1.0 / self.ticks as f64;
@@ -60,7 +58,7 @@ impl TwoMasses {
         ([x, d], mean)
     }
 
-    /// What is zero where z^n is a motion; `weights` of the forces of the frames before.
+    /// Characteristic function: zero where z^n is a motion. `weights` belong to the forces of earlier frames.
     fn characteristic(&self, z: c64, weights: &[f64]) -> c64 {
         let real = |v: f64| c64::new(v, 0.0);
         let ([a, c], of_x) = self.frame([1.0, 0.0], 0.0, 0.0);
@@ -79,7 +77,7 @@ impl TwoMasses {
             late /= z;
             expected += late * *w;
         }
-        // where the border is as the frame begins: the mean of two positions of the group
+        // place of the border at the start of the frame: the mean of two positions of the group
         let place = (one + one / z) * 0.5;
         determinant * (z - one) * (z - one) / z - (known + expected * rest) * place * self.big
     }
@@ -96,7 +94,8 @@ impl TwoMasses {
     }
 }
 
-/// How fast what swings at `w` grows in `seconds` \[1/s\]: its part in a second of each end, in a window that leaves the rest out.
+/// Growth rate of the mode at `w` over `seconds` \[1/s\]: compares its amplitude in the first and last second, in a
+/// window that suppresses other modes.
 fn growth(text: &str, name: &str, w: f64, seconds: usize) -> f64 {
     let scene = scene(text);
     let at = mat(&scene, name);
@@ -120,8 +119,10 @@ fn growth(text: &str, name: &str, w: f64, seconds: usize) -> f64 {
     (part(&mut s) / first).ln() / seconds as f64
 }
 
-/// Two masses on a spring that the border knows nothing of: the lowest mode loses as K²T³/2M² (a half tick of R being known: 1 − 1/2R of it), where the force of the frame before
-/// would make KT/2M, and that of half a frame before KT/4M. Both modes are those of the characteristic equation.
+/// Two masses on a spring that is unknown to the border. Both modes agree with the characteristic equation.
+///
+/// The lowest mode decays at K²T³/2M², times 1 − 1/2R because half a tick of R is known. It would grow at KT/2M with
+/// the force of the frame before, at KT/4M with the force of half a frame before.
 #[test]
 fn two_masses_are_those_of_the_characteristic_equation() {
     let (t, frame) = (1.0 / 48e3, 1.0 / 3e3);
@@ -132,11 +133,11 @@ fn two_masses_are_those_of_the_characteristic_equation() {
     let weights = [3.0, -3.0, 1.0];
     let (slow, slow_w) = pair.mode(low, frame, &weights);
     let (fast, fast_w) = pair.mode(high, frame, &weights);
-    // of the force at a frame's beginning half a tick is known
+    // half a tick of the force is known at the beginning of a frame
     let unknown = 1.0 - 0.5 / 16.0;
     let loses = unknown * k * k * frame.powi(3) / (2.0 * 0.2 * 0.2);
     within("K²T³/2M²", off(slow, -loses), 0.02);
-    // what it would be by the frame before, uncorrected
+    // growth with the uncorrected force of the frame before
     let late = pair.mode(low, frame, &[1.0]).0;
     within("KT/2M", off(late, unknown * k * frame / 0.4), 0.01);
     assert!(slow.abs() < 0.005 * k * frame / 0.8, "{slow} /s against {late} /s");
@@ -144,8 +145,8 @@ fn two_masses_are_those_of_the_characteristic_equation() {
     within("the other", off(growth(&straight(), "small", fast_w, 10), fast), 1e-6);
 }
 
-/// It is said: the certificate, a warning, and no more than that where nothing is unknown. A linear spring is exact as without the word,
-/// to the identity of the scene.
+/// An unknown link gives a certificate that is not proven and a warning. A linear spring stays exact, and the scene has
+/// the same identity as without the word.
 #[test]
 fn only_what_is_unknown_is_not_proven() {
     let unknown = scene(&straight());
@@ -161,8 +162,8 @@ fn only_what_is_unknown_is_not_proven() {
     assert!(known.state().slow.is_some_and(|s| s.unknown.is_empty()));
 }
 
-/// A body that hits a spring: at a fine frame it is what it is at the sound rate, by an error that falls to a fourth or less with each
-/// half of the frame.
+/// A body that hits a spring: with shorter frames it converges to the result at the sound rate. Halving the frame
+/// divides the error by at least four.
 #[test]
 fn a_contact_comes_to_what_it_is_at_the_sound_rate() {
     let text = |rate: &str| {
@@ -172,7 +173,6 @@ fn a_contact_comes_to_what_it_is_at_the_sound_rate() {
              [\"small\", \"slow.big\"], k = \"20 kN/m\", d = 0 }}\n[SOX]\nout = {{ from = \"small\", gain = 100 }}\n"
         )
     };
-    // and what the border made of all the energy there was
     let heard = |text: &str| -> (Vec<f64>, f64) {
         let scene = audited(text);
         let mut s = scene.state();
@@ -200,8 +200,7 @@ fn a_contact_comes_to_what_it_is_at_the_sound_rate() {
     within("energy at 24 kHz", found[3].1, 5e-5);
 }
 
-/// What is linear stays exact beside what is not: a spring a hundred times as stiff as a frame could bear, and a contact that
-/// never closes.
+/// Linear links stay exact beside others: a spring too stiff for a frame by 100, a contact that never closes.
 #[test]
 fn what_is_known_stays_exact() {
     let text = |more: &str| {
@@ -227,7 +226,7 @@ fn what_is_known_stays_exact() {
     within("beside a contact", rel_l2(&a, &b), 1e-9);
 }
 
-/// Two free bodies that meet across the border keep their momentum, whatever was expected of it.
+/// Two free bodies that collide across the border keep their momentum, whatever was predicted.
 #[test]
 fn momentum_is_kept() {
     let scene = scene(&format!(
@@ -245,7 +244,7 @@ fn momentum_is_kept() {
     within("momentum", off(0.02 * big + 0.005 * small, -0.02), 1e-12);
 }
 
-/// All that may cross by this border alone, at once.
+/// Everything that only this border lets cross, at once.
 const ALL: &str = r#"
 [param]
 slack = { value = 2, unit = "kN/m", live = true, min = 1, max = 3 }
@@ -310,8 +309,9 @@ of_light = { from = "light" }
 of_pipe = { from = "pipe[0]" }
 "#;
 
-/// The ledger closes over whatever crosses. What the border made is what the group was given beyond the mean force of each frame,
-/// times its motion, and nothing else is left at the border as a frame is entered but half a tick of work.
+/// The ledger balances with every kind of link across. The energy made at the border is the force given to the group,
+/// less the mean force of each frame, times its motion. At the start of a frame only half a tick of work is left at the
+/// border.
 #[test]
 fn the_ledger_counts_what_the_border_makes() {
     for rate in ["", "oversample = 2", "gesture = \"6 kHz\""] {
@@ -364,7 +364,6 @@ fn the_ledger_counts_what_the_border_makes() {
     }
 }
 
-/// A state is all there is, what is expected of the next frame included.
 #[test]
 fn a_snapshot_goes_on_to_the_bit() {
     let scene = scene(ALL);
@@ -379,7 +378,7 @@ fn a_snapshot_goes_on_to_the_bit() {
     assert_ne!(s.bits(), kept.bits(), "what is expected decides the next frame");
 }
 
-/// Without the word each of these is an error that names it; with it, what is wrong within the group, and a key that jumps, still are.
+/// Errors name each of these links without the word, and errors within the group and a jumping key with it.
 #[test]
 fn what_may_cross_is_said() {
     let errors = |text: &str| match compile(&model(text), &catalog(), &Options::default()) {

@@ -1,4 +1,4 @@
-//! The output stage: the high pass of an output and the low-pass of all channels, against their closed forms.
+//! The output stage against closed forms: the high pass of an output and the low-pass of all channels.
 
 use crate::play::{PI, TURN, apart, mat, reference, scene, with, within};
 use ca_compile::{Options, load};
@@ -7,12 +7,11 @@ use ca_core::internal::scene::same_since;
 use ca_core::{Scene, tick};
 use std::fmt::Write as _;
 
-/// A port that is heard, so that any signal can be sent through an output.
+/// A port wired to an output, so that any signal can be sent through the output.
 fn wire(rate: &str, out: &str) -> Scene {
     scene(&format!("[rate]\n{rate}\n[ENX]\nin = {{}}\n[SOX]\nout = {{ from = \"in\"{out} }}\n")).scene
 }
 
-/// What comes out where `x` goes in.
 fn through(scene: &Scene, x: impl Iterator<Item = f64>) -> Vec<f64> {
     let mut s = scene.state();
     x.map(|x| {
@@ -23,7 +22,7 @@ fn through(scene: &Scene, x: impl Iterator<Item = f64>) -> Vec<f64> {
     .collect()
 }
 
-/// The answer to a unit impulse one tick after load, without that tick.
+/// Response to a unit impulse one tick after load, without that first tick.
 fn impulse(scene: &Scene, n: usize) -> Vec<f64> {
     through(scene, (0..=n).map(|i| f64::from(u8::from(i == 1)))).split_off(1)
 }
@@ -41,7 +40,7 @@ fn a_high_pass_is_the_one_it_says() {
         let scene = wire(&format!("sound = {rate}"), &format!(", gain = 2, dc = \"{fc} Hz\""));
         let h = impulse(&scene, (40.0 * rate / (TURN * fc)) as usize);
         for f in [0.3 * fc, fc, 5.0 * fc, 0.25 * rate, 0.49 * rate] {
-            // the analogue one, with the frequency axis bent by the bilinear map
+            // the analogue filter, with the frequency axis warped by the bilinear transform
             let (t, c) = ((PI * f / rate).tan(), (PI * fc / rate).tan());
             let (gain, phase) = response(&h, TURN * f / rate);
             within(&format!("high pass {fc} Hz at {f} Hz"), (gain - 2.0 * t / t.hypot(c)).abs(), 1e-11);
@@ -50,7 +49,7 @@ fn a_high_pass_is_the_one_it_says() {
     }
 }
 
-/// Cells of which each is heard in channel 0, in this order, and one beside it in channel 1; the force of a spring too if asked.
+/// A bank of cells, each in channel 0 in the given order, one also in channel 1, and optionally the force of a spring.
 fn bank(order: impl Fn(usize) -> usize, force: bool) -> String {
     let mut text = String::from("[CEL]\n");
     for i in 0..N {
@@ -112,7 +111,6 @@ fn what_is_steady_goes_and_makes_no_thump() {
     assert!(through(&scene, (0..1000).map(|_| 1e-3)).iter().all(|y| *y == 0.0));
     let late = through(&scene, (0..96_000).map(|n| if n < 10 { 0.0 } else { 1e-3 }));
     assert!(late[10] > 0.99 && late[95_999].abs() < 1e-30);
-    // long after, it is nothing at all, not something denormal
     let pulse = impulse(&scene, 800_000);
     assert_eq!(pulse[799_999], 0.0);
 }
@@ -130,7 +128,6 @@ fn outputs_with_and_without_a_high_pass_share_a_channel() {
     let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect::<Vec<_>>();
     within("superposed", apart(&sum(&plain, &both), &sum(&first, &second)), 1e-17);
     assert!(apart(&first, &second) > 1e-6 && apart(&plain, &both) > 1e-6);
-    // the order of the file does not matter
     assert_eq!(text("", ", dc = 30").out.blockers.len(), 1);
 }
 
@@ -152,7 +149,7 @@ fn several_ears_and_forces_have_a_high_pass_each() {
     assert_eq!((scene.out.blockers.len(), scene.state().ports.blocked.len()), (6, 6));
     let names: Vec<_> = scene.passes.writes.iter().map(|o| (o.name(), o.n)).collect();
     assert_eq!(names, [("outputs", 0), ("high pass", 6)]);
-    // a steady push bends the string; nothing of that is heard for long
+    // a steady push bends the string, but its output soon returns to zero
     let mut s = scene.state();
     s.input[0] = 0.1;
     let mut most = [0.0f64; 2];
@@ -195,7 +192,7 @@ fn filters_are_part_of_the_state() {
     assert!(a.bits() != bits && b.bits() != bits && a.bits() != b.bits());
 }
 
-/// I₀ by its integral: the mean of exp(x cos θ) over half a turn, which the trapezoid rule finds exactly.
+/// I₀ by its integral: the mean of exp(x cos θ) over half a turn, for which the trapezoid rule is exact.
 fn bessel(x: f64) -> f64 {
     (0..200).map(|i| (x * (PI * (f64::from(i) + 0.5) / 200.0).cos()).exp()).sum::<f64>() / 200.0
 }
@@ -208,7 +205,7 @@ fn a_low_pass_is_the_one_it_says() {
         let what = format!("low-pass {edge} Hz of {rate}");
         let h = impulse(&scene, n + 3);
         assert!(h[n..].iter().all(|y| *y == 0.0), "{what}: {n} coefficients");
-        // Kaiser's window and a sinc from the middle of the band between the edge and half the rate
+        // Kaiser's window and a sinc with its cut-off halfway between the edge and half the rate
         let (middle, beta) = (n / 2, 0.1102 * (88.0 - 8.7));
         let ideal = |i: usize| {
             let t = i as f64 - middle as f64;
@@ -220,7 +217,7 @@ fn a_low_pass_is_the_one_it_says() {
         let sum: f64 = ideal.iter().sum();
         let ideal: Vec<f64> = ideal.iter().map(|v| v / sum).collect();
         within(&what, apart(&h[..n], &ideal), 1e-14);
-        // what is promised: 80 dB at half the rate, as little ripple below the edge, one delay for all
+        // as documented: 80 dB at half the rate, small ripple below the edge, one delay for all frequencies
         let delay = delays(&scene).filter * rate;
         assert_eq!(delay.round() as usize, middle);
         within(&format!("{what}, stop"), response(&h, PI).0, 1e-4);
@@ -232,7 +229,6 @@ fn a_low_pass_is_the_one_it_says() {
             within(&format!("{what}, delay"), (turns - turns.round()).abs(), 1e-9);
         }
         within(&format!("{what}, middle"), (response(&h, PI * (edge / rate + 0.5)).0 - 0.5).abs(), 1e-3);
-        // and no more coefficients than the band asks for
         assert!(n as f64 <= 80.1 / (2.285 * TURN * (0.5 - edge / rate)) + 5.0, "{what}: {n}");
     }
 }
@@ -292,7 +288,7 @@ fn a_pickup_hears_speed_acceleration_force_and_differences() {
                     within("acceleration is the change of speed", (a - (v - v1) / dt).abs(), 1e-6 * a.abs().max(1.0));
                 }
             } else if n > 4 {
-                // four ticks a sample: against the cell's own motion, of second order
+                // four ticks a sample: second-order estimate from the cell's own motion
                 if let Some((x1, _, x2)) = last {
                     let (slope, bend) = ((x - x2) / (8.0 * dt), (x - 2.0 * x1 + x2) / (16.0 * dt * dt));
                     within("speed between samples", (v - slope - bend * 3.5 * dt).abs(), 2e-3 * v.abs().max(1.0));

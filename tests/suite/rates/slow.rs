@@ -1,12 +1,12 @@
-//! Groups at the gesture rate: nothing is made at their border, whatever is tied across, and at a fine frame they are what they
-//! are at the sound rate.
+//! Groups at the gesture rate: no energy is made at their border, whatever links cross, and with short frames they
+//! converge to the result at the sound rate.
 
 use crate::play::{audited, mat, model, off, rel_l2, scene, within};
 use ca_compile::{Options, compile};
 use ca_core::{Level, Scene, State, tick};
 use ca_tests::catalog;
 
-/// A mass in a group and one at the sound rate, joined, the second held by a wall.
+/// A mass in a group joined to one at the sound rate, which a wall holds.
 fn two(rate: &str, big: &str, link: &str) -> String {
     format!(
         "[slow]\nrate = \"{rate}\"\n[slow.MAS]\nbig = {{ m = \"{big}\", dx0 = \"1 mm\", v = 0.1 }}\n\
@@ -16,7 +16,7 @@ fn two(rate: &str, big: &str, link: &str) -> String {
     )
 }
 
-/// A body in space under weight that a hand holds, tied to a string in two places.
+/// A body in space under gravity, held by a hand and tied to a string in two places.
 const BODY: &str = r#"
 [body]
 dim = 3
@@ -48,7 +48,6 @@ out = { from = "low[5]", gain = 100 }
 seen = { from = "body.d", along = "z" }
 "#;
 
-/// A hand that moves, read as a frame begins.
 fn move_hand(scene: &Scene, s: &mut State) {
     if s.tick == 0 || (s.tick - 1).is_multiple_of(u64::from(scene.rates.ratio)) {
         let t = s.tick as f64 / scene.rate;
@@ -58,8 +57,8 @@ fn move_hand(scene: &Scene, s: &mut State) {
     }
 }
 
-/// The energy of the two masses at the end of a frame that nothing changes (docs/numerics.md §5.4), from positions and motion
-/// alone: the mass of the group by its own scheme, the others as they are with the border where it is.
+/// Conserved energy of the two masses at the end of a frame (docs/numerics.md §5.4), from positions and motion alone:
+/// the mass of the group by its own scheme, the sound side with the border fixed.
 fn energy(scene: &Scene, s: &State, [small, border]: [usize; 2], big: f64, k: f64) -> f64 {
     let (t, frame) = (1.0 / scene.rate, f64::from(scene.rates.ratio) / scene.rate);
     let d = s.slow.as_ref().expect("a group").state.d[0];
@@ -69,8 +68,11 @@ fn energy(scene: &Scene, s: &State, [small, border]: [usize; 2], big: f64, k: f6
     kinetic + 0.5 * 20_000.0 * x * at + 0.5 * k * (border - at) * (border - x)
 }
 
-/// E05: two masses across the rates neither gain nor lose in 100 s, also where the link, at the rate of the group, is a hundred
-/// times what its mass could bear: kT²/M = 111. By the mean force of the frame before they would grow at KT/4M, both springs in series: 1.7 /s and 1600 /s.
+/// E05: two masses across the rates neither gain nor lose energy in 100 s. Nor do they in 10 s with a link a hundred
+/// times stiffer than its mass allows at the rate of the group: kT²/M = 111.
+///
+/// With the mean force of the frame before, the energy would grow at KT/4M with both springs in series: 1.7 /s and 1600
+/// /s.
 #[test]
 fn e05_two_masses_across_the_rates_keep_their_energy() {
     for (big, m, k, n) in [("0.2 kg", 0.2, 5e3, 300_000), ("1 g", 1e-3, 1e6, 30_000)] {
@@ -92,7 +94,7 @@ fn e05_two_masses_across_the_rates_keep_their_energy() {
     }
 }
 
-/// How far the force that the border believed of each frame is from the mean of those of its ticks, against the largest.
+/// Largest error of the predicted force of a frame against the mean over its ticks, relative to the largest force.
 fn unforeseen(scene: &Scene) -> f64 {
     let group = scene.rates.slow.as_ref().expect("a group");
     let mut s = scene.state();
@@ -118,7 +120,7 @@ fn unforeseen(scene: &Scene) -> f64 {
     worst / size
 }
 
-/// What the border believes of the frame to come is what comes, force by force, of a body in space in the hand.
+/// The border predicts the mean force of each frame exactly, for a body in space held by a hand.
 #[test]
 fn the_force_of_a_frame_is_known_as_it_begins() {
     for rate in ["", "gesture = \"1 kHz\"", "gesture = \"48 kHz\"", "latency = 2"] {
@@ -129,7 +131,7 @@ fn the_force_of_a_frame_is_known_as_it_begins() {
     }
 }
 
-/// A force gets one link far in a tick: behind as many as a frame has ticks there may be a contact, and none before.
+/// A force travels one link per tick. Within that reach of a frame a contact is refused, beyond it a contact may be.
 #[test]
 fn beyond_the_reach_of_a_frame_there_may_be_anything() {
     let text = |node: usize| {
@@ -140,7 +142,7 @@ fn beyond_the_reach_of_a_frame_there_may_be_anything() {
              \"buzz\" }}\n"
         )
     };
-    // low[0] is one link from the group
+    // `low[0]` is one link from the group
     let scene = scene(&text(15));
     let mut s = scene.state();
     let touches = (0..24_000).filter(|_| {
@@ -156,8 +158,8 @@ fn beyond_the_reach_of_a_frame_there_may_be_anything() {
     );
 }
 
-/// The ledger closes over both rates, tick by tick, and what is under way between them as a frame is entered is what the force
-/// of its first tick does in half a tick: nothing is lost or made at the border.
+/// The ledger balances over both rates, tick by tick. At the start of a frame the energy in transit is the work of the
+/// force of its first tick in half a tick, so none is lost or made at the border.
 #[test]
 fn the_ledger_closes_over_both_rates() {
     for rate in ["", "oversample = 2", "gesture = \"6 kHz\""] {
@@ -186,7 +188,6 @@ fn the_ledger_closes_over_both_rates() {
     }
 }
 
-/// A viscous link across takes energy, and never gives: in a frame, and over all of them.
 #[test]
 fn a_damper_across_the_rates_only_takes() {
     let scene = audited(&two("gesture", "1 g", "k = 1e5, z = 50"));
@@ -202,8 +203,7 @@ fn a_damper_across_the_rates_only_takes() {
     assert!(last < 0.1 * s.ledger.as_ref().expect("kept").balance().h0);
 }
 
-/// The error of a group is of second order in its frame: against the same scene with the group at the sound rate, it falls
-/// by four where the frame is halved.
+/// The error of a group is of second order in its frame, against the group at the sound rate.
 #[test]
 fn a_group_comes_to_what_it_is_at_the_sound_rate() {
     let heard = |text: &str| -> Vec<f64> {
@@ -226,7 +226,7 @@ fn a_group_comes_to_what_it_is_at_the_sound_rate() {
     }
 }
 
-/// A generator in a group has the pitch that was asked for, by the tick of the group; and it is heard.
+/// A generator in a group has the given pitch at the tick of the group, and it can be heard.
 #[test]
 fn a_string_in_a_group_has_its_pitch() {
     let scene = scene(
@@ -243,7 +243,6 @@ fn a_string_in_a_group_has_its_pitch() {
     within("pitch", off(f, 40.0), 1e-12);
 }
 
-/// A state is all there is, in the middle of a frame too; kernels differ in rounding alone.
 #[test]
 fn a_snapshot_goes_on_to_the_bit() {
     let scene = scene(BODY);
@@ -264,7 +263,7 @@ fn a_snapshot_goes_on_to_the_bit() {
     assert_ne!(s.bits(), kept.bits(), "the force at the end of a frame decides the next");
 }
 
-/// Without such a group there is nothing of it: `rate = "sound"` is what nothing written is, to the identity of the scene.
+/// `rate = "sound"` is the default: the scene has the same identity and no slow passes.
 #[test]
 fn a_scene_without_slow_groups_has_nothing_of_them() {
     let text = two("sound", "0.2 kg", "k = 5000");
@@ -277,7 +276,7 @@ fn a_scene_without_slow_groups_has_nothing_of_them() {
     assert_eq!((group(&with), group(&scene(&text.replace("sound", "gesture")))), (0, 2));
 }
 
-/// Each side is judged by its own tick: a link within the group by the frame, one across by the sound alone.
+/// Each side is judged by its own tick: a link within the group by the frame, one across by the sound side alone.
 #[test]
 fn each_side_is_judged_by_its_own_tick() {
     let inner = |k: f64| {

@@ -1,4 +1,4 @@
-//! A scene has no pass and no array for what it does not use: space, second ports, pair_sets, borders, filters.
+//! Passes and arrays exist only for features in use: space, second ports, pair sets, rate boundaries, filters.
 
 use crate::play::{scene, with};
 use ca_compile::Options;
@@ -12,7 +12,7 @@ fn passes(s: &Scene) -> Vec<&'static str> {
         .collect()
 }
 
-/// The length of every array that only some scenes need.
+/// Length of every array that only some scenes need.
 fn arrays(s: &Scene) -> [usize; 17] {
     let t = s.state();
     let (few, many) = (&s.layout, &t);
@@ -39,7 +39,7 @@ fn arrays(s: &Scene) -> [usize; 17] {
 }
 
 const STRING: &str = "[STRING]\ns = { n = 30, m = 1e-3, k = 1e5, z = 1e-3 }\n[SOX]\nout = { from = \"s[3]\" }\n";
-/// A body in space, a sheet it pulls at and a pair set, which nothing hears.
+/// A body in space, a sheet it pulls at and a pair set, all without an output.
 const SILENT: &str = "[room]\ndim = 3\n[room.TETRA]\np = { edge = 0.02, m = 1e-3 }\n[room.GRAINS]\n\
                       g = { n = 60, gap = 0.01, m = 1e-4 }\n[CEL]\nc = { m = 1e-3, k = 1e5 }\n[SOL]\nrim = {}\n[LPR]\n\
                       edges = { between = [\"room.p[*]\", \"room.p[*]\"], onto = [\"rim\", \"c\"], k = 2e4 }\n[BUT]\n\
@@ -61,13 +61,12 @@ fn what_nobody_hears_leaves_nothing_behind() {
         (full.counts.n_mat, full.counts.n_lia, full.counts.n_coef, full.counts.n_tap),
         (plain.counts.n_mat, plain.counts.n_lia, plain.counts.n_coef, plain.counts.n_tap)
     );
-    // and where it is heard, all of it is there
+    // with outputs, all of it is there
     let heard = with(
         &format!("{STRING}{SILENT}"),
         &Options { probes: vec!["c".into(), "room.g[0]".into()], ..Options::default() },
     );
     let (names, [onto, reach, pair_sets, ..]) = (passes(&heard), arrays(&heard));
     assert!(["LPR_RES", "BUT"].iter().all(|n| names.contains(n)), "{names:?}");
-    // six LPR, and the pair set
     assert_eq!((onto, reach, pair_sets), (6, 7, 1));
 }

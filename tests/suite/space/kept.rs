@@ -1,5 +1,5 @@
-//! The distance of the tick before, which links between points in space keep: what it costs in rounding, that it is part of a
-//! state, and that a point which is put elsewhere feels no blow.
+//! Links between points in space keep the distance of the last tick: its rounding, its part in the state, and no blow
+//! at a point that is placed elsewhere.
 
 use crate::play::{mat, scene, within};
 use ca_core::internal::op::Vectors;
@@ -8,7 +8,7 @@ use ca_core::{Scene, State, tick};
 const FS: f64 = 48e3;
 const VISCOSITY: f64 = 0.1;
 
-/// Two points 10 cm apart, joined by a damper whose force is heard.
+/// Two points 10 cm apart, joined by a damper whose force is an output.
 fn pair(v: &str) -> Scene {
     let text = format!(
         "[air]\ndim = 3\n[air.MAS]\na = {{ m = \"1 g\", x = [0.3, 0.1, 0.7], v = {v} }}\nb = {{ m = \"1 g\", x = [0.36, 0.18, \
@@ -41,7 +41,7 @@ fn translation_feels_rounding_alone() {
 fn what_is_put_elsewhere_feels_no_blow() {
     let scene = pair("[0, 0, 0]");
     let b = mat(&scene, "air.b");
-    // 1 mm along the link, with no motion
+    // 1 mm along the link, without motion
     let put = |placed: bool| {
         let mut s = played(&scene, 100);
         (0..2).for_each(|k| s.x[b + k] += [6e-4, 8e-4][k]);
@@ -69,13 +69,12 @@ fn a_state_that_is_put_back_goes_on_to_the_bit() {
     };
     let first = on(kept.clone());
     assert_eq!(on(kept.clone()), first);
-    // what is kept is part of it
     let mut other = kept.clone();
     other.links.lengths[0] *= 1.0 + 1e-9;
     assert!(other.bits() != kept.bits() && on(other) != first);
 }
 
-/// Rows along and across, diagonals and what is left over at the end of a block, with and without a softening length.
+/// Rows in both directions, diagonals and block remainders, with and without a softening length.
 #[test]
 fn all_vectors_play_the_same_bits() {
     for soften in ["0 m", "2 mm"] {

@@ -1,13 +1,15 @@
-//! Scenes in space against motions in continuous time, which `data/space/reference.py` integrates at order 8 with
-//! every switch of a contact hit. Each case is rendered at five rates; the error must fall as the scheme promises
-//! (order 2, order 1 where the backward damper of CORDIS-ANIMA acts) and be at 48 kHz what the scheme should make:
-//! more or less than that is a bug. Those figures come from a second, bare implementation of the equations.
-//! `cargo test $ALL --test suite -- reference --nocapture` prints the errors beside the ticks.
+//! Scenes in space against motions in continuous time, which `data/space/reference.py` integrates at order 8 and with
+//! exact contact switches.
 //!
-//! A blow is not smooth: where its switches fall between two ticks adds a part to the error that jumps from rate to
-//! rate, so that one blow alone shows any order between 1.5 and 2.5. The reference therefore has each blow seventeen
-//! times, beginning and ending at other fractions of a tick, evenly spread at every rate, and the order is the slope
-//! of the mean error over all five rates.
+//! Each case is rendered at five rates. The error must fall as the scheme promises: order 2, or order 1 with the
+//! backward damper of CORDIS-ANIMA. At 48 kHz it must be the error that the scheme should have; a larger or smaller
+//! error is a bug. These figures come from a second, minimal implementation of the equations. `cargo test $ALL --test
+//! suite -- reference --nocapture` prints errors and ticks.
+//!
+//! A blow is not smooth. The position of its switches between two ticks adds an error that jumps from rate to rate, so
+//! one blow alone shows any order between 1.5 and 2.5. The reference therefore has each blow seventeen times, with its
+//! beginning and end evenly spread over fractions of a tick at every rate. The order is the slope of the mean error
+//! over all five rates.
 
 use crate::play::{list, mat, num, off, rows, scene, within};
 use ca_core::tick;
@@ -75,7 +77,7 @@ fn model(c: &Value, fs: f64) -> String {
     s + "[SOX]\nout = { from = \"room.a0\", along = \"z\" }\n"
 }
 
-/// Mean square over masses and kept instants of the distance from the reference \[m²\].
+/// Mean square over masses and stored instants of the distance from the reference \[m²\].
 fn miss(c: &Value, fs: f64) -> f64 {
     let scene = scene(&model(c, fs));
     let places: Vec<usize> = (0..list(c, "m").len())
@@ -95,12 +97,12 @@ fn miss(c: &Value, fs: f64) -> f64 {
     sum / (kept.len() * places.len() / 3) as f64
 }
 
-/// The root mean square errors \[m\] of a case, or of its several blows together, at [`RATES`], and their order.
+/// Root mean square errors \[m\] of a case, or of all its blows together, at [`RATES`], and their order.
 fn errors(name: &str) -> (Vec<f64>, f64) {
     let cases = cases(name);
     let mean = |fs: f64| cases.iter().map(|c| miss(c, fs)).sum::<f64>() / cases.len() as f64;
     let errors: Vec<f64> = RATES.iter().map(|fs| mean(*fs).sqrt()).collect();
-    // least squares through (octave, log₂ error), octaves counted from the middle
+    // least squares through (octave, log₂ error), with octaves counted from the middle
     let slope = errors.iter().zip([-2.0, -1.0, 0.0, 1.0, 2.0]).map(|(e, o)| o * e.log2()).sum::<f64>() / 10.0;
     println!("{name}: order {:.3}", -slope);
     for (fs, e) in RATES.iter().zip(&errors) {
@@ -109,7 +111,7 @@ fn errors(name: &str) -> (Vec<f64>, f64) {
     (errors, -slope)
 }
 
-/// Order 2, and the error at 48 kHz \[m\].
+/// Checks for order 2, and the error at 48 kHz \[m\].
 #[track_caller]
 fn second_order(name: &str, should_be: f64) {
     let (errors, order) = errors(name);
@@ -117,7 +119,7 @@ fn second_order(name: &str, should_be: f64) {
     within(&format!("{name} at 48 kHz"), off(errors[2], should_be), 0.002);
 }
 
-/// Order 1, or more as long as the springs' part is the larger one, and the error at 48 kHz \[m\].
+/// Checks for order 1, or more while the error of the springs dominates, and the error at 48 kHz \[m\].
 #[track_caller]
 fn damped(name: &str, should_be: f64) {
     let (errors, order) = errors(name);
@@ -137,7 +139,7 @@ fn a_spinning_tetrahedron() {
 
 #[test]
 fn a_spinning_tetrahedron_with_dampers() {
-    // dampers on the projected velocity instead of the change of length would make over three times that
+    // dampers on the projected velocity instead of the change of length would have over three times this error
     damped("tetrahedron_damped", 3.145e-8);
 }
 

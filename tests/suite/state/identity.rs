@@ -1,4 +1,4 @@
-//! Whose a state and a patch are: those of another scene are refused, whatever their shapes.
+//! Identity of states and patches: another scene refuses them, whatever their shapes.
 
 use crate::play::{audited, scene, with};
 use ca_compile::Options;
@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-/// A bob whose mass or spring is live, with two channels.
+/// A mass on a spring, either of them live, with two channels.
 fn bob(m: &str, k: &str) -> Scene {
     scene(&format!(
         "[param]\ndial = {{ value = 1, live = true, min = 0.1, max = 1e6 }}\n[SOL]\nwall = {{}}\n\
@@ -20,7 +20,7 @@ fn bob(m: &str, k: &str) -> Scene {
     .scene
 }
 
-/// What a call says where it panics.
+/// Message of a call that panics.
 fn panics(f: impl FnOnce()) -> String {
     let said = catch_unwind(AssertUnwindSafe(f)).expect_err("it is refused");
     said.downcast_ref::<String>().cloned().expect("a text")
@@ -37,11 +37,10 @@ fn a_patch_of_another_scene_changes_nothing() {
     assert_eq!(s, before);
     (0..100).for_each(|_| tick(&mass, &mut s));
     assert!(s.output.iter().all(|v| v.abs() < 0.01), "{:?}", s.output);
-    // nor one of no scene, nor to a state of no scene
+    // nor is a patch without a scene accepted, nor a patch by a state without a scene
     let by_hand = Patch { set: patch.set.clone(), ..Patch::default() };
     assert!(!spring.state().apply(&by_hand, 1));
     assert!(!State::<f64>::default().apply(&patch, 1));
-    // its own takes it, however it was made
     assert!(spring.state().apply(&patch, 1));
     assert!(spring.state().apply(&Patch { scene: spring.identity(), set: patch.set }, 1));
 }
@@ -71,7 +70,7 @@ fn a_state_of_another_scene_is_not_played() {
     assert!(said.contains("scene.state()"), "{said}");
 }
 
-/// An engine counts what is not of its scene, and goes on: nothing of it reaches a tick.
+/// An engine counts states and patches of another scene and continues; none of them reaches a tick.
 #[test]
 fn an_engine_takes_only_what_is_of_its_scene() {
     let live = "[param]\ndial = { value = 1, live = true, min = 1, max = 9 }\n";
@@ -86,7 +85,6 @@ fn an_engine_takes_only_what_is_of_its_scene() {
     let retired = engine.command(EngineCommand::Reload(Box::new(other.state())));
     assert!(matches!(retired, Some(Retired::State(s)) if *s == other.state()), "what was refused is given back");
     assert_eq!((engine.counts.refused, &engine.state), (2, &before));
-    // its own are taken
     let patch = mine.controls().set("dial", 2.0).expect("in range");
     engine.command(EngineCommand::Set(Box::new(Change { params: vec![(0, 2.0)], patches: vec![patch] })));
     engine.command(EngineCommand::Reload(Box::new(mine.state())));
@@ -110,14 +108,13 @@ fn a_block_holds_whole_rows() {
         assert!(process(&two, &mut s, &mut vec![7.0; n]));
         assert_eq!(s.tick, ticks);
     }
-    // without outputs there are no rows to be cut
     let silent =
         scene("[MAS]\nbob = { m = 1 }\n[ENX]\nhand = {}\n[RES]\nhold = { between = [\"hand\", \"bob\"], k = 1 }\n");
     let mut s = silent.state();
     assert!(silent.counts.n_out == 0 && process(&silent, &mut s, &mut [0.0; 3]) && s.tick == 3);
 }
 
-/// The same model is the same scene whenever it is compiled, so that a snapshot outlives the scene it was taken of.
+/// Every compilation of a model gives the same scene, so a snapshot outlives its scene.
 #[test]
 fn the_same_model_is_the_same_scene() {
     let (one, again) = (bob("1", "\"dial\""), bob("1", "\"dial\""));
@@ -130,12 +127,12 @@ fn the_same_model_is_the_same_scene() {
     (0..30).for_each(|_| tick(&again, &mut c));
     assert_eq!(a, c, "it goes on in the other");
     assert!(c.apply(&patch, 10));
-    // a change is no other scene
+    // a change makes no other scene
     tick(&again, &mut c);
     assert_eq!(scene_of(&c), again.identity());
 }
 
-/// No two of all models have one identity, with and without what a caller asks for; each is that of its own states.
+/// All models differ in identity, with and without options, and share it with their states.
 #[test]
 fn every_model_is_a_scene_of_its_own() {
     let mut seen: BTreeMap<String, (String, usize)> = BTreeMap::new();
@@ -144,7 +141,7 @@ fn every_model_is_a_scene_of_its_own() {
         let heard = with(&text, &Options { energy: true, ..Options::default() });
         assert_ne!(plain.identity(), heard.identity(), "{name}: a ledger is another state");
         assert_eq!(plain.identity(), with(&text, &Options::default()).identity(), "{name}");
-        // both at once are the same two
+        // compiled together, the two scenes are the same
         let both = with(&text, &Options { audited: true, ..Options::default() });
         assert_eq!(both.identity(), plain.identity(), "{name}");
         assert_eq!(both.audited.map(|s| s.identity()), Some(heard.identity()), "{name}");
@@ -171,7 +168,6 @@ fn codes_are_unique() {
     let taken = ca_model::catalog().iter().next().expect("a kind");
     let said = panics(|| drop(ca_model::catalog().with(&[taken])));
     assert!(said.contains(taken.code) && said.contains(taken.title), "{said}");
-    // also within one list
     let said = panics(|| drop(ca_model::catalog().with(ca_lpr::KINDS).with(ca_lpr::KINDS)));
     assert!(said.contains(ca_lpr::KINDS[0].code), "{said}");
     let twice = [ca_lpr::KINDS[0], ca_lpr::KINDS[0]];

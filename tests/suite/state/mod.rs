@@ -1,4 +1,4 @@
-//! The state of a scene: identity, snapshots, changed scenes while they play, long plays.
+//! The state of a scene: identity, plans, snapshots, scene swaps during play, long plays.
 
 mod identity;
 mod plan;

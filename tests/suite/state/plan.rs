@@ -1,5 +1,5 @@
-//! Plans: a compiled scene as bytes is the same scene, in sound, names and live parameters. Bytes that are not a plan are refused,
-//! and a tick of a scene whose bytes were changed never fails.
+//! Plans: a scene read back from its bytes is the same in sound, names and live parameters. Other bytes are refused,
+//! and a tick of a scene from corrupted bytes never fails.
 
 use crate::play::{audited, reference, scene, with};
 use ca_compile::Options;
@@ -11,14 +11,13 @@ use ca_tests::{KEY, catalog, gesture, texts};
 use proptest::prelude::*;
 use std::sync::OnceLock;
 
-/// Ticks that are played: into contacts, and beyond two gesture frames.
+/// Ticks played: into contacts, and beyond two gesture frames.
 const TICKS: usize = 600;
 
 fn read(bytes: &[u8]) -> Scene {
     Scene::from_bytes(bytes, &catalog()).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Sound and the state at the end.
 fn play(scene: &Scene, mut s: State, ticks: usize) -> (Vec<u64>, State) {
     let mut sound = Vec::new();
     for _ in 0..ticks {
@@ -29,7 +28,7 @@ fn play(scene: &Scene, mut s: State, ticks: usize) -> (Vec<u64>, State) {
     (sound, s)
 }
 
-/// Reads a scene that was written, and compares all that is said of it and played of it.
+/// Writes and reads a scene, and compares all its data and its sound.
 fn same(name: &str, scene: &Scene) {
     let bytes = scene.to_bytes();
     let again = read(&bytes);
@@ -54,8 +53,8 @@ fn same(name: &str, scene: &Scene) {
     }
 }
 
-/// Groups at the gesture rate with exact and compensated borders, in space and on a line, with live parameters, contacts that are
-/// solved, implicit links and friction across.
+/// Groups at the gesture rate with exact and compensated borders, in space and on a line. Live parameters, `stable`
+/// contacts, implicit links and friction cross them.
 const GROUPS: &str = r#"
 [param]
 slack = { value = 2, unit = "kN/m", live = true, min = 1, max = 3 }
@@ -99,7 +98,7 @@ seen = { from = "body.b", along = "y", dc = 20 }
 blow = { from = "hit" }
 "#;
 
-/// Several ticks in a sample, a parameter that a port drives, and one that is live.
+/// Several ticks per sample, a parameter driven by a port, and a live one.
 const TICKS_OF_A_SAMPLE: &str = r#"
 [rate]
 oversample = 3
@@ -119,7 +118,7 @@ felt = { between = ["s[0]", "s[9]"], z = "felt_z" }
 out = { from = "s[20]", gain = 300 }
 "#;
 
-/// The method for all masses at once, which keeps no ledger.
+/// The method for all masses at once, without a ledger.
 const COMPOSED: &str = r#"
 [model]
 method = "pefrl"
@@ -133,7 +132,7 @@ tie = { between = ["bar", "ball"], k = "1 kN/m" }
 out = { from = "ball", gain = 100 }
 "#;
 
-/// Implicit links whose factor follows a live parameter, and a hand that holds one.
+/// Implicit links whose factor follows a live parameter, one of them held by a hand.
 const FACTOR: &str = r#"
 [param]
 grip = { value = "50 kN/m", live = true, min = "1 kN/m", max = "500 kN/m" }
@@ -154,7 +153,7 @@ out = { from = "b", gain = 100 }
 felt = { from = "hand" }
 "#;
 
-/// With the energy ledger, where one is kept.
+/// Compiled with the energy ledger, if it can have one.
 fn compiled(text: &str) -> Scene {
     if text == COMPOSED { scene(text).scene } else { audited(text).scene }
 }
@@ -183,7 +182,7 @@ fn a_scene_of_other_options_is_the_same_from_bytes() {
     }
 }
 
-/// A plan of a record.
+/// A plan with this record.
 fn plan(record: &[u8]) -> Vec<u8> {
     let (version, arithmetic) = (PLAN_VERSION.to_le_bytes(), ARITHMETIC.to_le_bytes());
     let (length, sum) = ((record.len() as u64).to_le_bytes(), checksum(record).to_le_bytes());
@@ -215,7 +214,6 @@ fn bytes_that_are_not_a_plan_are_refused() {
     assert_eq!(with(bytes.len() - 1, 7), PlanError::Checksum);
     assert_eq!(refused(&plan(&bytes[32..100])), PlanError::Record);
     assert_eq!(refused(&plan(&[&bytes[32..], &[0]].concat())), PlanError::Record);
-    // a list that says it is longer than the file
     assert_eq!(refused(&plan(&[0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0x7f])), PlanError::Record);
 }
 
@@ -225,7 +223,7 @@ fn what_the_catalog_lacks_is_named() {
     let bytes = scene(lpr).scene.to_bytes();
     let without = Scene::from_bytes(&bytes, &ca_model::catalog());
     assert!(matches!(&without, Err(PlanError::Law(code)) if code.starts_with("LPR")), "{without:?}");
-    // a generator makes the live numbers of a string; the kinds of the run-time have none
+    // the live numbers of a string come from a generator; the kinds of the run-time have none
     let bytes = scene(TICKS_OF_A_SAMPLE).scene.to_bytes();
     assert!(Scene::from_bytes(&bytes, &Catalog::core()).is_ok(), "no item of a generator is live");
     let live = "[param]\nf = { value = 110, unit = \"Hz\", live = true, min = 100, max = 120 }\n[STRING]\ns = { n = 9, f = \"f\", \
@@ -244,7 +242,7 @@ fn records() -> &'static [Vec<u8>] {
     })
 }
 
-/// Plays a record that is accepted, from rest, under a hand and with its live parameters; returns whether it was.
+/// Plays an accepted record from rest, under a hand and with its live parameters. Returns true if it was accepted.
 fn survives(record: &[u8], ticks: usize) -> bool {
     static CATALOG: OnceLock<Catalog> = OnceLock::new();
     let catalog = CATALOG.get_or_init(catalog);
@@ -267,7 +265,7 @@ fn survives(record: &[u8], ticks: usize) -> bool {
     true
 }
 
-/// Each byte in turn has another value. The long form tries several values for each.
+/// Changes one byte at a time. The long form tries several values for each.
 #[test]
 fn no_changed_byte_makes_a_tick_fail() {
     let long = long_form("bytes of plans with several values each");
@@ -288,7 +286,7 @@ fn no_changed_byte_makes_a_tick_fail() {
     assert!(accepted * 4 > tried, "{accepted} of {tried} were played");
 }
 
-/// A change of a record, at a share of its length.
+/// A change of a record, at a relative position in it.
 #[derive(Clone, Debug)]
 enum Change {
     Set(f64, u8),

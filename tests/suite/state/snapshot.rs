@@ -1,5 +1,5 @@
-//! Snapshots: what follows one is what followed where it was taken, in another state of the same scene; bytes that are no
-//! snapshot of this scene change nothing, and none makes a tick fail.
+//! Snapshots: restored in another state of the same scene, play continues identically. Bytes that are not a snapshot of
+//! this scene change nothing, and none makes a tick fail.
 
 use crate::play::{audited, scene};
 use ca_core::internal::state::SNAPSHOT_VERSION;
@@ -7,7 +7,7 @@ use ca_core::{NotRestored, Scene, State, tick};
 use ca_tests::{KEY, gesture, texts};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Ticks before a snapshot and after it: into a contact, and beyond two gesture frames.
+/// Ticks before and after a snapshot: into a contact, and beyond two gesture frames.
 const TICKS: [u64; 2] = [700, 150];
 
 fn play(scene: &Scene, s: &mut State, ticks: u64) {
@@ -26,7 +26,7 @@ fn every_model_goes_on_from_a_snapshot() {
         let bytes = s.to_bytes();
         let before = (s.bits(), s.ledger.clone());
         play(&scene, &mut s, TICKS[1]);
-        // another compilation, in a state that is somewhere else
+        // another compilation, in a state with a different history
         let again = audited(&text).scene;
         let mut other = again.state();
         play(&again, &mut other, 33);
@@ -98,7 +98,7 @@ fn what_is_no_snapshot_of_this_scene_changes_nothing() {
     assert!(said.contains("another scene") && said.contains("rate"), "{said}");
 }
 
-/// Bytes with a sum that holds, made by somebody who wants a tick to fail.
+/// Snapshots with a valid checksum, made so that a tick would fail.
 #[test]
 fn no_snapshot_makes_a_tick_fail() {
     let fnv = |bytes: &[u8]| {

@@ -1,8 +1,8 @@
-//! Long plays of small models that were drawn: what is proven makes no energy whatever pushes it, and what is
-//! linearised keeps its energy within the ripple that the certificate states.
+//! Long plays of small drawn models: proven scenes never make energy, whatever pushes them, and linearised scenes keep
+//! their energy within the ripple that the certificate states.
 //!
-//! Decides on models drawn part by part, and not by the seed of a generator as those of the certificate are: one that
-//! fails shrinks to the few parts that it takes, and is printed as text.
+//! Models are drawn part by part, not from the seed of a generator as for the certificate. A failing model therefore
+//! shrinks to the few parts it needs, and is printed as text.
 
 use crate::play::{Random, scene, with, within};
 use ca_compile::Options;
@@ -12,8 +12,8 @@ use proptest::sample::{Index, select};
 use proptest::test_runner::TestRunner;
 use std::fmt::Write as _;
 
-/// Plays drawn models: five hundred for two thousand ticks, forty for twenty thousand and one for a million; in the long form ten
-/// thousand for two thousand ticks and sixty for a million.
+/// Plays drawn models: five hundred for two thousand ticks, forty for twenty thousand and one for a million. The long
+/// form plays ten thousand for two thousand ticks and sixty for a million.
 fn soak<S: Strategy>(drawn: impl Fn() -> S, play: impl Fn(&S::Value, u64))
 where
     S::Value: std::fmt::Debug,
@@ -30,18 +30,16 @@ where
     }
 }
 
-/// What a mass is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Body {
     Mass,
     Cell,
     Junction,
     String,
-    /// a position port that a gesture moves
+    /// a position port moved by a gesture
     Port,
 }
 
-/// What ties two masses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Tie {
     Plain,
@@ -50,9 +48,9 @@ enum Tie {
     Contact,
     /// a contact a million times as stiff
     Hard,
-    /// a contact of round bodies
+    /// a contact with a power law
     Round,
-    /// springs that harden, as a cube and as a table, and a plectrum
+    /// hardening springs, as a cubic and as a table, and a plectrum
     Cubic,
     Drawn,
     Plectrum,
@@ -65,12 +63,11 @@ fn decades(n: f64) -> impl Strategy<Value = f64> {
     (-n..n).prop_map(|e| 10f64.powf(e))
 }
 
-/// Nothing, or a viscosity.
 fn viscosity() -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.0), decades(3.0)]
 }
 
-/// A network on a line: its masses, what ties them, and how near to its limit it is.
+/// A network on a line: its masses, its links, and its share of the stability limit.
 #[derive(Clone, Debug)]
 struct Line {
     bodies: Vec<(Body, f64, f64, f64)>,
@@ -101,7 +98,7 @@ fn line() -> impl Strategy<Value = Line> {
     let tie = (select(kinds.to_vec()), any::<Index>(), any::<Index>(), decades(3.0), viscosity());
     let (bodies, ties) = (proptest::collection::vec(body, 2..6), proptest::collection::vec(tie, 1..9));
     (bodies, ties, 0.1..0.99).prop_map(|(mut bodies, ties, near): (Vec<(Body, f64, f64, f64)>, _, _)| {
-        // a force pushes the first
+        // the first module takes the push
         if bodies[0].0 == Body::Port {
             bodies[0].0 = Body::Mass;
         }
@@ -110,7 +107,7 @@ fn line() -> impl Strategy<Value = Line> {
 }
 
 impl Line {
-    /// A mass, a mass of it, or the wall.
+    /// Name of a mass, of a mass in a module, or of the wall.
     fn end(&self, i: usize) -> String {
         match self.bodies.get(i) {
             None => "wall".into(),
@@ -127,7 +124,7 @@ impl Line {
         }
     }
 
-    /// The model, one tick a second, with stiffness and viscosity times `scale`.
+    /// The model at one tick a second, with stiffness and viscosity times `scale`.
     fn text(&self, scale: f64) -> String {
         let codes = [
             "SOL",
@@ -161,19 +158,18 @@ impl Line {
                 Body::Mass => ("MAS", format!("m = {m:e}")),
                 Body::Cell => ("CEL", held),
                 Body::String => ("STRING", format!("n = 4, {held}")),
-                // the heavier, the more there is of the string
+                // a heavier junction has more of the string
                 Body::Junction => ("WAVEGUIDE", format!("f = 0.01, t60 = 5e3, z = {m:e}, at = [0.1], m = {m:e}")),
             };
             add(code, format!("n{i}"), args);
             add("SOX", format!("o{i}"), format!("from = \"{}\"", self.end(i)));
         }
-        // what is implicit in two ways cannot share a mass
+        // links solved in two ways cannot share a mass
         let plain = [Tie::Plain, Tie::Centred, Tie::Implicit, Tie::Crossed];
         let blows = self.ties.iter().any(|t| !plain.contains(&t.0));
         for (l, (tie, a, b, k, z)) in self.ties.iter().enumerate() {
             let n = self.bodies.len();
             let a = a.index(n);
-            // another mass, or the wall
             let b = Some(b.index(n)).filter(|b| *b != a).unwrap_or(n);
             let [p, q] = [a, b].map(|i| self.end(i));
             let held = format!("k = {:e}, z = {:e}", k * scale, z * scale);
@@ -204,7 +200,7 @@ impl Line {
         written.fold("[rate]\nsound = 1\ngesture = 1\n".into(), |text, (code, part)| format!("{text}[{code}]\n{part}"))
     }
 
-    /// The model at its share of the limit, or as far below as it is proven: waves have their share without any spring.
+    /// The model at its share of the limit, or scaled down until proven, since waves need a share even without springs.
     fn proven(&self) -> (String, Scene) {
         let bound = scene(&self.text(1.0)).certificate.bound;
         let mut scale = if bound > 0.0 { self.near * 4.0 / bound } else { 1.0 };
@@ -220,14 +216,13 @@ impl Line {
     }
 }
 
-/// Pushes at random for three quarters of `ticks`: what it has is what it was given, never less than nothing, and left
-/// alone it only falls.
+/// Pushes at random for three quarters of `ticks`, then stops: the energy is what was given, then only falls.
 fn makes_nothing(line: &Line, ticks: u64) {
     let (text, scene) = line.proven();
     ledgers_balance(&text, &scene, ticks);
 }
 
-/// The largest force of a link on a line, as far as its law says.
+/// Largest force of a link on a line, by its law.
 fn strongest(scene: &Scene, s: &State) -> f64 {
     let laws = scene.passes.forces.iter().filter_map(|op| Some((op, op.law?)));
     let forces = laws.flat_map(|(op, law)| {
@@ -242,7 +237,7 @@ fn strongest(scene: &Scene, s: &State) -> f64 {
     forces.fold(0.0, f64::max)
 }
 
-/// The largest kT²/m of a link by the slope that its law says.
+/// Largest kT²/m of a link, by the slope of its law.
 fn stiffest(scene: &Scene, s: &State) -> f64 {
     let laws = scene.passes.forces.iter().filter_map(|op| Some((op, op.law?)));
     let mobility = |end: u32| s.coef[2 * scene.counts.n_mat + end as usize];
@@ -261,7 +256,7 @@ fn ledgers_balance(text: &str, scene: &Scene, ticks: u64) {
     let mut released = f64::INFINITY;
     let (mut far, mut pull): (f64, f64) = (1.0, 0.0);
     let hand = scene.input("hand").expect("a hand");
-    // the rounding of the force of a hard contact, as in `methods::shared`
+    // rounding of the force of a hard contact, as in `methods::shared`
     let rounding = ROOM.max(1e-14 * stiffest(scene, &s));
     for n in 0..ticks {
         let moves = n < ticks / 4 * 3;
@@ -274,7 +269,6 @@ fn ledgers_balance(text: &str, scene: &Scene, ticks: u64) {
                         0.0
                     }
                 }
-                // a port goes back and forth, and is jerked
                 (false, true) => (1e-2 * n as f64 * (i + 1) as f64).sin() + 1e-2 * rng.uniform(),
                 (false, false) => *v,
             };
@@ -284,14 +278,14 @@ fn ledgers_balance(text: &str, scene: &Scene, ticks: u64) {
             continue;
         }
         let b = s.ledger.as_ref().expect("a ledger").balance();
-        // what nothing holds drifts away, and the last digit of where it stands is work of each force on it
+        // free modules drift, and the last digit of their position counts as work of each force
         far = s.x.iter().fold(far, |m, x| m.max(x.abs()));
         pull = pull.max(strongest(scene, &s));
         let room = rounding * b.peak + n as f64 * f64::EPSILON * far * pull * scene.counts.n_lia as f64;
-        // an explicit damper at a port that is jerked may hold less than nothing (docs/numerics.md §2.1)
+        // an explicit damper at a port with jerks may hold negative energy (docs/numerics.md §2.1)
         let least = if scene.inputs.len() > 1 { f64::NEG_INFINITY } else { -room };
         assert!(b.h >= least && b.h <= b.h0 + b.work + room && b.residual.abs() <= room, "{n}: {b:?}\n{text}");
-        // the push of the last tick is entered with the next
+        // the push of the last tick is booked in the next
         if n > ticks / 4 * 3 + 3 {
             assert!(b.h <= released + room, "{n}: {b:?}\n{text}");
             released = b.h;
@@ -299,10 +293,10 @@ fn ledgers_balance(text: &str, scene: &Scene, ticks: u64) {
     }
 }
 
-/// Rounding of the ledger over a million ticks, as a share of the most it held.
+/// Rounding of the ledger over a million ticks, relative to its peak.
 const ROOM: f64 = 1e-9;
 
-/// Two masses that nothing holds, pushed about for so long that the last digit of where they stand counts.
+/// Two free masses, pushed for so long that the last digit of their positions counts.
 #[test]
 fn what_drifts_far_away_is_entered_to_its_last_digit() {
     let text = "[rate]\nsound = 1\ngesture = 1\n[MAS]\na = { m = 1 }\nb = { m = 1 }\n[REF]\nt = { between = [\"a\", \"b\"], k = 0.2 }\n\
@@ -317,17 +311,16 @@ fn what_is_proven_makes_no_energy() {
     soak(line, makes_nothing);
 }
 
-/// Masses in space on a string under tension, each tied to others and to fixed points by springs that are slack where
-/// it rests, and to cells by LPR.
+/// Masses on a string under tension in space, tied by slack springs to others and fixed points, by LPR to cells.
 #[derive(Clone, Debug)]
 struct Space {
-    /// mass, length to the next, stiffness to the next
+    /// Mass, length to the next, stiffness to the next.
     chain: Vec<(f64, f64, f64)>,
-    /// share of the greatest tension at which no spring is shorter than nothing
+    /// Share of the largest tension at which no spring has a negative length.
     tension: f64,
-    /// to a fixed point there from a mass
+    /// Mass, fixed point and stiffness of a stay.
     stays: Vec<(Index, [f64; 3], f64)>,
-    /// from a mass to the next but one or further, onto a cell of this mass and stiffness
+    /// From a mass to one at least two further on, onto a cell of this mass and stiffness.
     crossed: Vec<(Index, Index, f64, f64, f64)>,
     near: f64,
     seed: u64,
@@ -345,10 +338,10 @@ fn space() -> impl Strategy<Value = Space> {
 }
 
 impl Space {
-    /// The model, one tick a second, with all stiffness times `scale`.
+    /// The model at one tick a second, with all stiffness times `scale`.
     fn text(&self, scale: f64) -> String {
         let n = self.chain.len();
-        // one more spring than masses, as the last
+        // one more spring than masses, a copy of the last
         let links: Vec<(f64, f64)> =
             self.chain.iter().chain(self.chain.last()).map(|(_, length, k)| (*length, k * scale)).collect();
         let pull = self.tension * links.iter().map(|(length, k)| length * k).fold(f64::INFINITY, f64::min);
@@ -413,13 +406,12 @@ impl Space {
     }
 }
 
-/// The energy of the ledger.
 fn held(s: &State) -> f64 {
     s.ledger.as_ref().expect("a ledger").h
 }
 
-/// Lets a scene go with each of its places moved by what `moved` says \[m\], and plays it: by what share of itself its
-/// energy above that of rest rose at most above what it was before.
+/// Releases a scene with each place displaced by `moved` \[m\] and plays it. Returns the largest rise of its energy
+/// above any earlier value, relative to that value; energies count from rest.
 fn rises(scene: &Scene, mut moved: impl FnMut() -> f64, ticks: u64) -> f64 {
     let mut s = scene.state();
     (0..3).for_each(|_| tick(scene, &mut s));
@@ -441,7 +433,7 @@ fn rises(scene: &Scene, mut moved: impl FnMut() -> f64, ticks: u64) -> f64 {
     most
 }
 
-/// How far masses are moved, of lengths of about 1.
+/// Displacements, for lengths of about 1.
 const SMALL: f64 = 1e-4;
 
 #[test]
@@ -451,12 +443,12 @@ fn what_is_linearised_keeps_to_its_ripple() {
         let stated = scene.certificate.ripple.expect("stated");
         let mut rng = Random(d.seed);
         let rose = rises(&scene, || SMALL * rng.uniform(), ticks);
-        // lengths tie modes to each other by the square of what they move
+        // lengths couple modes by the square of the displacement
         assert!(rose <= stated + SMALL, "{rose} is above {stated}\n{text}");
     });
 }
 
-/// A mass between two springs drawn out of nothing holds sideways as it does along them, and reaches the ripple stated.
+/// A mass between two stretched springs of nearly zero length is isotropic, and reaches the stated ripple.
 #[test]
 fn the_ripple_is_reached() {
     for k in [0.01, 0.2, 1.0, 1.8] {

@@ -1,4 +1,4 @@
-//! Another version of a scene while it plays: what goes on, what fades, and what is refused.
+//! Swaps a playing scene for another version: masses continue, sound crossfades, unsuitable versions are refused.
 
 use crate::play::scene;
 use ca_core::Scene;
@@ -14,7 +14,7 @@ fn string(f: f64, more: &str) -> Arc<Scene> {
     Arc::new(scene(&text).scene)
 }
 
-/// So many gesture frames of sound.
+/// Sound of `frames` gesture frames.
 fn heard(engine: &mut Engine, frames: usize) -> Vec<f64> {
     let mut all = Vec::new();
     for _ in 0..frames {
@@ -36,7 +36,7 @@ fn playing(scene: &Arc<Scene>) -> Engine {
     engine
 }
 
-/// A version that is the same sounds the same, to the bit; ports stay where they are.
+/// An equal version sounds the same to the bit, and ports keep their positions.
 #[test]
 fn the_same_version_goes_on_to_the_bit() {
     let first = string(110.0, "");
@@ -44,15 +44,14 @@ fn the_same_version_goes_on_to_the_bit() {
     assert_eq!(swap(&mut with, &string(110.0, ""), 1), None, "there was none before");
     assert_eq!(heard(&mut with, 600), heard(&mut without, 600));
     assert_eq!((with.state.tick, with.state.input[0]), (without.state.tick, 0.3));
-    // the next takes out the one before, which then has nothing to give
+    // the next swap returns the first one, which then has nothing left to give
     let Some(Retired::Swap(gone)) = swap(&mut with, &first, 2) else { panic!("one came out") };
     assert_eq!(gone.number, 1);
     assert_eq!(with.command(EngineCommand::Swap(gone.clone())), Some(Retired::Swap(gone)), "a copy has no scene");
     assert_eq!(with.counts.refused, 1);
 }
 
-/// Masses that are there in both go on from where they are, others begin at rest, and no sample jumps more than those of the two
-/// versions do.
+/// Masses in both versions continue, others begin at rest. No sample jumps more than in the two versions.
 #[test]
 fn another_version_goes_on_from_where_masses_are_without_a_click() {
     let (first, other) = (
@@ -80,12 +79,10 @@ fn another_version_goes_on_from_where_masses_are_without_a_click() {
     let all = [&last[..], &sound].concat();
     let alone = step(&heard(&mut playing(&first), 200)).max(step(&heard(&mut engine, 200)));
     assert!(step(&all) < 2.0 * alone, "{} {alone}", step(&all));
-    // and it has become the other
     assert_eq!(engine.scene.about.title, other.about.title);
     assert!(Arc::ptr_eq(&engine.scene, &other));
 }
 
-/// A version of a scene that has diverged begins as at load, and fades in.
 #[test]
 fn a_version_of_what_diverged_begins_as_at_load() {
     let first = string(110.0, "");
@@ -115,7 +112,8 @@ fn what_cannot_change_is_refused() {
     assert!(refused(&format!("{mass}{key}{outputs}")).to_string().contains("devices"));
 }
 
-/// A group at the gesture rate goes on too, with what it was held by as the frame ended: the same version, to the bit.
+/// A group at the gesture rate continues too, including the force that held it at the end of the frame: an equal
+/// version is the same to the bit.
 #[test]
 fn a_group_at_the_gesture_rate_goes_on_to_the_bit() {
     for border in ["exact", "compensated"] {
@@ -123,7 +121,7 @@ fn a_group_at_the_gesture_rate_goes_on_to_the_bit() {
     }
 }
 
-/// The same with this border, and a link that the exact one would not take where it is compensated.
+/// The same with this border. The compensated one also has a link that the exact one refuses.
 fn group_goes_on(border: &str) {
     let more = if border == "exact" {
         ""
@@ -149,7 +147,6 @@ fn group_goes_on(border: &str) {
     let [mut with, mut without] = [playing(&first), playing(&first)];
     swap(&mut with, &slow(900.0), 1);
     assert_eq!(heard(&mut with, 600), heard(&mut without, 600));
-    // another version begins from there
     swap(&mut with, &slow(1800.0), 2);
     let places = |e: &Engine| e.state.slow.as_ref().expect("a group").state.x.to_vec();
     assert_eq!(places(&with), places(&without));

@@ -1,9 +1,9 @@
-//! Bench: how many modules of each kind fit into real time on one core of this machine, as in the first paper's Table 1.
+//! Bench: how many modules of each kind run in real time on one core, as in Table 1 of the first paper.
 //!
-//! Decides that a module is a MAT or a LIA, as there, and that parameters differ from module to module: an engine that is
-//! fast only where all are alike is another row of that table. A network is made larger or smaller until its tick takes
-//! nearly as long as a sample lasts; what is said to be in time was measured to be. What was too late is measured again, since other programs
-//! make a tick longer and never shorter.
+//! As there, a module is a MAT or a LIA. Parameters differ from module to module: the table lists an engine for equal
+//! parameters separately. The size of a network is adjusted until its tick takes almost as long as a sample; sizes
+//! reported as in time were measured. A network that was too slow is measured again: other programs only lengthen
+//! ticks.
 
 mod networks;
 pub mod page;
@@ -17,7 +17,7 @@ use ca_lab::Failure;
 pub use networks::{NETWORKS, Network};
 use std::collections::BTreeMap;
 
-/// What the first paper measured on a DSP chip, 2013: engine, and modules at 44.1 kHz.
+/// Results of the first paper on a DSP chip, 2013: engine, and modules at 44.1 kHz.
 pub const PAPER: [(&str, u32); 3] = [
     ("GENESIS engine, modular", 20),
     ("new engine of that paper, any topology and parameters", 140),
@@ -28,55 +28,55 @@ pub const RATES: [f64; 2] = [44_100.0, 48_000.0];
 /// Sizes of the curve of cost against size, in modules.
 pub const SIZES: [usize; 13] =
     [100, 200, 500, 1_000, 2_000, 5_000, 10_000, 20_000, 50_000, 100_000, 200_000, 500_000, 1_000_000];
-/// Bytes of a string that a tick reads, for each module: x, d and the number a MAT moves by, k and z of a LIA. x and d, two
-/// fifths of them, are written back.
+/// Bytes per module that a tick of a string reads: x, d and one coefficient of a MAT, k and z of a LIA. Two fifths of
+/// them, x and d, are written back.
 pub const BYTES: usize = 8 * (3 + 2) / 2;
-/// The smallest network that is measured, in masses.
+/// Smallest network measured, in masses.
 const SMALLEST: usize = 32;
-/// Sizes that are tried at each rate.
+/// Sizes tried at each rate.
 const TRIES: usize = 12;
-/// How often one is measured before it is too late.
+/// Measurements of a network before it counts as too slow.
 const AGAIN: usize = 3;
-/// Playing so long brings a network into motion \[ticks\].
+/// Ticks that bring a network into motion.
 const WARM: u32 = 200;
 
-/// A network at one size.
+/// Network of one size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Size {
-    /// MATs and LIAs that are computed
+    /// Number of MATs and LIAs that are computed.
     pub modules: usize,
-    /// time of a tick \[ns\]
+    /// Time per tick \[ns\].
     pub ns: f64,
 }
 
-/// A row of the table.
+/// Row of the table.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fits {
-    /// name of the network
+    /// Name of the network.
     pub name: &'static str,
-    /// what it is made of
+    /// Description of the network.
     pub about: &'static str,
-    /// the largest that was in time, at each of [`RATES`]
+    /// Largest size in time, at each of [`RATES`].
     pub at: [Size; 2],
 }
 
-/// An instrument of those that are built in.
+/// Bundled instrument.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Instrument {
-    /// its name
+    /// Name of the instrument.
     pub name: &'static str,
-    /// its size and time at each of [`RATES`]; none where it cannot be played at that rate
+    /// Size and time at each of [`RATES`]; `None` where it cannot play at that rate.
     pub at: [Option<Size>; 2],
 }
 
 impl Instrument {
-    /// How many of it play at once in real time, at each of [`RATES`].
+    /// Number of copies that play at once in real time, at each of [`RATES`].
     pub fn at_once(&self) -> [Option<usize>; 2] {
         [0, 1].map(|k| self.at[k].map(|size| (1e9 / RATES[k] / size.ns) as usize))
     }
 }
 
-/// The time of a tick in motion.
+/// Time of a tick in motion \[ns\].
 pub fn cost(scene: &Scene) -> f64 {
     let mut state = scene.state();
     for _ in 0..WARM {
@@ -86,7 +86,7 @@ pub fn cost(scene: &Scene) -> f64 {
     Timing::default().fastest(&mut state, |s| s.clone_from(&begin), |s| tick(scene, s))
 }
 
-/// A string of so many modules, and the time in which this machine reads and writes the bytes it stands in \[ns\].
+/// Measures a string of `modules` modules, and the time in which this machine reads and writes its bytes \[ns\].
 ///
 /// # Errors
 /// As [`measure`].
@@ -96,22 +96,22 @@ pub fn beside_streaming(modules: usize) -> Result<(Size, f64), Failure> {
     Ok((size, crate::timing::streaming(BYTES * size.modules)))
 }
 
-/// A network with so many masses.
+/// Measures a network of `masses` masses.
 ///
 /// # Errors
-/// Where it does not compile: a defect of the bench.
+/// If it does not compile, which is a defect of the bench.
 pub fn measure(network: &Network, masses: usize) -> Result<Size, Failure> {
     let loaded = ca_lab::Loaded::read(&(network.text)(masses), network.name);
     let scene = loaded.compile(&Options::default())?.scene;
     Ok(Size { modules: scene.symbols.len(), ns: cost(&scene) })
 }
 
-/// Masses of the reference of [`ns_per_instruction`]: all of it stays in the first cache.
+/// Masses of the reference of [`ns_per_instruction`], small enough for the first cache.
 const REFERENCE: usize = 120;
 
-/// The time of an instruction that [`ca_compile::cost`] predicts, on this machine \[ns\]: that of a tick of the network
-/// `random`, whose links are looked up one by one, over its prediction. Its kernel has no vectors, so it is the same on every
-/// processor; where vectors are wider than those of AVX2, passes that use them take less than is predicted.
+/// Returns the time per instruction predicted by [`ca_compile::cost`] on this machine \[ns\]: the time of a tick of the
+/// network `random` over its predicted instructions. Its links are looked up one by one, without vectors, so it is the
+/// same on every processor. On processors with vectors wider than AVX2, passes that use them take less time.
 ///
 /// # Errors
 /// As [`measure`].
@@ -123,10 +123,10 @@ pub fn ns_per_instruction() -> Result<f64, Failure> {
     Ok(cost(&scene) / ca_compile::cost::of_tick(&scene))
 }
 
-/// How much of a network is in time at each of [`RATES`]; `look` is asked in between whether to go on.
+/// Returns how much of a network is in time at each of [`RATES`]; `look` is called in between and can stop by an error.
 ///
 /// # Errors
-/// As [`measure`], and what `look` returns.
+/// As [`measure`], and the errors of `look`.
 pub fn fits(network: &Network, mut look: impl FnMut() -> Result<(), Failure>) -> Result<Fits, Failure> {
     let mut known: BTreeMap<usize, Size> = BTreeMap::new();
     let mut at = |masses: usize, budget: f64| -> Result<Size, Failure> {
@@ -145,7 +145,7 @@ pub fn fits(network: &Network, mut look: impl FnMut() -> Result<(), Failure>) ->
     };
     for rate in RATES {
         let budget = 1e9 / rate;
-        // in time with `low` masses, too late with `high`
+        // in time with `low` masses, too slow with `high`
         let (mut low, mut high, mut masses) = (0, network.most + 1, SMALLEST);
         for _ in 0..TRIES {
             let size = at(masses, budget)?;
@@ -158,12 +158,12 @@ pub fn fits(network: &Network, mut look: impl FnMut() -> Result<(), Failure>) ->
             if high - low < 2 || (1.0..1.02).contains(&left) {
                 break;
             }
-            // as if every mass took as long as the mean of these
+            // as if each further mass took the mean time
             let next = (0.99 * left * masses as f64) as usize;
             masses = if low < next && next < high { next } else { usize::midpoint(low, high).max(1) };
         }
     }
-    // what was in time for one rate is so for a lower one
+    // a size in time at one rate is in time at a lower one
     let at = RATES.map(|rate| {
         let in_time = known.values().rev().find(|s| s.ns <= 1e9 / rate);
         in_time.copied().unwrap_or(Size { modules: 0, ns: 0.0 })
@@ -171,10 +171,10 @@ pub fn fits(network: &Network, mut look: impl FnMut() -> Result<(), Failure>) ->
     Ok(Fits { name: network.name, about: network.about, at })
 }
 
-/// A bundled instrument, played by its own gesture for a moment at each of [`RATES`].
+/// Measures a bundled instrument with its own gesture at each of [`RATES`], from a state in motion.
 ///
 /// # Errors
-/// Where it cannot be played at any of them: a defect.
+/// If it cannot play at any of them, which is a defect.
 pub fn instrument(name: &'static str, text: &str) -> Result<Instrument, Failure> {
     let loaded = ca_lab::Loaded::read(text, name);
     let at = |rate: f64| {
@@ -192,7 +192,7 @@ pub fn instrument(name: &'static str, text: &str) -> Result<Instrument, Failure>
         [a, b] => Instrument { name, at: [a.ok(), b.ok()] },
     };
     for _ in 1..AGAIN {
-        // fewer where there is more time: something else ran meanwhile
+        // fewer copies at the lower rate: the measurement was disturbed
         let ([Some(low), Some(high)], [Some(slow), Some(_)]) = (found.at_once(), found.at) else { break };
         if low >= high {
             break;
@@ -209,7 +209,7 @@ mod tests {
     use ca_compile::Options;
     use ca_core::tick;
 
-    /// What is measured moves and stays where it is: numbers that fade out or grow take another time.
+    /// Networks move and stay bounded: values that decay or grow would change the time of a tick.
     #[test]
     fn every_network_compiles_moves_and_stays_bounded() {
         for network in NETWORKS {
@@ -236,7 +236,7 @@ mod tests {
         assert!((990..=1010).contains(&size.modules) && size.ns > 0.0 && bytes > 0.0);
     }
 
-    /// A law across two worlds costs what it costs on a line and what an LPR adds: it has no network of its own.
+    /// A law across two worlds costs the law on a line plus an LPR, so it does not need a network.
     #[test]
     fn every_kind_of_link_is_measured() {
         let texts: String = NETWORKS.iter().map(|n| (n.text)(32)).collect();

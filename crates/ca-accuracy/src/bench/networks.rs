@@ -1,25 +1,25 @@
-//! The networks of the bench, as model texts of any size.
+//! Networks of the bench, as model texts of any size.
 //!
-//! Decides for texts rather than scenes made by hand: what is measured is what an author gets. Every number differs from
-//! module to module, by a generator of numbers that is the same everywhere.
+//! Texts are used instead of scenes made by hand so that the bench measures what an author gets. Numbers differ from
+//! module to module, by a generator that is the same everywhere.
 
 use std::fmt::Write as _;
 
-/// A network of any size.
+/// Network of any size.
 pub struct Network {
-    /// its name, as `ca bench --only` takes it
+    /// Name for `ca bench --only`.
     pub name: &'static str,
-    /// what it is made of
+    /// Description.
     pub about: &'static str,
-    /// its text with so many masses
+    /// Returns the text with this number of masses.
     pub text: fn(usize) -> String,
-    /// the most masses it is asked for
+    /// Maximum number of masses.
     pub most: usize,
 }
 
 const MOST: usize = 400_000;
 
-/// All of them: the elements, then what is made of them, then space.
+/// All networks: elements, then structures made of them, then space.
 pub const NETWORKS: &[Network] = &[
     Network { name: "string", about: "MAS in a row, REF between them", text: |n| row(n, "REF", spring), most: MOST },
     Network { name: "cells", about: "CEL, each heard by a SOX", text: cells, most: MOST },
@@ -79,7 +79,7 @@ pub const NETWORKS: &[Network] = &[
     },
 ];
 
-/// Numbers in 0 … 1, the same on every machine: Knuth's linear congruence.
+/// Numbers in [0, 1), the same on every machine: Knuth's linear congruential generator.
 struct Numbers(u64);
 
 impl Numbers {
@@ -88,7 +88,7 @@ impl Numbers {
         (self.0 >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// Within 20 % of `v`.
+    /// Returns a number within 20 % of `v`.
     fn near(&mut self, v: f64) -> f64 {
         v * (0.8 + 0.4 * self.next())
     }
@@ -139,8 +139,8 @@ fn bow(r: &mut Numbers) -> String {
     format!("curve = \"smooth\", f = {:.4}, v0 = {:.3}", r.near(0.01), r.near(0.5))
 }
 
-/// Masses in a row with links of one kind between neighbours. What stiffens or lets go is between cells, so that the row
-/// stays where it is.
+/// Returns masses in a row, with links of one kind between neighbours. Links that stiffen or let go are between cells,
+/// so that the row does not drift.
 fn row(n: usize, kind: &str, link: fn(&mut Numbers) -> String) -> String {
     let (mut r, n) = (Numbers(1), n.max(2));
     let mut t = String::from("[SOX]\nout = { from = \"m0\" }\n");
@@ -182,7 +182,6 @@ fn cells(n: usize) -> String {
     t
 }
 
-/// The links of a grid of w × h, by rows.
 fn grid(w: usize, h: usize) -> impl Iterator<Item = (usize, usize)> {
     let along = (0..h).flat_map(move |j| (1..w).map(move |i| (j * w + i - 1, j * w + i)));
     let across = (1..h).flat_map(move |j| (0..w).map(move |i| ((j - 1) * w + i, j * w + i)));
@@ -212,7 +211,7 @@ fn mesh(n: usize) -> String {
     net(s * s, 3, grid(s, s))
 }
 
-/// Two links from each mass to any other: the tree that makes it one network, and one more.
+/// Two links from each mass to others: a tree that connects the network, and one more.
 fn pairs(n: usize) -> Vec<(usize, usize)> {
     let mut r = Numbers(4);
     let tree: Vec<_> = (1..n).map(|i| (r.below(i), i)).collect();
@@ -227,7 +226,7 @@ fn random(n: usize) -> String {
     net(n, 5, pairs(n).into_iter())
 }
 
-/// Masses in space with these places and links.
+/// Returns masses in space with these places and links.
 fn space(places: &[[f64; 3]], links: impl Iterator<Item = (usize, usize)>) -> String {
     let mut r = Numbers(6);
     let mut t = String::from("[air]\ndim = 3\n[SOX]\nout = { from = \"air.m0\", along = \"z\" }\n[air.MAS]\n");
@@ -284,7 +283,7 @@ fn lpr(n: usize) -> String {
     t
 }
 
-/// Cells that shake a waveguide each.
+/// Cells that each drive a waveguide.
 fn waveguides(n: usize) -> String {
     let (mut r, n) = (Numbers(9), (n / 2).max(1));
     let mut t = String::from("[CEL]\n");
@@ -307,7 +306,7 @@ fn waveguides(n: usize) -> String {
     t
 }
 
-/// Loose masses in a sphere that they fill to a few per cent, however many there are.
+/// Loose masses in a sphere; they fill a few per cent of it at any number.
 fn grains(n: usize) -> String {
     let side = (n as f64).cbrt();
     format!(

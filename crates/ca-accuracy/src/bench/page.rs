@@ -1,28 +1,28 @@
-//! The page of a bench: the tables, and the curve of cost against size.
+//! Report of a bench: the tables, and the curve of cost against size.
 
 use super::{BYTES, Fits, Instrument, PAPER, RATES, Size};
 use crate::timing;
 use ca_model::quantity::short;
 use ca_report::{Axis, Block, Curve, Grid, Mark, Plot, Report, Section, Table};
 
-/// All that was measured.
+/// Measurements of a bench.
 #[derive(Default)]
 pub struct Measured {
-    /// networks
+    /// Networks.
     pub fits: Vec<Fits>,
-    /// bundled models
+    /// Bundled models.
     pub instruments: Vec<Instrument>,
-    /// a string, and the time of copying its bytes
+    /// String of each size, and the time to read and write its bytes \[ns\].
     pub curve: Vec<(Size, f64)>,
 }
 
-/// As cells: name, modules at each rate, time of a module.
+/// Returns the cells: name, modules at each rate, time per module.
 pub fn row(f: &Fits) -> [String; 4] {
     let [a, b] = f.at;
     [f.name.into(), a.modules.to_string(), b.modules.to_string(), short(a.ns / a.modules.max(1) as f64)]
 }
 
-/// As cells: name, modules, how many at once at each rate, time of a sample at the lowest rate that it plays at.
+/// Returns the cells: name, modules, copies at once at each rate, time per sample at the lowest rate at which it plays.
 pub fn instrument(i: &Instrument) -> [String; 5] {
     let size = i.at.iter().flatten().next();
     let [a, b] = i.at_once().map(|n| n.map_or_else(|| "–".into(), |n| n.to_string()));
@@ -35,14 +35,14 @@ pub fn instrument(i: &Instrument) -> [String; 5] {
     ]
 }
 
-/// A remark on instruments that do not play at one of the rates.
+/// Returns a remark on instruments that do not play at one of the rates.
 pub fn without(m: &Measured) -> Option<String> {
     let missing = |i: &Instrument| Some((i.name, RATES[i.at.iter().position(Option::is_none)?] / 1e3));
     let (name, rate) = m.instruments.iter().find_map(missing)?;
     Some(format!("– cannot be played at that rate: `ca render {name} --rate '{rate} kHz'` says why"))
 }
 
-/// Makes the page.
+/// Makes the report.
 pub fn page(m: &Measured) -> Report {
     let mut report = Report::new("Modules in real time", &timing::machine());
     let [a, b] = RATES.map(|r| format!("at {} kHz", r / 1e3));
@@ -80,7 +80,7 @@ pub fn page(m: &Measured) -> Report {
     report
 }
 
-/// The time of a module of a string over how many there are, that of its bytes alone, and the sizes of the caches.
+/// Plots the time per module of a string against its size, beside the time of its bytes alone and the cache sizes.
 fn curve(m: &Measured) -> Plot {
     let x: Vec<f64> = m.curve.iter().map(|(s, _)| s.modules as f64).collect();
     let each = |ns: f64, s: &Size| ns / s.modules.max(1) as f64;

@@ -1,8 +1,8 @@
-//! The line to a PulseAudio server: its socket, and messages over it.
+//! Connection to a PulseAudio server: its socket and its messages.
 //!
-//! Decides that messages are read and written here, with those of the crate `pulseaudio`, and that its client is left: it has
-//! a thread of its own that no priority can be asked for, allocates a megabyte for each message, and says nothing of
-//! underruns. Once sound flows, this reads into one buffer and allocates for nothing that comes more than once in a while.
+//! This module encodes messages with the crate `pulseaudio`, but does not use its client. The client has its own
+//! thread, whose priority cannot be set, allocates a megabyte for each message, and does not report underruns. Once
+//! sound flows, this module reads into one buffer and allocates only for rare messages.
 
 use pulseaudio::protocol::{
     self, AuthParams, AuthReply, Command, CommandReply, CommandTag, Prop, Props, TagStructReader,
@@ -13,11 +13,11 @@ use std::os::unix::net::UnixStream;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// A message from the server is never longer \[bytes\].
+/// Longest message from the server \[bytes\].
 const LONGEST: usize = 1 << 20;
-/// Nor does it ever ask for more at once \[bytes\]; servers queue 4 MiB at most, and ask for as much again for each gap.
+/// Largest request \[bytes\]; servers queue at most 4 MiB, and request as much again for each gap.
 const LARGEST: u32 = 1 << 26;
-/// What is read; other messages may have texts and tables of any length.
+/// Messages that are parsed; others may have texts and tables of any length.
 const HEARD: [CommandTag; 5] = [
     CommandTag::Error,
     CommandTag::Reply,
@@ -25,38 +25,35 @@ const HEARD: [CommandTag; 5] = [
     CommandTag::Underflow,
     CommandTag::PlaybackStreamKilled,
 ];
-/// Length of a cookie \[bytes\]; who has none sends zeros, and is known by the socket.
+/// Length of a cookie \[bytes\]; without one, zeros are sent and the socket identifies the user.
 const COOKIE: usize = 256;
 
-/// An open line.
 pub(super) struct Line {
     socket: UnixStream,
     version: u16,
     sequence: u32,
-    /// the last message
     message: Vec<u8>,
-    /// what the server has asked for and was not given \[bytes\]
+    /// Requested but not yet sent \[bytes\].
     pub(super) owed: usize,
 }
 
-/// What came.
 pub(super) enum News {
-    /// an answer to the command of this number; what it says begins here in the message
+    /// Answer to the command of this number; its content begins at this offset in the message.
     Answer(u32, usize),
-    /// a command was refused, in words
+    /// Reason why a command was refused.
     Refused(String),
-    /// there was nothing to play
+    /// The queue was empty.
     Underflow,
-    /// the stream has ended
+    /// The stream has ended.
     Killed,
-    /// nothing of interest
+    /// Any other message.
     Other,
 }
 
-/// The socket of a server on this machine: as `PULSE_SERVER` says, or where one is by default.
+/// Returns the socket of a server on this machine, from `PULSE_SERVER` or at its default place.
 fn socket() -> Option<PathBuf> {
     if let Ok(server) = env::var("PULSE_SERVER") {
-        // `{machine}unix:/path other`; those of other machines are none of ours
+        // `{machine}unix:/path other`: only the first server, and only a socket on this machine
         let first = server.split_whitespace().next()?;
         let path = first.rsplit('}').next()?;
         return path.strip_prefix("unix:").or_else(|| path.starts_with('/').then_some(path)).map(PathBuf::from);
@@ -70,7 +67,7 @@ pub(super) fn wrong(what: impl std::fmt::Display) -> Error {
 }
 
 impl Line {
-    /// Opens a line to the server, which has this long for each of its answers.
+    /// Connects to the server, with this time limit for each answer.
     pub(super) fn open(patience: Duration) -> Result<Line> {
         let socket = UnixStream::connect(socket().ok_or(ErrorKind::NotFound)?)?;
         socket.set_read_timeout(Some(patience))?;
@@ -88,18 +85,18 @@ impl Line {
         Ok(line)
     }
 
-    /// Waits for messages as long as it takes, from now on.
+    /// Removes the time limit.
     pub(super) fn wait(&mut self) -> Result<()> {
         self.socket.set_read_timeout(None)?;
         self.socket.set_write_timeout(None)
     }
 
-    /// A handle that can end the line from another thread.
+    /// Returns a handle that can end the connection from another thread.
     pub(super) fn end(&self) -> Result<UnixStream> {
         self.socket.try_clone()
     }
 
-    /// A command as it goes over the line, and its number.
+    /// Encodes a command and returns its number too.
     pub(super) fn encoded(&mut self, command: &Command) -> Result<(u32, Vec<u8>)> {
         let mut bytes = Vec::new();
         self.sequence += 1;
@@ -107,18 +104,16 @@ impl Line {
         Ok((self.sequence, bytes))
     }
 
-    /// Sends what is encoded.
     pub(super) fn send(&mut self, bytes: &[u8]) -> Result<()> {
         self.socket.write_all(bytes)
     }
 
-    /// Asks, and waits for the answer.
     pub(super) fn ask<R: CommandReply>(&mut self, command: &Command) -> Result<R> {
         let at = self.order(command)?;
         self.answer(at)
     }
 
-    /// Tells the server to do something, and waits until it has; where its answer begins.
+    /// Sends a command, waits until it is done, and returns the offset of its answer.
     pub(super) fn order(&mut self, command: &Command) -> Result<usize> {
         let (number, bytes) = self.encoded(command)?;
         self.send(&bytes)?;
@@ -131,13 +126,13 @@ impl Line {
         }
     }
 
-    /// What the last message answers.
+    /// Decodes the answer at this offset in the last message.
     pub(super) fn answer<R: CommandReply>(&self, at: usize) -> Result<R> {
         let mut rest = Cursor::new(self.message.get(at..).unwrap_or_default());
         TagStructReader::new(&mut rest, self.version).read().map_err(wrong)
     }
 
-    /// Waits for the next message. What is asked for is added to what is owed.
+    /// Waits for the next message. A request is added to [`Line::owed`].
     pub(super) fn next(&mut self) -> Result<News> {
         loop {
             let mut head = [0; protocol::DESCRIPTOR_SIZE];
@@ -149,7 +144,7 @@ impl Line {
             }
             self.message.resize(length, 0);
             self.socket.read_exact(&mut self.message)?;
-            // sound is for those that record
+            // a message of samples is only for recording
             if head.channel != u32::MAX {
                 continue;
             }

@@ -1,10 +1,12 @@
-//! Sound by a PulseAudio server, or by PipeWire in the place of one.
+//! Sound through a PulseAudio server, or PipeWire in its place.
 //!
-//! Decides that the server queues about 20 ms, since it is no server of real time: it asks for more whenever some of it is
-//! played, and what it asks for is what the engine's clock follows. The queue begins with silence. It plays on where it is
-//! empty, and asks for as much more, so that what was asked for counts time all along; each time it was empty is told, and
-//! counted as an underrun of the device. A sink that has another rate, after it was offered that of the model, or no device
-//! at all, is refused. A thread here answers the server; between its messages it neither allocates nor locks.
+//! The queue in the server is about 20 ms, because the server does not run in real time. The server requests more
+//! samples as it plays, and the clock of the engine follows these requests. The queue starts with silence.
+//!
+//! When the queue is empty, the server plays on and requests the missed samples too, so that the total requested always
+//! measures time. It reports each such gap, which is counted as an underrun of the device. A server without a device is
+//! refused, as is a sink that does not switch to the rate of the model. A thread answers the server; between messages
+//! it neither allocates nor locks.
 
 mod line;
 
@@ -29,24 +31,23 @@ use std::thread;
 use std::time::{Duration, SystemTime};
 
 const NAME: &str = "PulseAudio";
-/// Samples asked for at once where nobody says.
+/// Default number of samples per request.
 const BUFFER: u32 = 256;
-/// A server that does not answer is given up after so long.
+/// Longest wait for an answer of the server.
 const PATIENCE: Duration = Duration::from_secs(2);
-/// So is one that has not made a stream; its device may have to wake up.
+/// Longest wait for a new stream; the device may have to wake up.
 const WAKING: Duration = Duration::from_secs(5);
-/// No server queues more \[bytes\].
+/// Limit of the queue of a server \[bytes\].
 const LARGEST: u32 = 1 << 22;
-/// No device is later \[µs\].
+/// Limit of the latency of a device \[µs\].
 const LATEST: u64 = 60_000_000;
-/// What the server queues, in what it asks for at once.
+/// Length of the queue, in requests.
 const QUEUED: u32 = 4;
-/// The most samples filled at once; what is more is filled in pieces.
+/// Largest number of samples filled at a time; larger requests are filled in pieces.
 const MOST: usize = 16384;
-/// The sink of a server that has no device.
+/// Name of the sink of a server without a device.
 const DUMMY: &[u8] = b"auto_null";
 
-/// A stream that is about to play.
 struct Stream {
     line: Line,
     made: CreatePlaybackStreamReply,
@@ -54,8 +55,10 @@ struct Stream {
     latency: PlaybackLatency,
 }
 
-/// Opens a stream that plays a scene: [`AudioError::Failed`] where no server answers, [`AudioError::Unfit`] where it does not play the
-/// scene as it is.
+/// Opens a stream that plays a scene.
+///
+/// Returns [`AudioError::Failed`] if no server answers, [`AudioError::Unfit`] if the server cannot play the scene as it
+/// is.
 pub(super) fn open(
     scene: &Scene,
     buffer: Option<u32>,
@@ -91,7 +94,7 @@ pub(super) fn open(
     let who = PlaybackDevice { host: NAME.into(), device, rate: hz as u32, channels: wide as u16 };
     let at_once = (made.buffer_attr.minimum_request_length / frame).max(1);
     let (follow, player, watch) = link(scene.counts.channels, scene.rates.ratio, who, at_once);
-    // until it is measured: what is queued before what is given next, and what the device has
+    // until the delay is measured: the queue before the next samples, and the latency of the device
     let queued = made.buffer_attr.target_length.saturating_sub(made.buffer_attr.minimum_request_length) / frame;
     let delay = 1e9 * f64::from(queued) / hz + 1e3 * latency.sink_usec.min(LATEST) as f64;
     watch.counts.delay.store(delay as u64, Relaxed);
@@ -101,14 +104,13 @@ pub(super) fn open(
     Ok((Playing { output, counts, words, name: NAME.into(), host: NAME, events: None }, follow, watch))
 }
 
-/// Whether a server answers.
 #[cfg(feature = "devices")]
 pub(super) fn is_there() -> bool {
     within(PATIENCE, || Line::open(PATIENCE).is_ok()) == Some(true)
 }
 
-/// Asks a server on a thread of its own, which is left where that takes longer: one that stands still, or talks without end, may
-/// keep us at any word.
+/// Runs `ask` on a new thread and abandons it after `patience`: a hanging server, or one that never stops talking, may
+/// block any call.
 fn within<T: Send + 'static>(patience: Duration, ask: impl FnOnce() -> T + Send + 'static) -> Option<T> {
     let (tell, told) = channel();
     let asked = thread::Builder::new().name("ca pulse".into()).spawn(move || {
@@ -117,7 +119,7 @@ fn within<T: Send + 'static>(patience: Duration, ask: impl FnOnce() -> T + Send 
     asked.ok().and_then(|_| told.recv_timeout(patience).ok())
 }
 
-/// How many channels the sink is given: one is heard on both sides.
+/// Returns the number of channels for the sink; one channel goes to both sides.
 fn channels(sink: &SinkInfo, scene: &Scene) -> std::result::Result<usize, AudioError> {
     let most = usize::from(sink.channel_map.num_channels());
     if scene.counts.channels > most {
@@ -129,14 +131,14 @@ fn channels(sink: &SinkInfo, scene: &Scene) -> std::result::Result<usize, AudioE
     Ok(if scene.counts.channels == 1 { most.min(2) } else { scene.counts.channels })
 }
 
-/// The sink that plays what is not sent to another; `None` where there is none.
+/// Returns the default sink; `None` if there is none.
 fn default_sink(mut line: Line) -> (Line, Option<SinkInfo>) {
     let name = Some(protocol::DEFAULT_SINK.to_owned());
     let sink = line.ask(&Command::GetSinkInfo(GetSinkInfo { index: None, name })).ok();
     (line, sink)
 }
 
-/// Makes a stream, whose queue is full of silence, and lets it play.
+/// Creates a stream with its queue full of silence, and starts it.
 fn stream(mut line: Line, sink: u32, hz: u32, map: ChannelMap, buffer: u32) -> Result<Stream> {
     let wide = map.num_channels();
     let at_once = 4 * u32::from(wide) * buffer;
@@ -165,7 +167,7 @@ fn stream(mut line: Line, sink: u32, hz: u32, map: ChannelMap, buffer: u32) -> R
     if made.requested_bytes.max(made.buffer_attr.minimum_request_length) > LARGEST {
         return Err(wrong("it asks for too much at once"));
     }
-    // now at the rate of the stream, where it can be
+    // now at the rate of the stream, if the sink has switched
     let info = Command::GetSinkInfo(GetSinkInfo { index: Some(made.sink_index), name: None });
     let sink = line.ask(&info)?;
     let mut silence = vec![0; protocol::DESCRIPTOR_SIZE + made.requested_bytes as usize];
@@ -180,7 +182,7 @@ fn latency(channel: u32) -> Command {
     Command::GetPlaybackLatency(LatencyParams { channel, now: SystemTime::UNIX_EPOCH })
 }
 
-/// Writes the head of a message of sound that stands behind it.
+/// Writes the header of a message of samples into its first bytes.
 fn head(message: &mut [u8], channel: u32) {
     let length = message.len().saturating_sub(protocol::DESCRIPTOR_SIZE) as u32;
     let head = protocol::Descriptor { length, channel, offset: 0, flags: protocol::DescriptorFlags::empty() };
@@ -189,7 +191,6 @@ fn head(message: &mut [u8], channel: u32) {
     }
 }
 
-/// Starts the thread that answers the server.
 fn speak(
     mut line: Line,
     channel: u32,
@@ -216,28 +217,28 @@ fn speak(
     Ok(PulseStream { end, over, thread: Some(thread) })
 }
 
-/// The thread's side.
+/// State of the thread that answers the server.
 struct Speaker {
     line: Line,
     channel: u32,
     player: Player,
     counts: Arc<Counts>,
     wide: usize,
-    /// samples a second
+    /// Sample rate \[Hz\].
     rate: usize,
-    /// interleaved
+    /// Interleaved samples.
     sound: Vec<f32>,
     message: Vec<u8>,
-    /// how the latency is asked for, and the number of that question
+    /// Number and bytes of the latency query.
     query: (u32, Vec<u8>),
-    /// samples since it was asked for
+    /// Samples sent since the last query.
     given: usize,
-    /// samples of the last message before it was
+    /// Samples of the last message before it.
     last: usize,
 }
 
 impl Speaker {
-    /// Until the line ends; why it did.
+    /// Runs until the connection ends, and returns the reason.
     fn run(mut self) -> String {
         loop {
             if let Err(e) = self.give() {
@@ -255,7 +256,7 @@ impl Speaker {
         }
     }
 
-    /// Gives what is owed.
+    /// Sends the samples requested.
     fn give(&mut self) -> Result<()> {
         let frame = 4 * self.wide;
         let at = now_ns();
@@ -278,7 +279,7 @@ impl Speaker {
         Ok(())
     }
 
-    /// How late the first sample of the last message is heard: behind all that is queued, and what the device has.
+    /// Measures the delay of the first sample of the last message: the queue before it, and the latency of the device.
     fn measure(&self, at: usize) {
         if let Ok(l) = self.line.answer::<PlaybackLatency>(at) {
             let queued = l.write_offset.saturating_sub(l.read_offset) / (4 * self.wide) as i64 - self.last as i64;
@@ -289,7 +290,6 @@ impl Speaker {
     }
 }
 
-/// A stream that plays.
 pub(super) struct PulseStream {
     end: UnixStream,
     over: Arc<AtomicBool>,
@@ -297,7 +297,6 @@ pub(super) struct PulseStream {
 }
 
 impl PulseStream {
-    /// True where nothing will be asked for any more.
     pub(super) fn is_over(&self) -> bool {
         self.over.load(Relaxed)
     }

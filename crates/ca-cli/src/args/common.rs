@@ -1,4 +1,4 @@
-//! Options that several commands have, and the forms of their values.
+//! Options shared by several commands, and parsers of their values.
 
 use super::completions;
 use ca_core::Unit;
@@ -31,13 +31,13 @@ pub struct Source {
 }
 
 impl Source {
-    /// A model as it is.
+    /// Names a model without changes.
     pub fn of(model: &str) -> Source {
         let model = model.to_owned();
         Source { model, set: Vec::new(), rate: None, border: None, latency: None, no_feedback: false }
     }
 
-    /// Changes of the border, as names and values of `--set`.
+    /// Returns the changes of the rate boundary, as names and values of `--set`.
     pub fn crossing(&self) -> impl Iterator<Item = (String, String)> {
         let border =
             self.border.map(|b| ("rate.border", if b == Border::Hold { "hold" } else { "linear" }.to_string()));
@@ -46,19 +46,19 @@ impl Source {
         [border, latency, mute].into_iter().flatten().map(|(name, value)| (name.to_string(), value))
     }
 
-    /// All that is changed, in that form.
+    /// Returns all changes, as names and values of `--set`.
     pub fn changes(&self) -> impl Iterator<Item = (String, String)> {
         self.set.iter().cloned().chain(self.crossing())
     }
 }
 
-/// The help of the argument that names a model.
+/// Help text of the argument that names a model.
 pub(crate) fn model_help() -> String {
     let formats = imported(|f| format!("{} `.{}` file, ", f.name, f.extension));
     format!("`*.ca.toml` file, {formats}name of a bundled model, or `-` for standard input")
 }
 
-/// Words about each file format of another program.
+/// Joins `words` about each foreign file format.
 pub(crate) fn imported(words: impl Fn(&Format) -> String) -> String {
     ca_import::FORMATS.iter().map(words).collect()
 }
@@ -111,13 +111,13 @@ pub(crate) fn count(text: &str) -> Result<usize, String> {
     text.trim().parse().map_err(|_| "a whole number from 0 on is wanted".into())
 }
 
-/// A rate; `96k` is short for "96 kHz", as in other programs of sound.
+/// Parses a rate. `96k` is short for "96 kHz", as in other audio programs.
 pub(crate) fn hertz(text: &str) -> Result<f64, String> {
     let short = text.trim().strip_suffix(['k', 'K']).filter(|n| n.trim().parse::<f64>().is_ok());
     quantity_of(&short.map_or_else(|| text.to_owned(), |n| format!("{n} kHz")), Unit::HERTZ, (1.0, 1e6))
 }
 
-/// A level as a part of full scale.
+/// Parses a level and returns its amplitude relative to full scale.
 pub(crate) fn dbfs(text: &str) -> Result<f64, String> {
     let number = text.trim().trim_end_matches("FS").trim_end_matches("dB").trim();
     match number.parse::<f64>() {
@@ -134,7 +134,7 @@ pub(crate) fn speed(text: &str) -> Result<f64, String> {
     quantity_of(text, Unit::SPEED, (1e-4, 10.0))
 }
 
-/// A time; also in minutes, which models do not have.
+/// Parses a time. Unlike in models, minutes are allowed.
 pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     let minutes = text.trim().strip_suffix("min").and_then(|n| n.trim().parse::<f64>().ok());
     let text = minutes.map_or_else(|| text.to_owned(), |n| format!("{} s", n * 60.0));

@@ -1,7 +1,7 @@
 //! Shell completion.
 //!
-//! The shell asks this program at each Tab, so the names of models stand in one list and never get old. The alternative is a
-//! script with fixed lists.
+//! The shell runs this program at each Tab. So the names of models come from one list and are always current, unlike
+//! those in a script with fixed lists.
 
 use ca_core::Catalog;
 use ca_lab::catalog;
@@ -18,12 +18,11 @@ fn named<'a>(current: &OsStr, all: impl IntoIterator<Item = &'a str>) -> Vec<Com
     all.into_iter().filter(|name| name.starts_with(&*begun)).map(CompletionCandidate::new).collect()
 }
 
-/// Bundled models.
 pub(crate) fn bundled(current: &OsStr) -> Vec<CompletionCandidate> {
     named(current, BUNDLED.iter().map(|m| m.0))
 }
 
-/// Bundled models and files of models.
+/// Completes names of bundled models and paths of model files.
 pub(crate) fn models(current: &OsStr) -> Vec<CompletionCandidate> {
     let is_model = |path: &Path| {
         let name = path.to_string_lossy();
@@ -34,17 +33,15 @@ pub(crate) fn models(current: &OsStr) -> Vec<CompletionCandidate> {
     all
 }
 
-/// Words that `ca list` takes.
 pub(crate) fn listed(current: &OsStr) -> Vec<CompletionCandidate> {
     named(current, pages(&catalog()))
 }
 
-/// Codes of findings.
 pub(crate) fn codes(current: &OsStr) -> Vec<CompletionCandidate> {
     named(current, CODES.iter().map(|c| c.0))
 }
 
-/// All words that have a page of `ca list`.
+/// All words with a page in `ca list`.
 pub(crate) fn pages(catalog: &Catalog) -> Vec<&'static str> {
     let words = ["kinds", "models", "parts"].into_iter().chain(catalog.iter().map(|k| k.code));
     words.chain(BUNDLED.iter().map(|m| m.0)).chain(LIBRARY.iter().map(|p| p.0)).collect()

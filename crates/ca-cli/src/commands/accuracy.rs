@@ -106,18 +106,18 @@ pub fn run(args: &AccuracyArgs) -> Outcome {
     Ok(if args.error.is_some() && best.is_none() { Ended::Degraded } else { Ended::Well })
 }
 
-/// What is said of it all.
+/// Result of the command, for printing.
 struct Page<'a> {
     name: &'a str,
     found: &'a Measured,
-    /// what meets the error that was asked for
+    /// Fastest row within the requested error.
     best: Option<&'a MethodRow>,
-    /// that error
+    /// Requested error.
     asked: Option<f64>,
 }
 
 impl Page<'_> {
-    /// What is said to who asked for an error.
+    /// Says whether a row meets the requested error.
     fn verdict(&self) -> Option<String> {
         let (asked, reference) = (self.asked?, &self.found.reference);
         let (known, aim) = (reference.known, format!("an error of at most {asked:e}"));
@@ -199,7 +199,6 @@ impl Page<'_> {
         })
     }
 
-    /// The page: the plot and the table, then the model.
     fn page(&self, loaded: &Loaded) -> Report {
         let mut report = Report::new(&format!("{}: error against run time", self.name), "");
         report.sections.push(self.found.section());

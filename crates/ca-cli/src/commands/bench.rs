@@ -1,7 +1,7 @@
-//! `ca bench`: how many modules of each kind play in real time on this machine.
+//! `ca bench`: measures how many modules of each kind play in real time on this machine.
 //!
-//! Decides to print what was measured here beside what the first paper measured on its DSP, and nothing of other machines:
-//! a table of those would be believed for this one. `ca-accuracy` measures.
+//! The output compares this machine only with the DSP of the first paper. Figures of other machines could be mistaken
+//! for this one. `ca-accuracy` measures.
 
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{page as pages, term};
@@ -77,7 +77,7 @@ pub fn run(args: &BenchArgs) -> Outcome {
     Ok(Ended::Well)
 }
 
-/// The networks of these names; all of them where there are none.
+/// Finds networks by name; returns all if `only` is empty.
 fn wanted(only: &[String]) -> Result<Vec<&'static Network>, Failure> {
     let find = |wanted: &String| {
         let known = || NETWORKS.iter().map(|n| n.name);

@@ -1,4 +1,4 @@
-//! Lines about the border of a scene: delays of force and sound, and the demands of its keys on a device.
+//! Prints the rate boundary of a scene: delays of force and sound, and the demands of its keys on a device.
 
 use crate::args::Source;
 use crate::outcome::Failure;
@@ -11,10 +11,9 @@ use ca_model::quantity::short;
 use serde_json::{Value as Json, json};
 use std::io::Write;
 
-/// Keys that are reported one by one.
+/// Limit on the keys printed one by one.
 const KEYS: usize = 5;
 
-/// Lines on the delays of a scene.
 pub(crate) fn text(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
     if let Some(line) = latency(scene) {
         writeln!(out, "  latency    {line}")?;
@@ -22,7 +21,6 @@ pub(crate) fn text(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Demands of the keys on a device.
 pub(crate) fn keys(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
     let (d, keys) = (delays(scene), asked(scene));
     let mut lead = "keys       ";
@@ -42,7 +40,6 @@ pub(crate) fn keys(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
     Ok(())
 }
 
-/// All of it for programs.
 pub(crate) fn json(scene: &Scene) -> Json {
     let d = delays(scene);
     let device = !scene.ports.tgr.is_empty();
@@ -68,7 +65,7 @@ fn shape(scene: &Scene) -> &'static str {
     }
 }
 
-/// Says so where something was asked of a border that is not there.
+/// Prints a note if options set the rate boundary of a scene without device keys.
 pub(crate) fn idle(source: &Source, scene: &Scene) {
     if scene.ports.tgr.is_empty() && source.crossing().next().is_some() {
         term::note("the model has no device key (TGR): `--border`, `--latency` and `--no-feedback` change nothing");

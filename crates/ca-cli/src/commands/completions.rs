@@ -1,4 +1,4 @@
-//! `ca completions`: what makes a shell complete.
+//! `ca completions`: prints the shell script that enables completion.
 
 use crate::outcome::{Ended, Failure, Outcome};
 use clap::Args;
@@ -22,7 +22,7 @@ pub struct CompletionsArgs {
     pub shell: Shell,
 }
 
-/// The variable by which the script asks for candidates, as `main` knows it.
+/// Environment variable through which the script requests candidates: the default of `CompleteEnv`, which `run` uses.
 const ASKED_BY: &str = "COMPLETE";
 
 /// Runs the command.
@@ -30,7 +30,7 @@ pub fn run(args: &CompletionsArgs) -> Outcome {
     let name = args.shell.to_string();
     let shells = Shells::builtins();
     let shell = shells.completer(&name).ok_or_else(|| Failure::Usage(format!("`{name}` cannot ask a program")))?;
-    // by its plain name: a line that begins with `ca` found it so
+    // uses the plain name, because a command line that begins with `ca` finds the program by it
     shell.write_registration(ASKED_BY, "ca", "ca", "ca", &mut std::io::stdout().lock())?;
     Ok(Ended::Well)
 }

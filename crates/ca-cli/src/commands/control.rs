@@ -1,4 +1,4 @@
-//! `ca set`, `ca audio`, `ca arm`, `ca disarm`, `ca status`, `ca stop`: what is said to a running `ca serve`.
+//! `ca set`, `ca audio`, `ca arm`, `ca disarm`, `ca status`, `ca stop`: requests to a running `ca serve`.
 
 use crate::args::common::pair;
 use crate::outcome::{Ended, Failure, Outcome};
@@ -69,14 +69,14 @@ pub struct StatusArgs {
     pub json: bool,
 }
 
-/// How long a server may take to answer: it does so every 2 ms, unless the machine is very busy.
+/// Longest wait for a server, which answers every 2 ms unless the machine is very busy.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// Longest time in which a sound device opens, and the poll interval.
+/// Longest wait for a sound device to open, and the poll interval.
 const OPENS: Duration = Duration::from_secs(15);
 const LOOK: Duration = Duration::from_millis(20);
 
-/// `ca set`.
+/// Runs `ca set`.
 pub fn set(args: &SetArgs) -> Outcome {
     if args.values.is_empty() {
         return print(&Request::Status, args.json, |r| {
@@ -98,7 +98,7 @@ pub fn set(args: &SetArgs) -> Outcome {
     print(&Request::Set { values }, args.json, |r| r.text.clone())
 }
 
-/// `ca audio`.
+/// Runs `ca audio`.
 pub fn audio(args: &AudioArgs) -> Outcome {
     if args.device.is_some() {
         let site = Site::of_user()?;
@@ -106,7 +106,7 @@ pub fn audio(args: &AudioArgs) -> Outcome {
         if !reply.ok {
             return Err(Failure::Failed(reply.text));
         }
-        // a device is opened beside the performance, which goes on
+        // the device opens on another thread while the performance goes on
         let end = Instant::now() + OPENS;
         loop {
             let fields = ask(&site, &Request::Audio { to: None }, PATIENCE)?.fields;
@@ -125,22 +125,22 @@ pub fn audio(args: &AudioArgs) -> Outcome {
     print(&Request::Audio { to: None }, args.json, |r| r.text.clone())
 }
 
-/// `ca arm`.
+/// Runs `ca arm`.
 pub fn arm(args: &ArmArgs) -> Outcome {
     print(&Request::Arm { device: args.device.clone() }, args.json, |r| r.text.clone())
 }
 
-/// `ca disarm`.
+/// Runs `ca disarm`.
 pub fn disarm(args: &ArmArgs) -> Outcome {
     print(&Request::Disarm { device: args.device.clone() }, args.json, |r| r.text.clone())
 }
 
-/// `ca status`.
+/// Runs `ca status`.
 pub fn status(args: &StatusArgs) -> Outcome {
     print(&Request::Status, args.json, |r| r.text.clone())
 }
 
-/// `ca stop`.
+/// Runs `ca stop`.
 pub fn stop(args: &StatusArgs) -> Outcome {
     print(&Request::Stop, args.json, |r| r.text.clone())
 }

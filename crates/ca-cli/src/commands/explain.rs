@@ -1,6 +1,6 @@
-//! `ca explain`: what the code of a finding means.
+//! `ca explain`: explains a finding by its code.
 //!
-//! Decides nothing of what is said: titles and pages come from `ca-model`, where the codes are.
+//! Titles and pages come from `ca-model`, which defines the codes.
 
 use crate::args::completions;
 use crate::outcome::{Ended, Failure, Outcome};
@@ -32,7 +32,7 @@ pub struct ExplainArgs {
     pub json: bool,
 }
 
-/// The severities with the heading of each in the list, and its word in JSON as `ca check --json` has it.
+/// Severities with their heading in the list and their word in the JSON of `ca check --json`.
 const GROUPS: [(Severity, &str, &str); 3] = [
     (Severity::Error, "Errors: the model is not compiled", "error"),
     (Severity::Warning, "Warnings: it is compiled, and is probably not what was meant", "warning"),

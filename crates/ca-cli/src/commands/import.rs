@@ -1,6 +1,6 @@
-//! `ca import`: a model of another program becomes a model file.
+//! `ca import`: converts a model of another program to a model file.
 //!
-//! Decides that an import ends with a compilation, because what was imported is only worth something if it runs.
+//! The import ends with a compilation, because an imported model is useful only if it runs.
 
 use crate::args::common::imported;
 use crate::load::{self, Loaded};
@@ -56,7 +56,7 @@ pub fn run(args: &ImportArgs) -> Outcome {
     let text = load::foreign_text(&args.file)?;
     let file = args.file.display().to_string();
     let Loaded { model, diags: notes, .. } = Loaded::import(&text, &file);
-    // the findings point into the imported text
+    // the findings refer to the imported text
     let original = Model { file, text, ..Model::default() };
     term::findings(&notes, &original);
     if notes.has_errors() {

@@ -1,6 +1,6 @@
-//! `ca list`: what this build knows.
+//! `ca list`: lists kinds, models and parts of this build.
 //!
-//! Decides that pages, tables and schema come from the catalog alone, so none of them can fall behind it.
+//! Pages, tables and schema come from the catalog alone, so they are always current.
 
 use crate::args::completions;
 use crate::load::{self, BUNDLED};
@@ -46,10 +46,9 @@ pub struct ListArgs {
     pub markdown: bool,
 }
 
-/// Whether a role is of a family.
+/// Tests whether a role belongs to a family.
 type Belongs = fn(&Role) -> bool;
 
-/// Families in the order of the catalog.
 const FAMILIES: [(&str, Belongs); 4] = [
     ("Matter", |r| matches!(r, Role::Mat(_))),
     ("Interactions", |r| matches!(r, Role::Lia(_))),
@@ -103,8 +102,9 @@ fn pretty(v: &Json) -> String {
     format!("{v:#}\n")
 }
 
-/// The pages of all that is called `word`, in JSON the page or a list of them. Names as they are written come before a kind
-/// that is called so in upper case only: `bow` is first the part, then the kind BOW.
+/// Returns the pages of everything called `word`; in JSON, a page or a list of pages.
+///
+/// Names as written come before a kind that matches only in upper case: `bow` finds the part first, then the kind BOW.
 fn one(word: &str, catalog: &Catalog, json: bool) -> Result<String, Failure> {
     let mut pages: Vec<(String, Json)> = Vec::new();
     let of_kind = |code: &str| catalog.get(code).map(|k| (kind::text(k), kind::json(k)));
@@ -132,7 +132,6 @@ fn one(word: &str, catalog: &Catalog, json: bool) -> Result<String, Failure> {
     Err(Failure::Usage(format!("`{word}` is no kind, no bundled model and no part; {hint}")))
 }
 
-/// Kinds in families: code, title, equation.
 fn kinds(catalog: &Catalog) -> String {
     let (mut out, widest) = (String::new(), |f: fn(&Kind) -> usize| catalog.iter().map(f).max().unwrap_or(0));
     let (a, b) = (widest(|k| k.code.len()), widest(|k| k.title.chars().count()));
@@ -162,7 +161,7 @@ fn models(catalog: &Catalog) -> String {
     out
 }
 
-/// How a model is played: by ports of a device, by notes of MIDI, by its own gesture; by itself where by none.
+/// Returns the ways to play a model: device ports, MIDI notes, its gesture, or by itself.
 fn played(model: &Model) -> Vec<&'static str> {
     let mut by = Vec::new();
     let ports = || model.items.iter().filter(|i| i.kind == "TGR");
@@ -207,7 +206,7 @@ fn about(name: &str, model: &Model) -> String {
     )
 }
 
-/// The generated table of the documentation.
+/// Generates the table for the documentation.
 fn markdown(catalog: &Catalog) -> String {
     let mut out = String::new();
     for (family, is) in FAMILIES {

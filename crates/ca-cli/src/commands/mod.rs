@@ -1,5 +1,5 @@
-//! The commands, a file or folder each with its arguments and `run`; `control.rs` has the six that speak to a running server.
-//! `border.rs` holds lines that several of them print.
+//! The commands. Each has a file or folder with its arguments and `run`, except that `control.rs` holds the six that
+//! talk to a running server. `border.rs` prints lines for several commands.
 
 use crate::outcome::Outcome;
 use clap::Subcommand;
@@ -27,8 +27,8 @@ pub(crate) mod sweep;
 pub(crate) mod take;
 pub(crate) mod tune;
 
-/// The subcommands with their arguments, and the function that runs each. The help of a command stands with its arguments: a line
-/// here would replace it, so it is here only where several commands have the same arguments.
+/// Defines the subcommands with their arguments and `run` functions. The help of a command is at its arguments. A doc
+/// comment here would replace it, and is used only where several commands share their arguments.
 macro_rules! commands {
     ($($(#[$help:meta])* $name:ident($args:path) => $run:path,)*) => {
         /// A command with its arguments.

@@ -1,7 +1,7 @@
-//! `ca modes`: modes of the linear part of a model.
+//! `ca modes`: computes the modes of the linear part of a model.
 //!
-//! Decides to show each port as a column in dB below the mode that is strongest there: what a player asks is which modes
-//! a blow or a pickup favours, not how many roots of a kilogram they weigh. The raw numbers are in the JSON.
+//! Each port is a column in dB below its strongest mode, because players want to know which modes a blow or a pickup
+//! favours. The raw values at the ports, in 1/√kg, are in the JSON.
 
 use crate::args::Source;
 use crate::args::common::count;
@@ -45,12 +45,12 @@ pub struct ModesArgs {
     pub json: bool,
 }
 
-/// Ports that fit beside each other on a page; all of them are in the JSON.
+/// Limit on the ports printed side by side; the JSON has all of them.
 const COLUMNS: usize = 8;
-/// A port hears nothing of a mode from here on down \[dB\].
+/// Level at and below which a mode counts as silent at a port \[dB\].
 const SILENT: f64 = -200.0;
 
-/// What to do about what nothing hears.
+/// Help for modules that no output measures.
 const HEAR: &str = "hear it with an output to have it in the scene";
 
 /// Runs the command.
@@ -91,20 +91,20 @@ pub fn run(args: &ModesArgs) -> Outcome {
     Ok(Ended::Well)
 }
 
-/// What is not in the matrices, by name and kind.
+/// Lists the links that are not in the matrices, by name and kind.
 fn left_out(network: &Network) -> String {
     let names: Vec<String> = network.left_out.iter().map(|(name, code)| format!("`{name}` ({code})")).collect();
     names.join(", ")
 }
 
-/// What a port makes of each mode, in dB below the strongest.
+/// Levels of the modes at a port, in dB below the strongest.
 fn levels(found: &Modes, port: &[(u32, f64)]) -> Vec<f64> {
     let at: Vec<f64> = found.list.iter().map(|m| m.at(port).abs()).collect();
     let top = at.iter().copied().fold(0.0, f64::max);
     at.iter().map(|v| if *v > 0.0 && top > 0.0 { 20.0 * (v / top).log10() } else { f64::NEG_INFINITY }).collect()
 }
 
-/// The sound rate \[Hz\].
+/// Sound rate \[Hz\].
 fn rate(network: &Network) -> f64 {
     1.0 / (network.tick_dt * f64::from(network.oversample))
 }
@@ -202,7 +202,7 @@ fn value(name: &str, network: &Network, found: &Modes) -> Json {
     })
 }
 
-/// A row for each place, a column for each mode \[1/√kg\].
+/// Writes the mode shapes with a row per place and a column per mode \[1/√kg\].
 fn shapes(path: &Path, network: &Network, found: &Modes) -> Result<(), Failure> {
     let bad =
         |e: std::io::Error| Failure::Failed(format!("`{}` cannot be written: {}", path.display(), load::reason(&e)));
@@ -213,7 +213,7 @@ fn shapes(path: &Path, network: &Network, found: &Modes) -> Result<(), Failure> 
         (1..=found.list.len()).try_for_each(|j| write!(file, ",mode {j}"))?;
         writeln!(file)?;
         for (i, name) in network.names.iter().enumerate() {
-            // names with commas are those of meshes
+            // quoted, because names in meshes contain commas
             write!(file, "\"{name}\"")?;
             found.list.iter().try_for_each(|m| write!(file, ",{:e}", m.shape[i]))?;
             writeln!(file)?;

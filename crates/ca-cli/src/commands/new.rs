@@ -1,7 +1,7 @@
-//! `ca new`: a model to begin with, and what an editor needs to help with it.
+//! `ca new`: writes a first model, and the schema that lets an editor help with it.
 //!
-//! Decides that the schema is written beside the model and named by a relative path, rather than by an address or a place
-//! of this machine: it is that of this build, works without a network, and moves with the folder.
+//! The schema is written beside the model and referenced by a relative path, not by an address or an absolute path. So
+//! it matches this build, works without a network, and moves with the folder.
 
 use crate::args::completions;
 use crate::load::{self, BUNDLED};
@@ -35,10 +35,10 @@ pub struct NewArgs {
     pub force: bool,
 }
 
-/// The model that `ca new` writes by default.
+/// Default model of `ca new`.
 pub const STARTER: &str = include_str!("starter.ca.toml");
 
-/// The JSON Schema of model files, beside them.
+/// File name of the JSON Schema, beside the model files.
 const SCHEMA: &str = "ca.schema.json";
 
 /// Runs the command.
@@ -62,7 +62,7 @@ pub fn run(args: &NewArgs) -> Outcome {
     Ok(Ended::Well)
 }
 
-/// Writes the schema for editors, in place of one that is older; a file that is something else stays.
+/// Writes the schema for editors and replaces an older version. Refuses to replace any other file.
 fn describe(path: &Path) -> Result<(), Failure> {
     let own = schema::schema(&catalog());
     let read = |path| serde_json::from_slice::<serde_json::Value>(&reading::text(path, reading::MODEL).ok()?).ok();
@@ -74,7 +74,7 @@ fn describe(path: &Path) -> Result<(), Failure> {
     Ok(atomic_file::write(path, format!("{own:#}\n").as_bytes())?)
 }
 
-/// Refuses a path that no model file may have, or where there is one.
+/// Refuses a path without the extension of model files and, unless `force` is true, an existing file.
 pub(super) fn may_be(path: &Path, force: bool) -> Result<(), Failure> {
     if !path.to_string_lossy().to_ascii_lowercase().ends_with(".ca.toml") {
         let own = path.with_file_name(format!("{}.ca.toml", load::stem(path)));
@@ -87,7 +87,7 @@ pub(super) fn may_be(path: &Path, force: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Writes a model file, over another one only where that is asked for.
+/// Writes a model file. Overwrites an existing file only if `force` is true.
 pub(super) fn write(path: &Path, text: &str, force: bool) -> Result<(), Failure> {
     may_be(path, force)?;
     let write = if force { atomic_file::write } else { atomic_file::write_new };

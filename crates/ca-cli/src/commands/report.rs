@@ -1,4 +1,5 @@
-//! `ca report`: writes the page of a model or a take, which [`ca_pages`] makes. The exit code says whether the page warns.
+//! `ca report`: writes the page of a model or a take built by [`ca_pages`]. The exit code tells whether the page has
+//! warnings.
 
 use super::{border, render};
 use crate::args::common::quantity_of;
@@ -82,7 +83,6 @@ pub fn run(args: &ReportArgs) -> Outcome {
     Ok(if ca_pages::is_degraded(&report) { Ended::Degraded } else { Ended::Well })
 }
 
-/// The page of a model, with its name.
 fn model(args: &ReportArgs) -> Result<(String, Report), Failure> {
     render::listen();
     let loaded = load::load(&args.source)?;
@@ -123,7 +123,6 @@ fn model(args: &ReportArgs) -> Result<(String, Report), Failure> {
     Ok((loaded.name, report))
 }
 
-/// The page of a take, with its name.
 fn take(args: &ReportArgs, file: &Path) -> Result<(String, Report), Failure> {
     let played = &args.playing;
     useless(

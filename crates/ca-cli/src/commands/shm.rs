@@ -1,8 +1,7 @@
-//! `ca shm`: what devices and servers keep in shared memory, and what dead ones left there.
+//! `ca shm`: shows shared memory of devices and servers, and removes what dead processes left.
 //!
-//! Decides that nothing of a living process is ever removed, not even on request: whoever wants that ends the process.
-//! Servers and devices sweep what killed ones of their own version left; this is for what no program of this version
-//! reads any more, and for looking.
+//! Nothing of a living process is ever removed, not even on request; to remove it, end the process. Servers and devices
+//! clean up after killed processes of their version. This command also handles remains of other versions.
 
 use crate::outcome::{Ended, Outcome};
 use crate::term;

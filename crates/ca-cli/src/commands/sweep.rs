@@ -1,7 +1,6 @@
-//! `ca sweep`: a plan into a folder of sounds and rows.
+//! `ca sweep`: plays a plan into a folder of sounds and rows.
 //!
-//! Decides that threads share nothing but the number of the next chunk, and that the manifest is written by whoever finds
-//! all chunks there.
+//! Threads share only the number of the next chunk. The process that finds all chunks present writes the manifest.
 
 use crate::commands::render::{listen, stopped};
 use crate::outcome::{Ended, Failure, Outcome};
@@ -133,7 +132,7 @@ pub fn run(args: &SweepArgs) -> Outcome {
     Ok(Ended::Well)
 }
 
-/// Plays these chunks, and says how many runs ended how.
+/// Plays `chunks` and counts the runs by status.
 fn played(plan: &Plan, folder: &Folder, chunks: &[u64], threads: usize) -> Result<BTreeMap<String, u64>, Failure> {
     let bar = term::progress(chunks.iter().map(|c| folder.span(*c).1 - folder.span(*c).0).sum());
     let next = AtomicUsize::new(0);
@@ -150,7 +149,7 @@ fn played(plan: &Plan, folder: &Folder, chunks: &[u64], threads: usize) -> Resul
                 !stopped()
             });
             if let Err(e) = done {
-                // one failure ends them all: the others would meet it too
+                // other threads would fail in the same way, so one failure ends them all
                 next.store(chunks.len(), Relaxed);
                 *failed.lock().unwrap_or_else(std::sync::PoisonError::into_inner) = Some(e);
             }
@@ -173,7 +172,7 @@ fn played(plan: &Plan, folder: &Folder, chunks: &[u64], threads: usize) -> Resul
     }
 }
 
-/// The message of a sweep that Ctrl-C ended: the runs that are kept, and the command for the others.
+/// Formats the message after Ctrl-C: the runs kept, and how to continue.
 fn left(plan: &Plan, folder: &Folder, path: &Path) -> String {
     let there: u64 = (0..folder.chunks()).filter(|c| folder.has(*c)).map(|c| folder.span(c).1 - folder.span(c).0).sum();
     let all = plan.sweep.runs();
@@ -181,7 +180,7 @@ fn left(plan: &Plan, folder: &Folder, path: &Path) -> String {
     format!("interrupted: {kept}; the same command goes on with the others")
 }
 
-/// What would be played, and how long it takes.
+/// Shows the plan, plays the first run, and estimates the total time.
 fn dry(plan: &Plan) -> Outcome {
     let sweep = &plan.sweep;
     let (row, _) = sweep.run(0, &mut || true)?;

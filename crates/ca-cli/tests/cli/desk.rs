@@ -1,4 +1,4 @@
-//! An empty directory in which the built command is run, and what a run gives.
+//! Runs the built command in an empty directory and collects its output.
 
 use flac_codec::decode::FlacSampleReader;
 use flac_codec::metadata::Metadata as _;
@@ -6,28 +6,25 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-/// An empty directory to run in, and one for shared memory and another for settings that nobody else uses.
+/// Empty working directory, and a private directory for shared memory and settings.
 pub struct Desk(pub tempfile::TempDir, tempfile::TempDir);
 
-/// What a run gave.
+/// Output of a run.
 pub struct Ran {
-    /// exit code
     pub code: i32,
-    /// stdout
     pub out: String,
-    /// stderr
     pub err: String,
 }
 
 impl Desk {
     pub fn new() -> Desk {
-        // short: sockets have little room for names
+        // short, because socket names are limited
         Desk(tempfile::tempdir().unwrap(), tempfile::Builder::new().prefix("ca").tempdir_in("/tmp").unwrap())
     }
     pub fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
     }
-    /// Where its shared memory would be: names in there begin with the last part of the path.
+    /// Path prefix of the shared memory: its names begin with the last component.
     pub fn shm(&self) -> PathBuf {
         self.1.path().join(self.1.path().file_name().unwrap())
     }
@@ -35,13 +32,13 @@ impl Desk {
         fs::write(self.path(name), text).unwrap();
         self
     }
-    /// A program with this directory, its own shared memory and its own settings.
+    /// Prepares a program in this directory with private shared memory and settings.
     fn command(&self, program: &str) -> Command {
         let mut c = Command::new(program);
         c.current_dir(&self.0).env("CA_SHM_ROOT", self.shm()).env("CA_CONFIG", self.1.path().join("cfg"));
         c
     }
-    /// The built command, started and not waited for.
+    /// Starts the built command without waiting for it.
     pub fn start(&self, args: &[&str]) -> Child {
         let mut c = self.command(env!("CARGO_BIN_EXE_ca"));
         c.args(args).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
@@ -49,14 +46,14 @@ impl Desk {
     pub fn ca(&self, args: &[&str]) -> Ran {
         self.with(&[], args)
     }
-    /// The built command with more in its environment.
+    /// Runs the built command with additional environment variables.
     pub fn with(&self, environment: &[(&str, &str)], args: &[&str]) -> Ran {
         let mut c = self.command(env!("CARGO_BIN_EXE_ca"));
         let o = c.args(args).envs(environment.iter().copied()).output().unwrap();
         let text = |b: &[u8]| String::from_utf8(b.to_vec()).unwrap();
         Ran { code: o.status.code().unwrap(), out: text(&o.stdout), err: text(&o.stderr) }
     }
-    /// A line of a shell in which `ca` is the built command.
+    /// Runs a shell line in which `ca` is the built command.
     #[cfg(unix)]
     pub fn sh(&self, line: &str) -> Ran {
         let bin = Path::new(env!("CARGO_BIN_EXE_ca")).parent().unwrap();
@@ -72,7 +69,7 @@ impl Desk {
         list.sort();
         list
     }
-    /// Rate \[Hz\], channels and bits of a FLAC file, and its samples, full scale 1.
+    /// Rate \[Hz\], channels and bits of a FLAC file, and its samples; full scale is 1.
     pub fn flac(&self, name: &str) -> ([u32; 3], Vec<f64>) {
         let mut flac = FlacSampleReader::open(self.path(name)).unwrap();
         let of = flac.metadata();
@@ -82,7 +79,7 @@ impl Desk {
         flac.read_to_end(&mut samples).unwrap();
         (info, samples.into_iter().map(|s| f64::from(s) / full).collect())
     }
-    /// Samples of a WAV file, full scale 1.
+    /// Format and samples of a WAV file; full scale is 1.
     pub fn wav(&self, name: &str) -> (hound::WavSpec, Vec<f64>) {
         let mut r = hound::WavReader::open(self.path(name)).unwrap();
         let spec = r.spec();
@@ -116,22 +113,19 @@ impl Ran {
     }
 }
 
-/// Greatest size of a sample.
 pub fn peak(samples: &[f64]) -> f64 {
     samples.iter().fold(0.0, |p, s| p.max(s.abs()))
 }
 
-/// A path from the root of the workspace.
 pub fn from_root(path: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path)
 }
 
-/// A MIMS model of the workspace's tests.
 pub fn mims(name: &str) -> String {
     fs::read_to_string(from_root("tests/mims").join(name)).unwrap()
 }
 
-/// The blocks of a Markdown page in one language, each with the text of the page before it.
+/// Finds the code blocks of a Markdown page in one language, each with the text before it.
 pub fn blocks<'a>(page: &'a str, language: &str) -> Vec<(&'a str, &'a str)> {
     let fence = format!("\n```{language}\n");
     page.match_indices(&fence)
@@ -143,7 +137,7 @@ pub fn blocks<'a>(page: &'a str, language: &str) -> Vec<(&'a str, &'a str)> {
         .collect()
 }
 
-/// One cell, so that its peak is known: the displacement at load.
+/// A model with one cell, whose peak is its displacement at load.
 pub const BAR: &str = r#"
 [model]
 title = "One bar"
@@ -156,8 +150,7 @@ bar = { m = "1 g", f = "220 Hz", t60 = "1 s", dx0 = "1 mm" }
 out = { from = "bar", gain = "loud" }
 "#;
 
-/// The hammered string as these tests know it, whatever becomes of the bundled one.
+/// A copy of the hammered string, independent of changes to the bundled model.
 pub const STRUCK: &str = include_str!("struck.ca.toml");
 
-/// A gesture for it.
 pub const KEY: &str = "time,key\n0,-0.003\n0.05,-0.003\n0.056,-0.0005\n0.09,-0.003\n";

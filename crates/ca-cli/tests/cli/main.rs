@@ -1,4 +1,4 @@
-//! The command as people use it: the built binary in an empty directory.
+//! Tests the built binary in an empty directory, as users run it.
 
 mod desk;
 mod documents;
@@ -86,7 +86,7 @@ fn errors_of_a_model_point_at_their_places() {
     assert_eq!(desk.files(), ["a.ca.toml", "mute.ca.toml", "odd.ca.toml"]);
 }
 
-/// A negative number is the value of the option before it, and refused by what the option takes.
+/// A negative number is the value of the preceding option, which refuses it.
 #[test]
 fn negative_numbers_are_judged_as_any_other() {
     let desk = Desk::new();
@@ -120,7 +120,7 @@ fn negative_numbers_are_judged_as_any_other() {
     }
 }
 
-/// What cannot be set says where it is written, and what is set wrongly is not blamed on the file.
+/// An error about `--set` refers to the option, not to a line of the file.
 #[test]
 fn what_is_set_is_told_from_what_is_written() {
     let desk = Desk::new();
@@ -140,17 +140,15 @@ fn what_is_set_is_told_from_what_is_written() {
     set("model.title=[1,2]").is(0);
     let ran = set("stiff=1 kg").is(1).says(&["E008", "in kg", "`min` is in N/m", "what is set"]);
     assert!(!ran.err.contains("room.ca.toml:2"), "{}", ran.err);
-    // a bare number is one of SI
     set("stiff=99999").is(1).says(&["E009", "99999 N/m", "from 500 N/m to 2000 N/m"]);
     set("stiff=1500").is(0);
     set("stiff=1.5 kN/m").is(0);
 }
 
-/// Commands whose examples other tests run: those for a running server (`session/serve.rs`), devices (`--test loop verbs`), and
-/// `ca bench`, which takes minutes (`sound/bench.rs` runs it on less).
+/// Commands whose examples run in other tests: those for a running server (`session/serve.rs`), for devices (`--test
+/// loop verbs`), and `ca bench`, which takes minutes (`sound/bench.rs` runs a shorter one).
 const RUN_ELSEWHERE: &[&str] = &["set", "audio", "arm", "disarm", "status", "stop", "device", "bench"];
 
-/// The commands in the list of `ca --help`.
 fn commands(general: &str) -> Vec<&str> {
     let list = general.split("Commands:\n").nth(1).unwrap().split("\n\n").next().unwrap();
     let commands: Vec<&str> =
@@ -180,7 +178,7 @@ fn examples_of_command_help_run() {
         let (_, examples) = help.split_once("Examples:\n").unwrap_or_else(|| panic!("{command} has no examples"));
         for line in examples.lines().filter(|l| !l.trim().is_empty()) {
             let done = desk.sh(line);
-            // in real time a machine that does something else meanwhile is degraded, and says so
+            // real-time commands report degradation on a busy machine
             let late = ["play", "serve"].contains(&command) && done.code == 3;
             done.is(if late { 3 } else { 0 });
             ran += 1;
@@ -189,7 +187,7 @@ fn examples_of_command_help_run() {
     assert!(ran >= 45, "only {ran} examples were found");
 }
 
-/// More than the line of the list: what it does, by which rules, and how it ends.
+/// The help of a command says more than its line in the list: what it does, its rules, and how it ends.
 #[test]
 fn every_command_explains_itself() {
     let desk = Desk::new();
@@ -200,7 +198,7 @@ fn every_command_explains_itself() {
         let paragraphs = about.split("\n\n").filter(|p| !p.trim().is_empty()).count();
         assert!(paragraphs >= 2, "ca {command} --help says no more than the list:\n{help}");
     }
-    // what may move a hand leads to the page of safety
+    // help of commands that may move a hand mentions the safety switch
     for command in [&["serve"][..], &["device", "conformance"]] {
         desk.ca(&[command, &["--help"]].concat()).is(0).says(&["a switch that cuts the power of the motors"]);
     }

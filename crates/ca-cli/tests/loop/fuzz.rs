@@ -1,5 +1,5 @@
-//! A device as a process that sends anything at all, free-running: frames that are wrong in one or several ways, and
-//! spells in which nothing is wrong, so that forces get on in between.
+//! A device process that sends arbitrary frames at its own pace: frames with one or more errors, and periods of valid
+//! frames so that forces come on in between.
 
 use super::raw::Place;
 use super::role::{Job, Role};
@@ -9,20 +9,19 @@ use ca_haptic::rt::now_ns;
 use std::io::Write as _;
 use std::time::Duration;
 
-/// Frames for each byte of its record.
+/// Frames per byte of its record.
 const EACH: u64 = 1000;
-/// Frames of a spell.
+/// Frames per period.
 const SPELL: u64 = 15_000;
 
 pub struct Fuzz(Role);
 
 impl Fuzz {
-    /// Speaks as `device`: so many frames like that, in which a spell is one of anything; then good ones until it ends.
+    /// Sends `all` frames as `device`, with periods of arbitrary frames, and then valid frames until it ends.
     pub fn of(site: &Site, device: &str, all: u64) -> Fuzz {
         Fuzz(Role::start(site, "fuzz::anything", device, all))
     }
 
-    /// How many frames it has sent.
     pub fn sent(&self) -> u64 {
         self.0.written() as u64 * EACH
     }
@@ -44,7 +43,7 @@ fn rng(seed: &mut u64) -> u64 {
     *seed
 }
 
-/// A frame that is wrong in one or several ways, or in none.
+/// Changes a frame in up to three ways.
 fn spoiled(good: &DeviceFrame, seed: &mut u64) -> DeviceFrame {
     let mut f = *good;
     for _ in 0..rng(seed) % 4 {
@@ -94,7 +93,7 @@ fn anything() {
         if n % EACH == 0 {
             record.write_all(&[0]).unwrap();
         }
-        // the queue holds four; the gateway looks every 50 us
+        // the queue holds four frames; the gateway polls every 50 us
         if n % 2 == 0 {
             std::thread::sleep(Duration::from_micros(60));
         }

@@ -1,4 +1,4 @@
-//! A device written without our client, which may lie in one way.
+//! A device written without the client of this project, with at most one fault.
 
 use super::raw::Place;
 use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode};
@@ -9,45 +9,43 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::JoinHandle;
 
-/// What is wrong with it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lie {
-    /// nothing
     None,
-    /// its frames have one number
+    /// All its frames have the same number.
     Numbers,
-    /// it never says which force it used
+    /// It never reports which force it used.
     Ack,
-    /// it goes on with the last force for ever
+    /// It applies the last force forever.
     Watchdog,
-    /// it sends half as often as it says
+    /// It sends at half its stated rate.
     Rate,
-    /// it is where it cannot be
+    /// It reports impossible positions.
     Positions,
-    /// it believes the first engine for ever
+    /// It accepts the first engine forever.
     Restart,
-    /// it believes an engine that was not seen at rest
+    /// It accepts an engine that was not seen at rest.
     Unrested,
-    /// it takes every force frame for its own
+    /// It accepts force frames with any layout.
     Layout,
-    /// it ends with its engine
+    /// It ends with its engine.
     GoesOn,
-    /// its session is not the one it says
+    /// Its session differs from the announced one.
     Session,
-    /// it gives another force than it was sent
+    /// It applies another force than it received.
     Measured,
-    /// it never gives a force
+    /// It never applies a force.
     NoForce,
-    /// it moves against the force: positions and forces have not the same sign
+    /// It moves against the force: positions and forces have opposite signs.
     Sign,
-    /// it tells the truth, and its hand swings to and fro all the time
+    /// It is correct, but its hand moves to and fro all the time.
     Moves,
 }
 
-/// Frame of 3000 a second \[ns\].
+/// Period of a frame at 3 kHz \[ns\].
 const PERIOD: u64 = 333_333;
 
-/// A device in a thread. Ends with its value.
+/// A device in a thread, stopped on drop.
 pub struct Liar {
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
@@ -65,12 +63,11 @@ pub fn about(name: &str, rate: u32) -> About {
 }
 
 impl Liar {
-    /// Speaks as `name`, 1000 times a second.
+    /// Starts a device `name` at 1000 frames per second.
     pub fn new(site: &Site, name: &str, lie: Lie) -> Liar {
         Liar::with(site, name, move |place, name, stop| play(place, name, lie, stop))
     }
 
-    /// Sends what `play` sends.
     fn with(site: &Site, name: &str, play: impl FnOnce(&Place, &str, &AtomicBool) + Send + 'static) -> Liar {
         let stop = Arc::new(AtomicBool::new(false));
         let (end, site, name) = (stop.clone(), site.clone(), name.to_owned());
@@ -78,7 +75,7 @@ impl Liar {
         Liar { stop, thread: Some(thread) }
     }
 
-    /// A sensor that moves as `frame` says, 3000 times a second, and takes no force: number of the frame, from 1.
+    /// Starts a sensor at 3000 frames per second that applies no force. `frame` fills each frame, numbered from 1.
     pub fn moving(site: &Site, name: &str, mut frame: impl FnMut(u64, &mut DeviceFrame) + Send + 'static) -> Liar {
         Liar::with(site, name, move |place, name, stop| {
             let line = place.writer::<DeviceFrame>(name, "in", 0);
@@ -102,7 +99,7 @@ impl Drop for Liar {
     fn drop(&mut self) {
         self.stop.store(true, Relaxed);
         if let Some(thread) = self.thread.take() {
-            // its panic is the test's
+            // the test panics if the thread did
             let ended = thread.join();
             assert!(ended.is_ok() || std::thread::panicking());
         }
@@ -110,7 +107,7 @@ impl Drop for Liar {
 }
 
 fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool) {
-    // as a device's own process does, where it may
+    // like a device process, if permitted
     ask(RtRequest { priority: Some(70), ..RtRequest::default() });
     let frames = place.writer::<DeviceFrame>(name, "in", 0);
     let forces = place.reader::<ForceFrame>(name, "out");
@@ -172,14 +169,14 @@ fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool) {
         frame.ack = if lie == Lie::Ack { 0 } else { held.seq };
         match lie {
             Lie::Positions => frame.pos[0] = 0.02,
-            // a damped finger that is pushed the wrong way
+            // a damped finger pushed in the wrong direction
             Lie::Sign => frame.pos[0] = (frame.pos[0] - 2e-4 * f64::from(frame.force_measured[0])).clamp(-0.01, 0.01),
             Lie::Moves => frame.pos[0] = 0.0095 * (std::f64::consts::TAU * n as f64 / 400.0).sin(),
             _ => {}
         }
         (frame.t_device_ns, frame.t_host_ns, frame.period_ns) = (n * period, now, period as u32);
         frames.send_copy(frame).unwrap();
-        // what stood still goes on at its rate, and does not catch up
+        // after a stall, continues at its rate without catching up
         due = wait_until((due + period).max(now + period / 2));
     }
 }

@@ -1,6 +1,6 @@
-//! The loop through the hand as people run it: the built command as server and as device, each a process of its own,
-//! and a third that watches every force on the line. What is late is never wrong here: conditions are
-//! waited for, times are counted in frames.
+//! Tests the haptic loop as users run it: the built command as server and as device in separate processes, and a third
+//! process that watches every force on the line. A slow machine never causes a failure: tests wait for conditions and
+//! count time in frames.
 #![cfg(target_os = "linux")]
 
 mod fuzz;

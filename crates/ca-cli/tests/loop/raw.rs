@@ -1,4 +1,4 @@
-//! The lines of a device as a stranger opens them: with iceoryx2 alone, by name and layout, and no code of ours between.
+//! Opens the lines of a device like independent software: with iceoryx2 alone, by name and layout.
 
 use ca_haptic::host::Site;
 use iceoryx2::port::publisher::Publisher;
@@ -8,10 +8,10 @@ use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
 use std::fmt::Debug;
 use std::time::{Duration, Instant};
 
-/// Frames that lie in the queue of a reader.
+/// Frames in the queue of a reader.
 const QUEUE: usize = 4;
 
-/// What keeps lines open; ports before it.
+/// Node that keeps lines open; ports are dropped before it.
 pub struct Place(Node<ipc::Service>);
 
 impl Place {
@@ -48,7 +48,7 @@ impl Place {
                 .open_or_create();
             match made {
                 Ok(factory) => return factory,
-                // somebody comes or goes at this moment
+                // another process opens or closes the line at this moment
                 Err(e) => assert!(Instant::now() < end, "{name}: {e:?}"),
             }
             std::thread::sleep(Duration::from_millis(5));
@@ -73,7 +73,7 @@ impl Place {
         self.deep_reader(device, line, QUEUE)
     }
 
-    /// A reader with a queue longer than that of devices and servers: only who makes a line can have one.
+    /// Opens a reader with a longer queue than devices and servers use. Only the creator of a line can do this.
     pub fn deep_reader<T: Debug + Copy + ZeroCopySend + 'static>(
         &self,
         device: &str,

@@ -1,8 +1,8 @@
-//! Parts that must be processes of their own: the watcher of forces, the device that sends anything, load.
+//! Helper processes of tests: the watcher of forces, the device that sends arbitrary frames, load.
 //!
-//! Decides that a part is this very program, started again for one test that is skipped otherwise: nothing more is
-//! built, and the part knows frames as the tests do. It writes what it has seen to a file and ends when its standard
-//! input does, so that none outlives the test, however that ends.
+//! A helper is this test binary, started again with one ignored test. So nothing else is built, and the helper uses the
+//! same frame types. It writes its record to a file and ends when its standard input closes, so it never outlives the
+//! test.
 
 use ca_haptic::host::Site;
 use std::fs::File;
@@ -12,12 +12,12 @@ use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-/// Names the file of a part; where it is not set, nobody asked for one.
+/// Variable with the record file of a helper; if it is not set, the test was not started as a helper.
 const RECORD: &str = "CA_LOOP_RECORD";
 const DEVICE: &str = "CA_LOOP_DEVICE";
 const MORE: &str = "CA_LOOP_MORE";
 
-/// A part that runs. Ends with its value.
+/// A running helper, killed on drop.
 pub struct Role {
     child: Child,
     record: PathBuf,
@@ -25,14 +25,14 @@ pub struct Role {
 }
 
 impl Role {
-    /// Starts the test `name` as a process that plays at `site`, and waits until it says it is ready.
+    /// Starts the test `name` as a helper at `site` and waits until it is ready.
     pub fn start(site: &Site, name: &str, device: &str, more: u64) -> Role {
         let dir = tempfile::tempdir().unwrap();
         let record = dir.path().join("record");
         let child = Command::new(std::env::current_exe().unwrap())
             .args(["--exact", name, "--ignored", "--nocapture"])
             .env("CA_SHM_ROOT", site.root())
-            // a part that listens to sound is at the server of this name
+            // name of the JACK server for helpers that use sound
             .env("JACK_DEFAULT_SERVER", device)
             .envs([(RECORD, record.as_os_str()), (DEVICE, device.as_ref()), (MORE, more.to_string().as_ref())])
             .stdin(Stdio::piped())
@@ -51,17 +51,15 @@ impl Role {
         self.child.try_wait().unwrap().is_none()
     }
 
-    /// Length of what it has written \[bytes\].
     pub fn written(&self) -> usize {
         self.record.metadata().unwrap().len() as usize
     }
 
-    /// What it has written so far.
     pub fn read(&self) -> Vec<u8> {
         std::fs::read(&self.record).unwrap()
     }
 
-    /// The last whole piece of `size` bytes it has written.
+    /// Last complete piece of `size` bytes in the record.
     pub fn last(&self, size: usize) -> Option<Vec<u8>> {
         let end = self.written() / size * size;
         let mut file = File::open(&self.record).unwrap();
@@ -71,7 +69,6 @@ impl Role {
         Some(piece)
     }
 
-    /// Ends it; what it has written.
     pub fn end(mut self) -> Vec<u8> {
         drop(self.child.stdin.take());
         super::stage::until("the part ends", || !self.lives());
@@ -82,13 +79,12 @@ impl Role {
 
 impl Drop for Role {
     fn drop(&mut self) {
-        // one that ended already cannot be killed
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-/// What a part was asked for, seen from within.
+/// Arguments of a helper, inside its process.
 pub struct Job {
     pub site: Site,
     pub device: String,
@@ -98,14 +94,14 @@ pub struct Job {
 }
 
 impl Job {
-    /// None where nobody asked: all skipped tests are being run.
+    /// Reads the arguments. Returns `None` if all ignored tests are being run.
     pub fn asked() -> Option<Job> {
         let record = PathBuf::from(std::env::var_os(RECORD)?);
         let text = |name| std::env::var(name).unwrap();
         let end = Arc::new(AtomicBool::new(false));
         let ended = end.clone();
         std::thread::spawn(move || {
-            // nothing is ever said to it, but that it is over
+            // the only event on standard input is its end
             let _ = std::io::stdin().read(&mut [0]);
             ended.store(true, Relaxed);
         });
@@ -113,7 +109,7 @@ impl Job {
         Some(Job { site, device: text(DEVICE), more: text(MORE).parse().unwrap(), record, end })
     }
 
-    /// Says that it is ready; the file for what it sees.
+    /// Reports that the helper is ready and returns the file for its record.
     pub fn ready(&self) -> File {
         File::create(&self.record).unwrap()
     }
@@ -123,7 +119,7 @@ impl Job {
     }
 }
 
-/// Two processes that do nothing but keep both cores busy.
+/// Starts two helpers that keep both cores busy.
 pub fn load(site: &Site) -> [Role; 2] {
     [0, 1].map(|_| Role::start(site, "role::burn", "", 0))
 }

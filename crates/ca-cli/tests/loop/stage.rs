@@ -1,4 +1,4 @@
-//! A place of its own in which servers and devices run, and end with the test.
+//! A private environment for servers and devices, which end with the test.
 
 use ca_haptic::host::Site;
 use ca_haptic::host::control::{Reply, Request, ask};
@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 use std::time::{Duration, Instant};
 
-/// A spring that pushes a little: 0.45 N where the key rests, which counts as nothing.
+/// A weak spring: 0.45 N at the rest of the key, which counts as nothing.
 pub const KEY: &str = r#"
 [TGR]
 key = { device = "key", dof = 0 }
@@ -21,8 +21,8 @@ spring = { between = ["key", "wall"], k = 500, l0 = 0 }
 out = { from = "key" }
 "#;
 
-/// A key: a twelfth of the TGR, whose forces are on in an eighth of a second. Its watchdogs are patient: this machine may
-/// stand still for 20 ms at a time, and that is not what these tests are about.
+/// A key: one twelfth of the TGR, with forces on after an eighth of a second. Its watchdogs are patient, because this
+/// machine may stall for 20 ms at a time and these tests are not about that.
 pub const PROFILE: &str = r#"
 name = "key"
 title = "one key"
@@ -44,15 +44,15 @@ zero = 0.09
 ttl = 0.06
 "#;
 
-/// The text of a profile whose device keeps a force for 0.1 s, as long as an engine in lock step waits for its device,
-/// in place of 5 ms: no time is due there, and a machine that stands still for 10 ms changes nothing.
+/// Changes a profile so that the device holds a force for 0.1 s instead of 5 ms, as long as an engine in lock-step
+/// waits for its device. Deadlines do not matter there, so a stall of 10 ms changes nothing.
 pub fn patient(profile: &str) -> String {
     assert!(!profile.contains("\nttl"), "{profile}");
     let (before, after) = profile.split_once("[guard]\n").unwrap_or((profile, ""));
     format!("{before}\n[guard]\nttl = 0.1\n{after}")
 }
 
-/// A place, with the profile of the device `key`.
+/// A private environment with the profile of the device `key`.
 pub struct Stage {
     dir: tempfile::TempDir,
     pub site: Site,
@@ -60,8 +60,8 @@ pub struct Stage {
     _held: Held,
 }
 
-/// One stage at a time: each has threads of real time, and this machine has few cores. Those that wait most of their
-/// time, and try again where the machine was busy, share a turn.
+/// Runs one stage at a time, because each has real-time threads and this machine has few cores. Stages that mostly
+/// wait, and retry on a busy machine, run together.
 static ONE: RwLock<()> = RwLock::new(());
 
 enum Held {
@@ -69,21 +69,20 @@ enum Held {
     Shared(#[expect(dead_code, reason = "held until the stage ends")] RwLockReadGuard<'static, ()>),
 }
 
-/// A process of ours. Ends with its value.
+/// A child process, killed on drop.
 pub struct Proc {
     child: Child,
     out: PathBuf,
     err: PathBuf,
 }
 
-/// What a run gave.
 pub struct Ran {
     pub code: Option<i32>,
     pub out: String,
     pub err: String,
 }
 
-/// Tries again and again until it is so; a machine under load is slow, not wrong.
+/// Waits until the condition holds, with a long limit for machines under load.
 #[track_caller]
 pub fn until(what: &str, mut is: impl FnMut() -> bool) {
     let end = Instant::now() + Duration::from_secs(120);
@@ -97,12 +96,12 @@ impl Stage {
     pub fn new() -> Stage {
         Stage::of(Held::Alone(ONE.write().unwrap_or_else(PoisonError::into_inner)))
     }
-    /// A stage beside others that share a turn.
+    /// Creates a stage that may run together with other such stages.
     pub fn beside() -> Stage {
         Stage::of(Held::Shared(ONE.read().unwrap_or_else(PoisonError::into_inner)))
     }
     fn of(held: Held) -> Stage {
-        // the path must be short, wherever the system would have it
+        // the path must be short, whatever the system default
         let dir = tempfile::Builder::new().prefix("cal").tempdir_in("/tmp").unwrap();
         let site = Site::at(&dir.path().join("s")).unwrap();
         fs::create_dir_all(dir.path().join("c/profiles")).unwrap();
@@ -120,35 +119,32 @@ impl Stage {
     pub fn read(&self, name: &str) -> String {
         fs::read_to_string(self.path(name)).unwrap()
     }
-    /// A program in this place.
+    /// Prepares a program in this environment.
     pub fn command(&self, program: &str, args: &[&str]) -> Command {
         let mut c = Command::new(program);
         c.args(args).current_dir(&self.dir).env("CA_SHM_ROOT", self.site.root()).env("CA_CONFIG", self.path("c"));
         c
     }
-    /// Starts a program.
     pub fn start(&self, mut command: Command) -> Proc {
         let n = self.runs.fetch_add(1, Relaxed);
         let (out, err) = (self.path(&format!("{n}.out")), self.path(&format!("{n}.err")));
         command.stdin(Stdio::null()).stdout(File::create(&out).unwrap()).stderr(File::create(&err).unwrap());
         Proc { child: command.spawn().unwrap(), out, err }
     }
-    /// Starts the command.
     pub fn spawn(&self, args: &[&str]) -> Proc {
         self.start(self.command(env!("CARGO_BIN_EXE_ca"), args))
     }
-    /// Runs the command to its end.
     pub fn ca(&self, args: &[&str]) -> Ran {
         self.spawn(args).end()
     }
-    /// A line of a shell in which `ca` is the built command.
+    /// Runs a shell line in which `ca` is the built command.
     pub fn sh(&self, line: &str) -> Ran {
         let bin = Path::new(env!("CARGO_BIN_EXE_ca")).parent().unwrap();
         let mut c = self.command("sh", &["-ec", line]);
         c.env("PATH", format!("{}:{}", bin.display(), std::env::var("PATH").unwrap()));
         self.start(c).end()
     }
-    /// A server of `model` that answers.
+    /// Starts a server of `model` and waits until it answers.
     pub fn serve(&self, model: &str, more: &[&str]) -> Proc {
         let mut server = self.spawn(&[&["serve", model], more].concat());
         until("the server answers", || {
@@ -157,15 +153,13 @@ impl Stage {
         });
         server
     }
-    /// A simulated key.
     pub fn key(&self, more: &[&str]) -> Proc {
         self.spawn(&[&["device", "sim", "--profile", "key"], more].concat())
     }
-    /// Asks the server; `None` where there is none.
     pub fn ask(&self, request: &Request) -> Option<Reply> {
         ask(&self.site, request, Duration::from_secs(2)).ok()
     }
-    /// Mode and cause of the first device, and how many frames of it came.
+    /// Mode and cause of the first device, and the number of its frames.
     pub fn state(&self) -> (String, String, u64) {
         let Some(r) = self.ask(&Request::Status) else { return Default::default() };
         let d = &r.fields["devices"][0];
@@ -175,11 +169,11 @@ impl Stage {
     pub fn arm(&self) {
         self.ask(&Request::Arm { device: None });
     }
-    /// Arms until forces are on. A busy machine trips watchdogs now and then, which is what they are for.
+    /// Arms until forces are on. On a busy machine, watchdogs may trip as intended.
     pub fn on(&self) {
         self.armed("forces on", |mode, _| mode == "on");
     }
-    /// Until it is so; arms whenever forces are off.
+    /// Waits until the condition holds, and arms whenever forces are off.
     pub fn armed(&self, what: &str, is: impl Fn(&str, &str) -> bool) {
         let end = Instant::now() + Duration::from_secs(30);
         loop {
@@ -198,7 +192,7 @@ impl Stage {
 
 impl Drop for Stage {
     fn drop(&mut self) {
-        // names in /dev/shm are not in the folder
+        // removes the files in /dev/shm, which are outside the folder
         ca_haptic::host::stale_shm::clean(&self.site);
     }
 }
@@ -214,13 +208,11 @@ impl Proc {
         let id = self.child.id().to_string();
         assert!(Command::new("kill").args([format!("-{name}"), id]).status().unwrap().success());
     }
-    /// What it printed so far.
     pub fn said(&self) -> String {
         [&self.out, &self.err].map(|p| fs::read_to_string(p).unwrap()).concat()
     }
-    /// Waits for its end.
     pub fn end(mut self) -> Ran {
-        // a soak lasts longer than anything else
+        // a soak test lasts longest
         let end = Instant::now() + Duration::from_secs(180);
         while self.lives() {
             assert!(Instant::now() < end, "it does not end\n{}", self.said());
@@ -229,12 +221,10 @@ impl Proc {
         let read = |p: &PathBuf| fs::read_to_string(p).unwrap();
         Ran { code: self.child.wait().unwrap().code(), out: read(&self.out), err: read(&self.err) }
     }
-    /// Asks it to end, as Ctrl-C does.
     pub fn stop(self) -> Ran {
         self.signal("INT");
         self.end()
     }
-    /// Without a chance to say anything.
     pub fn kill(mut self) {
         self.child.kill().unwrap();
         self.child.wait().unwrap();
@@ -243,14 +233,14 @@ impl Proc {
 
 impl Drop for Proc {
     fn drop(&mut self) {
-        // one that ended already cannot be killed
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
 impl Ran {
-    /// That it served so many frames. On a busy machine forces may find no room on their way to nobody, which is exit code 3.
+    /// Checks that `frames` were served. On a busy machine, forces without a reader may be lost, which gives exit code
+    /// 3.
     #[track_caller]
     pub fn served(self, frames: u32) -> Ran {
         let (before, _) = self.out.split_once(" forces not fetched").unwrap_or_default();

@@ -1,7 +1,8 @@
-//! A watcher on the force line: a third process beside server and device, which writes down every force frame it sees.
-//! Afterwards they are held to what the guard promises. It makes the line, before server and device come, with a queue
-//! of a third of a second, and leaves files to a thread, so that it misses none while the machine stands still; what it
-//! missed all the same is known by the numbers.
+//! Watches the forces: a third process besides server and device records every force frame, and its test compares them
+//! with the guarantees of the guard.
+//!
+//! The watcher creates the line before server and device start, with a queue of a third of a second, and a thread
+//! writes the file. So it misses no frame while the machine stalls. Sequence numbers reveal any missed frame.
 
 use super::raw::Place;
 use super::role::{Job, Role};
@@ -13,40 +14,36 @@ use std::io::Write as _;
 use std::time::Duration;
 use zerocopy::{FromBytes as _, IntoBytes as _};
 
-/// Frames the watcher may be late.
+/// Frames by which the watcher may be late.
 const QUEUE: usize = 1024;
 
 pub struct Watch(Role);
 
-/// What was watched.
 pub struct Seen {
     pub frames: Vec<ForceFrame>,
-    /// frames that were not seen: before the first of a session, and between two; counted at the end
+    /// Frames not seen, before the first of a session and between two; counted at the end.
     pub unseen: u64,
 }
 
 impl Watch {
-    /// Watches the forces of `device`, which has no server yet.
+    /// Starts to watch the forces of `device` before its server starts.
     pub fn of(site: &Site, device: &str) -> Watch {
         Watch(Role::start(site, "watch::every_force", device, 0))
     }
 
-    /// How many so far.
     pub fn count(&self) -> usize {
         self.0.written() / size_of::<ForceFrame>()
     }
 
-    /// The newest.
     pub fn last(&self) -> Option<ForceFrame> {
         self.0.last(size_of::<ForceFrame>()).map(|b| ForceFrame::read_from_bytes(&b).unwrap())
     }
 
-    /// All so far.
     pub fn so_far(&self) -> Seen {
         Seen { frames: read(&self.0.read()), unseen: 0 }
     }
 
-    /// Ends, and holds all frames to the promises of the guard with these numbers, at 3000 frames a second.
+    /// Ends the watcher and checks all frames against the guard limits in `p`, at 3000 frames per second.
     pub fn end(self, p: &Profile) -> Seen {
         let frames = read(&self.0.end());
         let unseen = check(&frames, p);
@@ -56,7 +53,6 @@ impl Watch {
     }
 }
 
-/// The whole frames of a record.
 fn read(record: &[u8]) -> Vec<ForceFrame> {
     record.chunks_exact(size_of::<ForceFrame>()).map(|b| ForceFrame::read_from_bytes(b).unwrap()).collect()
 }
@@ -69,11 +65,11 @@ fn every_force() {
     let reader = place.deep_reader::<ForceFrame>(&job.device, "out", QUEUE);
     let mut record = job.ready();
     let (heap, heaps) = std::sync::mpsc::channel::<Vec<u8>>();
-    // a file can take its time
+    // writing may block
     let writer = std::thread::spawn(move || heaps.iter().for_each(|h| record.write_all(&h).unwrap()));
     ask(RtRequest { priority: Some(50), ..RtRequest::default() });
     loop {
-        // what came before the end is still taken
+        // frames before the end are still read
         let over = job.is_over();
         let mut frames = Vec::new();
         while let Some(f) = reader.receive().unwrap() {
@@ -94,7 +90,7 @@ pub fn size(f: &[f32]) -> f64 {
     f.iter().map(|x| f64::from(*x) * f64::from(*x)).sum::<f64>().sqrt()
 }
 
-/// H1, H2, H3 and H8 on the wire. Returns how many frames were not seen.
+/// Checks H1, H2, H3 and H8 on the frames sent. Returns the number of frames not seen.
 fn check(frames: &[ForceFrame], p: &Profile) -> u64 {
     let (n, axes) = (p.dof as usize, p.axes as usize);
     let slew = p.slew() / 3000.0;
@@ -109,7 +105,7 @@ fn check(frames: &[ForceFrame], p: &Profile) -> u64 {
         }
         let before = frames[..k].last().filter(|b| b.session == f.session);
         assert!(before.is_none_or(|b| f.seq > b.seq), "numbers grow");
-        // a session begins with 1, at rest
+        // a session begins with sequence number 1, at rest
         let apart = f.seq - before.map_or(0, |b| b.seq);
         gaps += apart - 1;
         for at in (0..n).step_by(axes) {
@@ -117,7 +113,7 @@ fn check(frames: &[ForceFrame], p: &Profile) -> u64 {
             if matches!(mode, Mode::Off | Mode::Fault) {
                 continue;
             }
-            // what is off is zero
+            // missing axes are zero
             let mut step = [0.0_f32; 3];
             for (a, step) in step.iter_mut().enumerate().take(axes) {
                 *step = f.force[at + a] - before.map_or(0.0, |b| b.force[at + a]);
@@ -125,7 +121,7 @@ fn check(frames: &[ForceFrame], p: &Profile) -> u64 {
             let jump = size(&step);
             assert!(jump <= slew * apart as f64 * (1.0 + 1e-5) + 1e-6, "{jump} N in {apart} frames: {f:?}");
         }
-        // a fault ends by arming only, and arming begins with off
+        // only arming ends a fault, and arming begins with mode off
         if let Some(b) = before.filter(|b| Mode::read(b.mode) == Mode::Fault && apart == 1) {
             assert!(matches!(mode, Mode::Fault | Mode::Off), "{b:?}\n{f:?}");
         }
@@ -134,11 +130,10 @@ fn check(frames: &[ForceFrame], p: &Profile) -> u64 {
 }
 
 impl Seen {
-    /// The frames of a mode.
     pub fn of(&self, mode: Mode) -> impl Iterator<Item = &ForceFrame> {
         self.frames.iter().filter(move |f| Mode::read(f.mode) == mode)
     }
-    /// Causes of faults, in order, each once in a row.
+    /// Causes of faults in order, without repetitions.
     pub fn faults(&self) -> Vec<Cause> {
         let mut list: Vec<Cause> = self.of(Mode::Fault).map(|f| Cause::read(f.cause)).collect();
         list.dedup();
@@ -146,7 +141,6 @@ impl Seen {
     }
 }
 
-/// The profile of a key, as the server has it.
 pub fn key() -> Profile {
     Profile::read(super::stage::PROFILE, "key").unwrap()
 }

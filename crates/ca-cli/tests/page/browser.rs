@@ -1,4 +1,4 @@
-//! A real Chromium without a screen, spoken to by its DevTools protocol.
+//! Controls a real headless Chromium through the DevTools protocol.
 
 use crate::skipped::skipped;
 use base64::Engine as _;
@@ -10,7 +10,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 use tungstenite::{Message, WebSocket};
 
-/// A page in a browser of its own.
+/// A page in a private browser.
 pub struct Tab {
     socket: WebSocket<TcpStream>,
     id: u64,
@@ -28,7 +28,7 @@ impl Drop for Tab {
 }
 
 impl Tab {
-    /// Opens an address; `None` where there is no Chromium.
+    /// Opens an address. Returns `None` without Chromium.
     pub fn open(address: &str) -> Option<Tab> {
         let profile = tempfile::tempdir().unwrap();
         let mut command = Command::new("chromium");
@@ -96,7 +96,7 @@ impl Tab {
         }
     }
 
-    /// The value of an expression in the page, which it has by the hand of its user: a page may turn the sound on.
+    /// Evaluates an expression in the page as a user gesture, so that the page may start sound.
     pub fn js(&mut self, expression: &str) -> Value {
         let asked = json!({"expression": expression, "awaitPromise": true, "returnByValue": true, "userGesture": true});
         self.command("Runtime.evaluate", &asked)["result"]["value"].clone()
@@ -108,7 +108,7 @@ impl Tab {
         self.command("Input.dispatchMouseEvent", &event);
     }
 
-    /// A place at which a mass can be pressed.
+    /// Finds a point where a mass can be pressed.
     pub fn near(&mut self) -> Option<[f64; 2]> {
         let size = self.js("(() => { const r = document.getElementById('canvas').getBoundingClientRect(); \
              return [r.x, r.y, r.width, r.height]; })()");
@@ -119,7 +119,7 @@ impl Tab {
                 let at = [left + part * w, top + h * (0.5 + off)];
                 let event = json!({"type": "mouseMoved", "x": at[0], "y": at[1], "button": "none", "buttons": 0});
                 self.command("Input.dispatchMouseEvent", &event);
-                // somewhere on the string, which rings
+                // a mass of the string, which rings
                 let tip = "new Promise(r => setTimeout(() => r(document.getElementById('tooltip').textContent), 250))";
                 let over = self.js("document.getElementById('stage').classList.contains('over')");
                 if over == true && self.js(tip).as_str().is_some_and(|t| t.contains("low[")) {
@@ -130,12 +130,10 @@ impl Tab {
         None
     }
 
-    /// The picture as it is now.
     pub fn picture(&mut self) -> String {
         self.command("Page.captureScreenshot", &json!({}))["data"].as_str().unwrap().into()
     }
 
-    /// An element as it is drawn now.
     pub fn part(&mut self, id: &str) -> String {
         let place = self.js(&format!(
             "(() => {{ const r = document.getElementById('{id}').getBoundingClientRect(); return [r.x, r.y, r.width, r.height]; }})()"
@@ -145,7 +143,7 @@ impl Tab {
         self.command("Page.captureScreenshot", &json!({ "clip": clip }))["data"].as_str().unwrap().into()
     }
 
-    /// A window of this size, and the colours that its person prefers.
+    /// Sets the window size and the preferred colour scheme.
     pub fn looks(&mut self, width: u32, height: u32, colours: &str) {
         let size = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
         self.command("Emulation.setDeviceMetricsOverride", &size);
@@ -154,16 +152,16 @@ impl Tab {
         self.command("Page.reload", &json!({}));
     }
 
-    /// The window as it is now, small.
+    /// Small screenshot of the window.
     pub fn webp(&mut self) -> Vec<u8> {
         let asked = json!({"format": "webp", "quality": 80});
         let text = self.command("Page.captureScreenshot", &asked)["data"].as_str().unwrap().to_owned();
         STANDARD.decode(text).unwrap()
     }
 
-    /// What went wrong in the page: exceptions, and messages that are errors or warnings.
+    /// Exceptions, errors and warnings of the page.
     pub fn errors(&mut self) -> Vec<String> {
-        // the software renderer of a machine without a screen says that it is slow
+        // the software renderer of a machine without a screen warns that it is slow
         self.errors.iter().filter(|e| !e.contains("GL Driver Message") && !e.contains("GPU stall")).cloned().collect()
     }
 }

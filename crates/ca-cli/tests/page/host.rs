@@ -9,7 +9,6 @@ use std::time::{Duration, Instant};
 use tungstenite::client::IntoClientRequest as _;
 use tungstenite::{Message, WebSocket};
 
-/// Tries again and again until it is so.
 #[track_caller]
 pub fn until(what: &str, mut is: impl FnMut() -> bool) {
     let end = Instant::now() + Duration::from_secs(120);
@@ -19,12 +18,11 @@ pub fn until(what: &str, mut is: impl FnMut() -> bool) {
     }
 }
 
-/// The largest sample.
 pub fn peak(samples: &[f32]) -> f32 {
     samples.iter().fold(0.0, |p, x| p.max(x.abs()))
 }
 
-/// The command, playing; ends with its value.
+/// A running `ca play`, killed on drop.
 pub struct Host {
     dir: tempfile::TempDir,
     child: Child,
@@ -32,7 +30,6 @@ pub struct Host {
 }
 
 impl Host {
-    /// Plays a model.
     pub fn play(model: &str, more: &[&str]) -> Host {
         let dir = tempfile::Builder::new().prefix("cap").tempdir_in("/tmp").unwrap();
         std::fs::write(dir.path().join("model.ca.toml"), model).unwrap();
@@ -51,22 +48,19 @@ impl Host {
                 break line[at..].trim().to_owned();
             }
         };
-        // somebody has to read what it says, or it would wait
+        // drains the messages, because the process would block otherwise
         std::thread::spawn(move || err.read_to_string(&mut String::new()));
         Host { dir, child, address }
     }
 
-    /// Saves another text of the model.
     pub fn write(&self, model: &str) {
         std::fs::write(self.dir.path().join("model.ca.toml"), model).unwrap();
     }
 
-    /// A file beside the model.
     pub fn path(&self, name: &str) -> std::path::PathBuf {
         self.dir.path().join(name)
     }
 
-    /// A page of it.
     pub fn page(&self) -> Client {
         let place = self.address.strip_prefix("http://").unwrap();
         let host = place.split('/').next().unwrap();
@@ -77,23 +71,19 @@ impl Host {
         Client { socket: tungstenite::client(request, stream).unwrap().0, id: 0 }
     }
 
-    /// Number of its process.
     pub fn process(&self) -> u32 {
         self.child.id()
     }
 
-    /// Waits for its end.
     pub fn ended(&mut self) {
         until("it ends", || self.child.try_wait().unwrap().is_some());
     }
 
-    /// Ends it as `kill -9` does.
     pub fn kill(&mut self) {
         self.child.kill().unwrap();
         self.child.wait().unwrap();
     }
 
-    /// Another command in the same place; what it prints.
     pub fn ca(&self, args: &[&str]) -> String {
         let ran = command(self.dir.path()).args(args).output().unwrap();
         let [out, err] = [ran.stdout, ran.stderr].map(|b| String::from_utf8(b).unwrap());
@@ -109,21 +99,19 @@ impl Drop for Host {
     }
 }
 
-/// The command in a place.
 pub fn command(dir: &std::path::Path) -> Command {
     let mut c = Command::new(env!("CARGO_BIN_EXE_ca"));
     c.current_dir(dir).env("CA_SHM_ROOT", dir.join("s")).env("CA_CONFIG", dir.join("c"));
     c
 }
 
-/// A page without a browser.
+/// A client of the page without a browser.
 pub struct Client {
     socket: WebSocket<TcpStream>,
     id: u64,
 }
 
 impl Client {
-    /// The next text of a type.
     #[track_caller]
     pub fn next(&mut self, kind: &str) -> Value {
         let end = Instant::now() + Duration::from_secs(60);
@@ -138,7 +126,6 @@ impl Client {
         }
     }
 
-    /// Asks, and waits for the answer.
     pub fn ask(&mut self, request: &Value) -> Value {
         self.id += 1;
         let mut request = request.clone();
@@ -152,14 +139,14 @@ impl Client {
         }
     }
 
-    /// Asks for what must be done.
+    /// Sends a request that must succeed.
     #[track_caller]
     pub fn done(&mut self, request: &Value) {
         let reply = self.ask(request);
         assert_eq!(reply["ok"], true, "{request}: {reply}");
     }
 
-    /// The next block of bytes of a kind: numbers behind the head.
+    /// Returns the next binary message of a kind: its second header field and its numbers.
     fn bytes(&mut self, kind: u32) -> (u32, Vec<f32>) {
         loop {
             if let Message::Binary(bytes) = self.socket.read().unwrap() {
@@ -172,12 +159,10 @@ impl Client {
         }
     }
 
-    /// The next picture.
     pub fn look(&mut self) -> Vec<f32> {
         self.bytes(1).1
     }
 
-    /// The next picture of a version.
     pub fn look_at(&mut self, generation: u32) -> Vec<f32> {
         loop {
             let (of, picture) = self.bytes(1);
@@ -187,7 +172,7 @@ impl Client {
         }
     }
 
-    /// Listens on a thread of its own until it is closed; how many samples came.
+    /// Counts the received samples on a thread until the connection closes.
     pub fn listen(mut self) -> JoinHandle<usize> {
         self.done(&json!({"type": "sound", "on": true}));
         spawn(move || {
@@ -203,7 +188,7 @@ impl Client {
         })
     }
 
-    /// So many seconds of sound from now on, interleaved.
+    /// Returns `seconds` of sound from now on, interleaved.
     pub fn hear(&mut self, seconds: f64) -> Vec<f32> {
         let mut all = Vec::new();
         loop {

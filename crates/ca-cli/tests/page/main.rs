@@ -1,5 +1,5 @@
-//! `ca play` as people use it: the built command, its page over a real socket and in a real Chromium. In real time, so that they
-//! run with those of the loop, not beside them.
+//! Tests `ca play` as users run it: the built command, with its page over a real socket and in a real Chromium. The
+//! tests run in real time, so `tests/run` runs them with the tests of the haptic loop.
 
 mod browser;
 mod host;
@@ -45,7 +45,6 @@ push = [[0, 0], [0.01, 0.5], [0.02, 0], [0.6, 0]]
 mod in_real_time {
     use super::*;
 
-    /// Two seconds of one session by pointer, port, parameter and gesture: seen, heard, and replayed to the bit.
     #[test]
     fn what_is_done_in_a_page_is_seen_heard_and_replayed_to_the_bit() {
         let mut host = Host::play(STRING, &["--log", "take.mcap", "--energy"]);
@@ -67,7 +66,7 @@ mod in_real_time {
         for n in 1..=20 {
             page.done(&json!({"type": "drag", "by": [1e-4 * f64::from(n)]}));
         }
-        // as far as the string lets it
+        // as far as the string allows
         until("the mass follows", || page.look()[mass as usize] > 1e-4);
         until("it is said who is held", || page.next("state")["pointer"] == mass);
         page.done(&json!({"type": "release"}));
@@ -96,7 +95,7 @@ mod in_real_time {
             assert_eq!(reply["ok"], false, "{request}");
             assert!(reply["text"].as_str().unwrap().contains(why), "{request}: {reply}");
         }
-        // one that vanishes lets go
+        // a client that disappears releases its mass
         let mut other = host.page();
         let mass = named(&mut page, "low[3]");
         other.done(&json!({"type": "grab", "mass": mass}));
@@ -111,8 +110,8 @@ mod in_real_time {
         assert_eq!(verdict["identical"], true, "{replayed}");
     }
 
-    /// The file is saved while it plays: another version goes on; one that is broken is reported, and the one before plays on; a
-    /// number that is not live is changed.
+    /// Saves the file while it plays. A new version goes on, a broken one is reported while the old one goes on, and a
+    /// number that is not live can be changed.
     #[test]
     fn an_edited_model_plays_on() {
         let mut host = Host::play(STRING, &["--log", "take.mcap", "--energy"]);
@@ -130,7 +129,7 @@ mod in_real_time {
         assert_eq!((&scene["generation"], &scene["params"][0]["max"]), (&json!(2), &json!(5000.0)));
         let masses = scene["drawing"]["masses"].as_u64().unwrap();
         until("pictures are of it", || page.look_at(2).len() as u64 == masses);
-        // what was set by hand stays, and so does the port
+        // values set by hand stay, and so does the port
         until("the parameter is where it was", || page.next("state")["params"]["k"] == 1000.0);
         assert!(peak(&page.hear(0.05)) > 0.01, "the port presses on");
 
@@ -152,18 +151,18 @@ mod in_real_time {
         assert!(report["ok"] == false && report["text"].as_str().unwrap().contains("`tt`"), "{report}");
         page.done(&json!({"type": "change", "name": "low.t60", "value": "5 s"}));
         assert_eq!(page.next("scene")["generation"], 5);
-        // by another process, too, beside a parameter that is live
+        // another process can do this too, together with a live parameter
         let said = host.ca(&["set", "low.t60=4 s", "k=700"]);
         assert!(said.contains("k = 700") && said.contains("low.t60 = 4 s: the model is made anew"), "{said}");
         assert_eq!(page.next("scene")["generation"], 6);
-        // a mass of it can be held
+        // a mass of the new version can be held
         page.done(&json!({"type": "grab", "mass": 3}));
         page.done(&json!({"type": "drag", "by": [1e-3]}));
         page.done(&json!({"type": "set", "values": {"k": 600}}));
         until("it is set", || page.next("state")["params"]["k"] == 600.0);
         page.done(&json!({"type": "stop"}));
         host.ended();
-        // the take has all six versions, and what was done to each
+        // the take has all six versions and the actions in each
         let replayed = host.ca(&["replay", "take.mcap", "--verify", "--energy", "--json"]);
         let verdict: serde_json::Value = serde_json::from_str(&replayed).unwrap_or_else(|e| panic!("{e}: {replayed}"));
         assert_eq!((&verdict["identical"], &verdict["versions"]), (&json!(true), &json!(6)), "{replayed}");
@@ -175,7 +174,7 @@ mod in_real_time {
         assert!(report.contains("The model was changed while it played"), "and why there is no ledger");
     }
 
-    /// Sound from now on and all that was done so far are kept when somebody asks in the page; the energy of motion is told.
+    /// The page can record sound from now on and save the performance so far. It receives the kinetic energy.
     #[test]
     fn what_was_played_is_kept() {
         let mut host = Host::play(STRING, &[]);
@@ -197,7 +196,7 @@ mod in_real_time {
             until(name, || page.next("said")["text"].as_str().unwrap().contains(name));
         };
         finished("model-1.wav", &mut page);
-        // the file behind it has lost its name: a process that is killed leaves nothing
+        // the temporary file is already unlinked, so a killed process leaves nothing
         assert_eq!(std::fs::read_dir(host.path("tmp")).unwrap().count(), 0);
         page.done(&json!({"type": "save"}));
         finished("model-1.mcap", &mut page);
@@ -266,14 +265,13 @@ mod in_real_time {
         soak::a_long_session();
     }
 
-    /// By MIDI and OSC, from a pipe, a page and another process.
     #[cfg(unix)]
     #[test]
     fn midi_and_osc_play_and_are_replayed_to_the_bit() {
         midi_osc::plays();
     }
 
-    /// The browser is given a file, and other users see no token.
+    /// The browser opens a file, and other users cannot see the token.
     #[cfg(target_os = "linux")]
     #[test]
     fn a_browser_is_led_to_the_page_by_a_file() {
@@ -291,7 +289,7 @@ mod in_real_time {
         pictures::are_made();
     }
 
-    /// The page of a report without a server: what moves is drawn at the time that is chosen, there and in the waveform.
+    /// The page of a report without a server: picture and waveform follow the chosen time.
     #[test]
     fn a_report_shows_the_moving_instrument() {
         let dir = tempfile::tempdir().unwrap();
@@ -309,7 +307,6 @@ mod in_real_time {
         until("it goes to the time that is chosen", || film(&mut tab) == "0.030");
         assert_ne!(tab.part("filmCanvas"), still, "it moves");
         assert_eq!(tab.js("document.querySelector('audio').currentTime.toFixed(3)"), "0.030");
-        // a click in a plot over time
         tab.js("document.querySelector('.chart-over').scrollIntoView({ behavior: 'instant' })");
         let place = tab.js(
             "(() => { const r = document.querySelector('.chart-over').getBoundingClientRect(); return [r.x + r.width / 2, r.y + 20]; })()",
@@ -331,7 +328,7 @@ mod in_real_time {
         assert_eq!(tab.errors(), Vec::<String>::new());
     }
 
-    /// In a browser: the page opens without an error, moves, and a mouse that drags a mass holds it and sounds.
+    /// In a browser, the page opens without errors and moves. A mouse that drags a mass holds it, and it sounds.
     #[test]
     fn a_mouse_in_a_browser_plays() {
         let mut host = Host::play(STRING, &["--seconds", "120"]);
@@ -340,7 +337,6 @@ mod in_real_time {
         let mut watch = host.page();
         watch.next("scene");
         let before = tab.picture();
-        // where a mass is: anywhere the page says it is near one
         let [x, y] = tab.near().expect("some mass is near the middle");
         tab.mouse("mousePressed", x, y);
         until("it is held", || watch.next("state")["pointer"].as_i64() >= Some(0));
@@ -353,10 +349,10 @@ mod in_real_time {
         watch.done(&json!({"type": "sound", "on": true}));
         assert!(peak(&watch.hear(0.1)) > 1e-4, "it rings");
         until("its energy is drawn", || tab.js("+document.documentElement.dataset.energy > 0") == true);
-        // a page may sound by itself once it was touched
+        // after user input, the page may start sound
         tab.js("document.getElementById('sound').dataset.on === 'true' || document.getElementById('sound').click()");
         until("the page plays, too", || tab.js("document.getElementById('sound').dataset.on") == "true");
-        // keys on the screen, and of the computer once that is switched on
+        // plays keys on the screen, and computer keys once they are switched on
         let at = |tab: &mut browser::Tab, what: &str| {
             let place = tab.js(&format!(
                 "(() => {{ const e = document.querySelector('{what}'); e.scrollIntoView(); \
@@ -377,11 +373,9 @@ mod in_real_time {
         until("a letter sounds", || peak(&watch.hear(0.05)) > 0.02);
         tab.js("dispatchEvent(new KeyboardEvent('keyup', { code: 'KeyX', bubbles: true }))");
         tab.js("document.getElementById('letters').click()");
-        // a preset, and half of the way back to it
         tab.js("document.getElementById('presetsBox').open = true");
         tab.js("(() => { document.getElementById('presetName').value = 'soft'; \
              document.querySelector('#presetForm button').click(); })()");
-        // a slider
         tab.js("(() => { const r = document.querySelector('#params input[type=range]'); r.value = 0; \
              r.dispatchEvent(new Event('input')); })()");
         until("the slider has set it", || watch.next("state")["params"]["k"] == 200.0);

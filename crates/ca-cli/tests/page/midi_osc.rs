@@ -1,4 +1,5 @@
-//! MIDI by a pipe, OSC by UDP and MIDI of a page: what they do is seen, what is wrong is answered, and a take has all of it.
+//! Tests MIDI by a pipe, OSC by UDP, and MIDI from a page: effects are seen, errors are answered, and a take records
+//! all of it.
 
 use crate::host::{Client, Host, peak, until};
 use rosc::{OscBundle, OscMessage, OscPacket, OscTime, OscType, decoder, encoder};
@@ -34,7 +35,7 @@ right = { from = "bob", gain = 200 }
 third = { from = "hammer", gain = 100 }
 "#;
 
-/// A model with devices is played only with the token.
+/// Token required to play a model with devices.
 const TOKEN: &str = "0123456789abcdef";
 
 fn osc(addr: &str, args: Vec<OscType>) -> OscPacket {
@@ -52,7 +53,6 @@ impl Line {
         self.0.send(&encoder::encode(packet).unwrap()).unwrap();
     }
 
-    /// What is answered next: its address and arguments.
     fn reply(&self) -> (String, Vec<OscType>) {
         let mut bytes = [0; 4096];
         let n = self.0.recv(&mut bytes).unwrap();
@@ -60,7 +60,7 @@ impl Line {
         (m.addr, m.args)
     }
 
-    /// Says what is refused, and gives why.
+    /// Sends a packet that is refused and returns the reason.
     fn refused(&self, packet: &OscPacket) -> String {
         self.say(packet);
         let (addr, args) = self.reply();
@@ -91,7 +91,7 @@ pub fn plays() {
     let mut page = host.page();
     let scene = page.next("scene");
     assert_eq!(scene["notes"], json!([60, 61, 62, 63, 64, 65]));
-    // where a slider looks, if somebody else moves the port
+    // mass whose position the slider shows when another input moves the port
     let seen = |name: &str| {
         let ports = scene["ports"].as_array().unwrap();
         ports.iter().find(|p| p["name"] == name).unwrap()["mass"].is_u64()
@@ -100,14 +100,14 @@ pub fn plays() {
     page.done(&json!({"type": "sound", "on": true}));
     let mut cable = std::fs::OpenOptions::new().write(true).open(&pipe).unwrap();
 
-    // a note by the pipe, with a clock in it; what nothing listens to is told
+    // a note by the pipe, with a clock message in it; unused events are reported
     cable.write_all(&[0x90, 60, 0xf8, 127]).unwrap();
     until("the string sounds", || peak(&page.hear(0.05)) > 0.01);
     cable.write_all(&[0x80, 60, 0, 0x90, 90, 64]).unwrap();
     until("a note that nothing listens to is told", || page.next("said")["text"].as_str().unwrap().contains("note 90"));
-    // a bend holds the bob, from the middle of its way
+    // pitch bend moves the bob from the middle of its range
     cable.write_all(&[0xe0, 0x7f, 0x7f]).unwrap();
-    // a controller that is learned sets its parameter
+    // a learned controller sets its parameter
     let refused = page.ask(&json!({"type": "learn", "name": "kk"}));
     assert!(refused["text"].as_str().unwrap().contains("not a live parameter"), "{refused}");
     page.done(&json!({"type": "learn", "name": "k"}));
@@ -115,13 +115,12 @@ pub fn plays() {
     cable.write_all(&[0xb0, 74, 127]).unwrap();
     param(&mut page, "k", 3000.0);
     assert_eq!(page.next("state")["bound"], json!([{"channel": 1, "number": 74, "name": "k"}]));
-    // the pipe is closed, and opened again
     drop(cable);
     let mut cable = std::fs::OpenOptions::new().write(true).open(&pipe).unwrap();
     cable.write_all(&[0xb0, 74, 0]).unwrap();
     param(&mut page, "k", 1000.0);
 
-    // a device key whose device has said nothing goes by a note of the page
+    // before its device connects, a device key follows notes from the page
     page.done(&json!({"type": "midi", "bytes": [0x90, 65, 127]}));
     let third = |s: &[f32]| s.chunks_exact(3).map(|c| c[2]).fold(f32::MIN, f32::max);
     until("the hammer has come", || third(&page.hear(0.05)) > -0.3);
@@ -166,7 +165,7 @@ pub fn plays() {
     }
     line.0.send(b"nonsense").unwrap();
     assert_eq!(line.reply().0, "/error");
-    // bundles in bundles, as deep as a packet may be, and one that is larger
+    // nested bundles at the limit of a packet, and a larger packet
     let deep = (0..500).fold(osc("/state", vec![]), |inner, _| {
         OscPacket::Bundle(OscBundle { timetag: OscTime { seconds: 0, fractional: 1 }, content: vec![inner] })
     });

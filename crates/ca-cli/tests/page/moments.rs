@@ -1,9 +1,9 @@
-//! Requests at bad moments, and a model that begins anew.
+//! Tests requests at inconvenient times, and restarts of a model.
 
 use crate::host::{Host, command, until};
 use serde_json::json;
 
-/// Flies by 1 m a second.
+/// A mass that moves away at 1 m/s.
 const BIRD: &str = r#"
 [param]
 z = { value = "1 g/s", unit = "N s/m", live = true, min = 0, max = 1 }
@@ -21,7 +21,7 @@ left = { from = "bird", gain = 0.01 }
 right = { from = "bob", gain = 1 }
 "#;
 
-/// What has flown away is where it began, and a take has it; the account of energy begins anew, too.
+/// A restart puts a distant mass back to its beginning and is recorded in the take. The energy account restarts too.
 pub fn it_begins_anew() {
     let mut host = Host::play(BIRD, &["--log", "take.mcap", "--energy"]);
     let mut page = host.page();
@@ -40,8 +40,8 @@ pub fn it_begins_anew() {
     assert_eq!((&verdict["identical"], &verdict["versions"]), (&json!(true), &json!(2)), "{replayed}");
 }
 
-/// A wrong change takes no good one along, whether they come together or one while the other is made; a file that is gone is reported,
-/// and so is one that is no file.
+/// An invalid change does not cancel a valid one, whether they arrive together or during a compilation. A missing model
+/// file is reported, and so is a directory in its place.
 pub fn a_wrong_change_takes_no_good_one_along() {
     let mut host = Host::play(BIRD, &[]);
     let mut page = host.page();
@@ -52,7 +52,6 @@ pub fn a_wrong_change_takes_no_good_one_along() {
     }
     page.done(&change("bird.m", "2 g"));
     page.done(&change("bob.mm", "1"));
-    // one of them is good
     page.look_at(2);
     let long = page.ask(&change(&"x".repeat(1000), "1"));
     assert_eq!((&long["ok"], long["text"].as_str().unwrap().contains("at most")), (&json!(false), true), "{long}");
@@ -75,7 +74,7 @@ pub fn a_wrong_change_takes_no_good_one_along() {
     host.ended();
 }
 
-/// A take lasts until it is saved, also within the first second.
+/// A take is complete up to the moment of saving, also within the first second.
 pub fn a_take_lasts_until_it_is_saved() {
     let mut host = Host::play(BIRD, &[]);
     let mut page = host.page();
@@ -87,7 +86,7 @@ pub fn a_take_lasts_until_it_is_saved() {
     page.done(&json!({"type": "set", "values": {"z": 0.25}}));
     page.done(&json!({"type": "save"}));
     until("it is saved", || page.next("said")["text"].as_str().unwrap().contains("saved"));
-    // one that is asked for last is saved by the end of the program
+    // the end of the program completes a save requested last
     page.done(&json!({"type": "save"}));
     page.done(&json!({"type": "stop"}));
     host.ended();
@@ -99,7 +98,6 @@ pub fn a_take_lasts_until_it_is_saved() {
     }
 }
 
-/// The take of a session that is killed takes no room on the disk, though none was saved.
 pub fn a_killed_session_leaves_no_take() {
     let mut host = Host::play(BIRD, &[]);
     let mut page = host.page();
@@ -110,7 +108,8 @@ pub fn a_killed_session_leaves_no_take() {
     assert_eq!(takes, Vec::<String>::new());
 }
 
-/// Two of them play side by side, though the control is of one; takes that are saved at once have each a name, or are refused.
+/// Two performances run side by side, although only one has the control. Takes saved at the same time have different
+/// names, or one is refused.
 pub fn two_play_side_by_side() {
     let mut host = Host::play(BIRD, &[]);
     let mut page = host.page();
@@ -134,7 +133,7 @@ pub fn two_play_side_by_side() {
     }
     page.done(&json!({"type": "stop"}));
     host.ended();
-    // it has no sound, and is heard as it is played again
+    // the take lacks sound, so the report uses the sound of the replay
     host.ca(&["report", "model-1.mcap", "-q", "-o", "r.html"]);
     let report = std::fs::read_to_string(host.path("r.html")).unwrap();
     assert!(!report.contains("nothing sounds") && report.contains("audio"), "its sound is there");

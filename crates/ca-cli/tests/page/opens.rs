@@ -1,4 +1,4 @@
-//! `ca play` opens a browser without its token among the arguments of a process, which every user of a machine can read.
+//! Tests that `ca play` opens a browser without its token in the arguments of a process, which every user can read.
 
 use crate::host::{command, until};
 use crate::skipped::skipped;
@@ -33,7 +33,7 @@ impl Desktop {
         put("xdg-mime", "echo b.desktop");
         put("plain", "exit 0");
         put("wrapper", "exec /snap/bin/plain \"$@\"");
-        // it is there for as long as a browser would be
+        // lives as long as a browser would
         put("xdg-open", &format!("echo \"$@\" > {0}.new; mv {0}.new {0}; exec sleep 20", at("opened").display()));
         let mut c = command(dir.path());
         let path = format!("{}:{}", at("bin").display(), std::env::var("PATH").unwrap());
@@ -47,7 +47,7 @@ impl Desktop {
         Desktop { dir, child, said }
     }
 
-    /// The next line that has these words.
+    /// Returns the next line with these words.
     fn says(&self, words: &str) -> String {
         self.said.iter().find(|line| line.contains(words)).unwrap_or_else(|| panic!("it ended without `{words}`"))
     }
@@ -64,7 +64,7 @@ impl Drop for Desktop {
     }
 }
 
-/// The arguments of all processes, as another user sees them.
+/// Returns the arguments of all processes, as seen by another user.
 #[track_caller]
 fn seen_by_another_user() -> Option<String> {
     if fs::metadata("/proc/self").unwrap().uid() != 0 {
@@ -98,7 +98,7 @@ pub fn by_a_file() {
         assert!(!seen.contains(token), "{seen}");
         assert!(!read_by_another_user(file));
     }
-    // a real browser goes where the file leads
+    // a real browser follows the redirect in the file
     if let Some(mut tab) = crate::browser::Tab::open(&format!("file://{}", file.display())) {
         until("the page", || tab.js("document.getElementById('title')?.textContent") == "A string and a bob");
     }

@@ -1,6 +1,7 @@
-//! The page while instruments play, wide and narrow, dark and light: the picture moves, nothing is in the console, nothing is
-//! wider than the window, and names of outputs are whole. `UPDATE=1 cargo test $ALL --test page -- pictures` writes
-//! `docs/pictures/`, which README.md and docs/play.md show.
+//! Tests the page with playing instruments, in wide and narrow windows, dark and light. The picture moves, the console
+//! stays empty, nothing is wider than the window, and names of outputs are complete.
+//!
+//! `UPDATE=1 cargo test $ALL --test page -- pictures` writes `docs/pictures/`, which README.md and docs/play.md show.
 
 use crate::browser::Tab;
 use crate::host::{Host, until};

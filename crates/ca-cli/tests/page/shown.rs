@@ -1,11 +1,11 @@
-//! The page offers one button that plays, keys that sound, buttons that keep their size, and a magnification that is calm.
+//! Tests the page: one button that plays, keys that sound, buttons of constant size, and a steady magnification.
 
 use crate::browser::Tab;
 use crate::host::{Host, peak, until};
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// A blow at load, which is over before a person looks; nothing moves it again.
+/// A blow at load that is over before a user looks; nothing moves it again.
 const ONCE: &str = r#"
 [model]
 title = "Struck at load"
@@ -30,7 +30,7 @@ fn end(mut host: Host) {
     host.ended();
 }
 
-/// The instrument begins as at load, and its own gesture with it.
+/// The instrument restarts as at load, and its gesture with it.
 pub fn it_plays_from_its_beginning() {
     let host = Host::play(ONCE, &[]);
     let mut page = host.page();
@@ -51,7 +51,7 @@ pub fn it_plays_from_its_beginning() {
     end(host);
 }
 
-/// Of the keys of a kalimba the seven that have a tine.
+/// A kalimba offers only the seven keys that have a tine.
 pub fn only_keys_that_sound_are_keys() {
     let host = Host::play(&bundled("kalimba"), &[]);
     let mut page = host.page();
@@ -65,7 +65,8 @@ pub fn only_keys_that_sound_are_keys() {
     end(host);
 }
 
-/// One button turns the sound on and plays; afterwards it says that it plays again. In a narrow window no button changes its size for its words.
+/// One button turns the sound on and plays; afterwards its label is "Play again". In a narrow window, buttons keep
+/// their size.
 pub fn one_button_plays() {
     let host = Host::play(crate::STRING, &["--audio", "page"]);
     let Some(mut tab) = Tab::open(&host.address) else { return };
@@ -96,7 +97,7 @@ pub fn one_button_plays() {
     end(host);
 }
 
-/// The factor of what `at(i, t)` [m] of `n` masses moves, once in a quarter of a second.
+/// Magnification four times per second, for `n` masses at positions `at(i, t)` \[m\].
 fn factors(tab: &mut Tab, n: usize, at: &str) -> Vec<f64> {
     let script = format!(
         "(async () => {{ const {{ Motion }} = await import('./motion.js'); const n = {n}, at = {at}, out = []; \
@@ -108,7 +109,8 @@ fn factors(tab: &mut Tab, n: usize, at: &str) -> Vec<f64> {
     tab.js(&script).as_array().expect("numbers").iter().map(|f| f.as_f64().unwrap()).collect()
 }
 
-/// A string that is plucked after a second, and 24 strings of 75 masses whose keys go down by ninety times as much, one after the other.
+/// A string plucked after a second, and 24 strings of 75 masses whose keys move ninety times as far, one after the
+/// other.
 pub fn magnification_settles_and_is_calm() {
     let host = Host::play(crate::STRING, &[]);
     let Some(mut tab) = Tab::open(&host.address) else { return };
@@ -125,7 +127,7 @@ pub fn magnification_settles_and_is_calm() {
             let step = (w[1] / w[0]).ln().abs();
             assert!(step < 0.15, "{name}: from {:.0} to {:.0} in a quarter of a second; {all:.0?}", w[0], w[1]);
         }
-        // what moves by 0.1 mm is drawn as 1 % of the picture at least, though keys go beyond it
+        // motion of 0.1 mm is drawn as at least 1 % of the picture, even if keys move beyond it
         assert!(late.iter().all(|f| f * 1e-4 > 0.01), "{name} looks frozen: {all:.0?}");
     }
     end(host);

@@ -1,5 +1,6 @@
-//! Long sessions: somebody pulls, plays, changes and edits all the time, another listens, and now and then one vanishes. Memory stays
-//! bounded, and the take that is saved at the end replays to the bit. Five seconds; an hour with `CA_LONG=1`.
+//! Tests long sessions: one client pulls, plays, changes and edits all the time, another listens, and some disappear.
+//! Memory stays bounded, and the take saved at the end replays to the bit. Lasts five seconds, or an hour with
+//! `CA_LONG=1`.
 
 use crate::STRING;
 use crate::host::{Host, until};
@@ -7,10 +8,10 @@ use crate::long_form::long_form;
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 
-/// Memory \[MB\] that a session may gain once it is under way.
+/// Memory that a session may gain after its start \[MB\].
 const GROWTH: f64 = 64.0;
 
-/// A few numbers after each other, the same every time.
+/// A reproducible sequence of pseudo-random numbers.
 struct Random(u64);
 
 impl Random {
@@ -24,7 +25,7 @@ impl Random {
     }
 }
 
-/// Memory of a process \[MB\], where the system tells.
+/// Resident memory of a process \[MB\], or 0 if the system does not report it.
 fn memory(process: u32) -> f64 {
     let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
     let line = status.lines().find(|l| l.starts_with("VmRSS:"));
@@ -48,7 +49,7 @@ pub fn a_long_session() {
             6 => json!({"type": "set", "values": {"k": 200.0 + 3000.0 * random.part()}}),
             7 => json!({"type": "midi", "bytes": [0x90, 60 + random.below(5), random.below(128)]}),
             8 => json!({"type": "gesture", "play": random.below(2) == 0}),
-            // what nobody can ask, too
+            // also an invalid request
             _ => json!({"type": "fly", "to": "nowhere"}),
         };
         let reply = page.ask(&request);
@@ -57,7 +58,7 @@ pub fn a_long_session() {
         if done.is_multiple_of(200) {
             edits += 1;
             host.write(&STRING.replace("n = 30", &format!("n = {}", 28 + edits % 5)));
-            // one that vanishes while it holds a mass
+            // a client that disappears while it holds a mass
             let mut other = host.page();
             let _ = other.ask(&json!({"type": "grab", "mass": 3}));
             drop(other);
@@ -65,7 +66,7 @@ pub fn a_long_session() {
         if done.is_multiple_of(20) {
             std::thread::sleep(Duration::from_millis(5));
         }
-        // once all that is made at the beginning is made
+        // after the initial allocations
         if early.is_none() && begin.elapsed() > Duration::from_secs(seconds / 3) {
             early = Some(memory(host.process()));
         }
@@ -77,7 +78,7 @@ pub fn a_long_session() {
     println!("{seconds} s: {done} requests, {refused} refused, {edits} edits; memory {early:.1} MB, then {late:.1} MB");
     assert!(late < early + GROWTH, "memory grew from {early} to {late} MB");
     page.done(&json!({"type": "release"}));
-    // a second more, so that a hash stands behind the last of it
+    // one more second, so that a hash follows the last action
     let end = state["seconds"].as_f64().unwrap() + 1.1;
     until("a second has passed", || page.next("state")["seconds"].as_f64().unwrap() > end);
     page.done(&json!({"type": "save"}));

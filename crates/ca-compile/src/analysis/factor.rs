@@ -1,9 +1,9 @@
-//! The exact test of stability: H = M^-½ (T²K + 2TC) M^-½ has all eigenvalues below 4 exactly where the sparse Cholesky
-//! factorisation of 4 − H succeeds (docs/numerics.md §1.3, eq. 1).
+//! The exact test of stability (docs/numerics.md §1.3, eq. 1).
 //!
-//! Decides to scale by the roots of the masses first: the answer is the same, and mass ratios of many decades cost no
-//! digits. The largest eigenvalue comes from the same test by bisection, not from an iteration that approaches it from
-//! below: the answer is a bound on either side.
+//! H = M^-½ (T²K + 2TC) M^-½ has all eigenvalues below 4 if and only if the sparse Cholesky factorisation of 4 − H
+//! exists. Scaling by the roots of the masses keeps the accuracy for mass ratios of many decades. The largest
+//! eigenvalue is found by bisection with the same test, which bounds it on both sides; power iteration would approach
+//! it only from below.
 
 use crate::analysis::linear::{Linear, LinkRow};
 use alloc::vec::Vec;
@@ -12,14 +12,14 @@ use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
 use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, Side};
 
-/// H of a network, ready to be tested against limits.
+/// H of a network, for tests against limits.
 pub struct StabilityMatrix {
-    /// lower half of H, its diagonal without gaps
+    /// Lower half of H, with a complete diagonal.
     h: SparseColMat<u32, f64>,
-    /// where the diagonal stands among the values
+    /// Positions of the diagonal among the values.
     diagonal: Vec<usize>,
     symbolic: SymbolicLlt<u32>,
-    /// roots of the mobilities
+    /// Square roots of the mobilities.
     roots: Vec<f64>,
 }
 
@@ -30,8 +30,8 @@ pub struct Factor {
 }
 
 impl StabilityMatrix {
-    /// The matrix of a network, each link as heavy as `weigh` says (1: as it is). `None` where nothing moves, or where
-    /// there is no memory for it.
+    /// Builds the matrix of a network, with each link multiplied by `weigh`. Returns `None` if nothing moves, if a
+    /// number is not finite, or without enough memory.
     pub fn new(linear: &Linear, weigh: impl Fn(&LinkRow) -> f64) -> Option<StabilityMatrix> {
         let n = linear.dofs.len();
         let roots: Vec<f64> = linear.dofs.iter().map(|p| libm::sqrt(p.c)).collect();
@@ -58,7 +58,7 @@ impl StabilityMatrix {
         Some(StabilityMatrix { diagonal: diagonal?, symbolic, roots, h })
     }
 
-    /// The factorisation of `limit − H`: there is one exactly where all eigenvalues are below the limit.
+    /// Returns the factorisation of `limit − H`, which exists if and only if all eigenvalues are below the limit.
     pub fn below(&self, limit: f64) -> Option<Factor> {
         let mut s = self.h.clone();
         for v in s.val_mut() {
@@ -71,23 +71,23 @@ impl StabilityMatrix {
         Some(Factor { llt, roots: self.roots.clone() })
     }
 
-    /// Bounds of the largest eigenvalue, `digits` apart or nearer, from bounds that are known; 0 and 0 where no
-    /// eigenvalue is positive.
+    /// Returns bounds of the largest eigenvalue with a relative distance of at most `digits`, starting from known
+    /// bounds. Both are 0 if no eigenvalue is positive.
     pub fn largest(&self, lower: f64, upper: f64, digits: f64) -> (f64, f64) {
         let (mut low, mut high) = (lower.max(0.0), upper.max(lower));
-        // what was taken for a bound may be one of other dofs than those looked at
+        // The known bounds may include dofs outside this matrix.
         if self.below(low).is_some() {
             (low, high) = (0.0, low);
         }
         while high < 1e300 && self.below(high).is_none() {
             (low, high) = (high, (2.0 * high).max(1e-300));
         }
-        // masses that are free, beside links whose explicit part is negative
+        // Free masses, beside links whose explicit part is negative.
         if low == 0.0 && self.below(f64::MIN_POSITIVE).is_some() {
             return (0.0, 0.0);
         }
         while high - low > digits * high {
-            // halves of the exponent while they are decades apart
+            // Bisect the exponent while the bounds are far apart.
             let middle =
                 if low > 0.0 && high > 4.0 * low { libm::sqrt(low) * libm::sqrt(high) } else { 0.5 * (low + high) };
             if middle <= low || middle >= high {
@@ -100,7 +100,7 @@ impl StabilityMatrix {
 }
 
 impl Factor {
-    /// bᵀ (limit − H)⁻¹ b, with b scaled as H is.
+    /// Returns bᵀ (limit − H)⁻¹ b, with b scaled as H is.
     pub fn quadratic_form(&self, b: &[(u32, f64)]) -> f64 {
         let mut x = Mat::<f64>::zeros(self.roots.len(), 1);
         for (i, a) in b {

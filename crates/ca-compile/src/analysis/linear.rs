@@ -1,69 +1,68 @@
-//! The linear network of a scene as matrices see it: dofs that move, and links as rows b with a stiffness and a
-//! viscosity, so that K = Σ k b bᵀ and C = Σ z b bᵀ (docs/numerics.md §1.3).
+//! The linear network of a scene as input of matrices: moving dofs, and links as rows b with stiffness and viscosity.
 //!
-//! Decides to keep rows instead of matrices: stability wants T²K + 2TC at once, modes want them apart, and the largest
-//! safe value of one link wants all the others.
+//! K = Σ k b bᵀ and C = Σ z b bᵀ (docs/numerics.md §1.3). Rows are stored instead of matrices: stability needs T²K +
+//! 2TC, modes need K and C separately, and the largest safe value of one link needs all the others.
 
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// A place that moves: one axis of one MAT.
+/// A degree of freedom: one axis of one MAT.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dof {
-    /// number of the MAT in document order
+    /// Number of the MAT in document order.
     pub mat: u32,
-    /// its axis
+    /// Axis.
     pub axis: u8,
-    /// mobility T²/m \[m/N\]
+    /// Mobility T²/m \[m/N\].
     pub c: f64,
-    /// its own stiffness to the ground \[N/m\]
+    /// Own stiffness to ground \[N/m\].
     pub k: f64,
-    /// its own viscosity to the ground \[N per m/tick\]
+    /// Own viscosity to ground \[N per m/tick\].
     pub z: f64,
-    /// what an implicit method adds to its inertia \[N per m/tick²\]
+    /// Inertia that an implicit method adds \[N per m/tick²\].
     pub implicit: f64,
 }
 
-/// A link. Its elongation is the sum of its entries' weights times displacements.
+/// A link. Its elongation is the sum over its entries of weight times displacement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinkRow {
-    /// number of the LIA in document order
+    /// Number of the LIA in document order.
     pub lia: u32,
-    /// stiffness \[N/m\]
+    /// Stiffness \[N/m\].
     pub k: f64,
-    /// viscosity \[N per m/tick\]
+    /// Viscosity \[N per m/tick\].
     pub z: f64,
-    /// what an implicit method adds to the inertia along it \[N per m/tick²\]
+    /// Inertia that an implicit method adds along the link \[N per m/tick²\].
     pub implicit: f64,
-    /// first of its entries, and how many
+    /// Index of its first entry, and their number.
     entries: (u32, u32),
 }
 
-/// A link at a point that may stand anywhere on a string or a mesh: one list of entries for each node under it.
+/// A link at a moving point on a string or a mesh: one list of entries for each node under the point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MovingLink {
-    /// stiffness \[N/m\]
+    /// Stiffness \[N/m\].
     pub k: f64,
-    /// viscosity \[N per m/tick\]
+    /// Viscosity \[N per m/tick\].
     pub z: f64,
-    /// entries at each node
+    /// Entries at each node.
     pub at: Vec<Vec<(u32, f64)>>,
 }
 
 /// The linear network.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Linear {
-    /// dofs that move
+    /// Moving dofs.
     pub dofs: Vec<Dof>,
-    /// links between them, or to what is fixed
+    /// Links between dofs, or between a dof and something fixed.
     pub rows: Vec<LinkRow>,
-    /// links at moving points
+    /// Links at moving points.
     pub moving_links: Vec<MovingLink>,
     entries: Vec<(u32, f64)>,
 }
 
 impl Linear {
-    /// Takes in a link; one that moves nothing is left out.
+    /// Adds a link; one that moves nothing is left out.
     pub fn link(&mut self, lia: u32, [k, z, implicit]: [f64; 3], entries: &[(u32, f64)]) {
         if !entries.is_empty() && (k != 0.0 || z != 0.0) {
             let first = self.entries.len() as u32;
@@ -72,61 +71,60 @@ impl Linear {
         }
     }
 
-    /// Entries of a link: dofs and weights.
+    /// Returns the entries of a link: dofs and weights.
     pub fn entries(&self, row: &LinkRow) -> &[(u32, f64)] {
         let (first, n) = row.entries;
         self.entries.get(first as usize..(first + n) as usize).unwrap_or_default()
     }
 }
 
-/// Where a network is driven or heard: a displacement there is the sum of its entries' weights times displacements.
+/// An input or output of a network. Its displacement is the sum over its entries of weight times displacement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Port {
-    /// name of the output, the input or the link
+    /// Name of the output, the input or the link.
     pub name: String,
-    /// what it does: `hears`, `pushes`, or `acts` for a link that is not linear
+    /// `hears` for an output, `pushes` for an input, `acts` for a link that is not linear.
     pub role: &'static str,
-    /// dofs and weights
+    /// Dofs and weights.
     pub at: Vec<(u32, f64)>,
 }
 
 /// The linear part of a model at load.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Network {
-    /// tick \[s\]
+    /// Tick \[s\].
     pub tick_dt: f64,
-    /// ticks in a sample
+    /// Ticks per sample.
     pub oversample: u32,
-    /// true where its ticks go by the method of [`ca_core::internal::method::pefrl`]
+    /// True if it uses the method of [`ca_core::internal::method::pefrl`].
     pub composed: bool,
-    /// true where all of it goes by its modes, which the scheme then plays as they are
+    /// True if all of it is computed by its modes, which the scheme then renders exactly.
     pub modal: bool,
-    /// its dofs and links
+    /// Dofs and links.
     pub linear: Linear,
-    /// name of each place: its module, with `.x`, `.y` or `.z` in space
+    /// Name of each dof: its module, with `.x`, `.y` or `.z` in space.
     pub names: Vec<String>,
-    /// force on each place that nothing changes \[N\]: weight, and springs whose rest length is not what they measure at rest
+    /// Constant force on each dof \[N\]: weight, and springs that are not at their rest length at rest.
     pub constant: Vec<f64>,
-    /// displacement of each place at load \[m\]
+    /// Displacement of each dof at load \[m\].
     pub x: Vec<f64>,
-    /// its speed \[m/s\]
+    /// Speed of each dof at load \[m/s\].
     pub v: Vec<f64>,
-    /// name of the link of each row
+    /// Name of the link of each row.
     pub link_names: Vec<String>,
-    /// what of it a tick does in another way than by these matrices: a method, or nothing
+    /// Setting by which a tick computes some dofs otherwise than by these matrices, if any.
     pub other_scheme: Option<&'static str>,
-    /// name of each place that a position port moves, and `None` of an axis that none moves; they are numbered behind all dofs, and
-    /// are there only where the network is for a tick
+    /// Name of each position that a position port moves; `None` for an axis without an input. They are numbered after
+    /// all dofs, and exist only in a network made for a tick.
     pub driven: Vec<Option<String>>,
-    /// where it is driven and heard
+    /// Force inputs, outputs of a displacement, and links that are not linear.
     pub ports: Vec<Port>,
-    /// outputs that hear a speed or an acceleration: the displacement of which they hear a derivative. They are not among
-    /// [`Network::ports`], which hear a displacement itself
+    /// Displacements whose derivative, a speed or an acceleration, is an output. They are not in [`Network::ports`].
     pub derivatives: Vec<Port>,
-    /// outputs that hear a force, a speed or an acceleration, none of which is a displacement
+    /// Names of the outputs of a force, a speed or an acceleration.
     pub force_outputs: Vec<String>,
-    /// links that are not linear, and so not in it: name and law
+    /// Links that are not linear and therefore left out: name and law.
     pub left_out: Vec<(String, &'static str)>,
-    /// what nothing hears, and so is not in it: modules, or of one that is heard in part its members
+    /// Names of modules left out because no output depends on them; for an item kept in part, its members.
     pub unheard: Vec<String>,
 }

@@ -1,7 +1,7 @@
-//! What can be computed of a scene before it sounds: whether it is stable, and the modes of its linear part.
+//! Analysis of a scene before it sounds: its stability, and the modes of its linear part.
 //!
-//! Decides for faer: sparse Cholesky with a fill-reducing order and eigenvalues, in Rust, without a system library. All
-//! of it stands behind the feature `analysis`; a build without it proves by the cheap bounds alone and says so.
+//! It uses faer, which has sparse Cholesky with a fill-reducing order and eigenvalues, in Rust without a system
+//! library. Builds without the feature `analysis` prove stability by cheap bounds only, and say so.
 
 pub mod factor;
 pub mod linear;

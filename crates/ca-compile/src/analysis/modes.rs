@@ -1,12 +1,12 @@
-//! The modes of a linear network: frequencies without the scheme and by the scheme, decay, and shapes.
+//! Modes of a linear network: frequencies with and without the scheme, decay, and shapes.
 //!
-//! With a = ω²T² and b = zT/m of a mode, the scheme's poles are the roots of w² − (2 − a − b) w + (1 − b): its pitch is
-//! (fs/2π) arg w, and it dies by |w| = √(1 − b) a sample (docs/numerics.md §1.2, §1.4). Without the scheme the same
-//! mode has the frequency √(ω² − s²) and dies by e^(−st), s = b/2T.
+//! With a = ω²T² and b = zT/m of a mode, the poles of the scheme are the roots of w² − (2 − a − b) w + (1 − b). The
+//! pitch is (fs/2π) arg w, and the decay per sample is |w| = √(1 − b) (docs/numerics.md §1.2, §1.4). Without the scheme
+//! the mode has the frequency √(ω² − s²) and the decay e^(−st), s = b/2T.
 //!
-//! Decides for one symmetric eigenproblem, of T² M^-½ K M^-½: modes are orthogonal and every one is found. Damping that
-//! is not proportional couples them; how much is reported for each mode ([`Mode::coupled`]), and up to [`EXACT`] dofs the
-//! poles are then those of the whole scheme.
+//! The modes come from one symmetric eigenproblem, of T² M^-½ K M^-½, so that they are orthogonal and complete. Damping
+//! that is not proportional couples them, by the amount in [`Mode::coupled`]. Up to [`EXACT`] dofs the poles are then
+//! computed from the whole scheme.
 
 use crate::analysis::linear::{Linear, Network};
 use alloc::vec::Vec;
@@ -15,54 +15,55 @@ use faer::linalg::solvers::Solve as _;
 use faer::{Mat, Side};
 
 pub use crate::MOST_MODES as LARGEST;
-/// Most dofs of a network with coupled damping whose poles are computed as they are.
+/// Largest number of dofs for which coupled poles are computed.
 pub const EXACT: usize = 400;
-/// From here on damping couples modes by more than rounding.
+/// Coupling by damping above this is more than rounding.
 const COUPLED: f64 = 1e-9;
 
 /// One mode.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mode {
-    /// ω²T²
+    /// ω²T².
     pub a: f64,
-    /// zT/m of the mode
+    /// zT/m of the mode.
     pub b: f64,
-    /// frequency without the scheme \[Hz\]; 0 where it does not swing
+    /// Frequency without the scheme \[Hz\]; 0 if it does not oscillate.
     pub f: f64,
-    /// frequency as the scheme plays it \[Hz\]; 0 where it does not swing
+    /// Frequency with the scheme \[Hz\]; 0 if it does not oscillate.
     pub heard: f64,
-    /// time to fall by 60 dB, as the scheme plays it \[s\]; infinite without damping
+    /// Time to decay by 60 dB with the scheme \[s\]; infinite without damping.
     pub t60: f64,
-    /// the same without the scheme \[s\]
+    /// Time to decay by 60 dB without the scheme \[s\].
     pub t60_free: f64,
-    /// true where the scheme makes it grow: the scene is unstable
+    /// True if it grows by the scheme, so that the scene is unstable.
     pub grows: bool,
-    /// how much damping couples it to its neighbours: share of its own damping, over their distance; 0 where not at all
+    /// Largest coupling to another mode by damping: their common damping over the sum of their distance and own
+    /// damping.
     pub coupled: f64,
-    /// displacement of each place \[1/√kg\], for a modal mass of 1 kg
+    /// Displacement of each dof \[1/√kg\], for a modal mass of 1 kg.
     pub shape: Vec<f64>,
 }
 
-/// All modes, lowest first.
+/// All modes of a network.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Modes {
-    /// they
+    /// Modes, lowest first.
     pub list: Vec<Mode>,
-    /// true where coupled damping is not in the figures: they are those of each mode by itself
+    /// True if the figures ignore the coupling by damping: each mode is taken by itself.
     pub approximate: bool,
 }
 
 impl Mode {
-    /// How far the scheme moves its pitch \[cents\]; 0 where it does not swing.
+    /// Returns the shift of its pitch by the scheme \[cents\]; 0 if it does not oscillate.
     pub fn cents(&self) -> f64 {
         if self.f > 0.0 && self.heard > 0.0 { 1200.0 * libm::log2(self.heard / self.f) } else { 0.0 }
     }
 
-    /// Where it is `t` ticks after it was at `x` and went by `v` per tick, without the scheme.
+    /// Returns its displacement `t` ticks after displacement `x` and speed `v` per tick, without the scheme.
     pub fn free(&self, x: f64, v: f64, t: f64) -> f64 {
         let s = 0.5 * self.b;
         let (square, v) = (self.a - s * s, v + s * x);
-        // e^(−s t) goes into each part, so that none of them overflows
+        // e^(−s t) multiplies each part, so that none overflows.
         if square > 0.0 {
             let w = libm::sqrt(square);
             let (sin, cos) = libm::sincos(w * t);
@@ -74,14 +75,13 @@ impl Mode {
         0.5 * x * (slow + fast) + v * turned
     }
 
-    /// How much it moves a port \[1/√kg\].
+    /// Returns the displacement of a port by the mode \[1/√kg\].
     pub fn at(&self, port: &[(u32, f64)]) -> f64 {
         port.iter().map(|(i, w)| w * self.shape.get(*i as usize).copied().unwrap_or(0.0)).sum()
     }
 }
 
-/// K and C scaled by the roots of the masses, T² M^-½ K M^-½ and T M^-½ C M^-½, and the inertia that implicit methods
-/// add, scaled alike; nothing where there are none.
+/// Returns T² M^-½ K M^-½ and T M^-½ C M^-½, and the inertia that implicit methods add, scaled alike, if they add any.
 fn matrices(linear: &Linear) -> (Mat<f64>, Mat<f64>, Option<Mat<f64>>) {
     let n = linear.dofs.len();
     let root: Vec<f64> = linear.dofs.iter().map(|p| libm::sqrt(p.c)).collect();
@@ -112,9 +112,10 @@ fn matrices(linear: &Linear) -> (Mat<f64>, Mat<f64>, Option<Mat<f64>>) {
     (k, z, implicit)
 }
 
-/// ω²T² and zT/m of a mode, given its shape scaled by the roots of the masses. Summed link by link over the squares of
-/// elongations: a low mode bends each link little, and as an eigenvalue it would only be known to the rounding of the
-/// highest.
+/// Returns ω²T² and zT/m of a mode from its shape, which is scaled by the roots of the masses.
+///
+/// Both are sums over links of squared elongations. A low mode bends each link little, and its eigenvalue would only be
+/// accurate to the rounding of the highest one.
 fn rayleigh(linear: &Linear, u: impl Fn(u32) -> f64) -> (f64, f64) {
     let (mut a, mut b, mut whole) = (0.0, 0.0, 0.0);
     for (p, i) in linear.dofs.iter().zip(0..) {
@@ -132,7 +133,7 @@ fn rayleigh(linear: &Linear, u: impl Fn(u32) -> f64) -> (f64, f64) {
     (a / whole, b / whole)
 }
 
-/// The modes of a network; `None` where it is too large, or where the numbers are beyond computing.
+/// Returns the modes of a network; `None` if it is too large or the computation fails.
 pub fn modes(network: &Network) -> Option<Modes> {
     let n = network.linear.dofs.len();
     if n > LARGEST {
@@ -150,7 +151,7 @@ pub fn modes(network: &Network) -> Option<Modes> {
     let top = (0..n).map(|j| values[j]).fold(0.0, f64::max);
     let mut list: Vec<Mode> = Vec::with_capacity(n);
     for j in 0..n {
-        // what rounding leaves of a motion that is free
+        // A free motion, except for rounding.
         let free = values[j].abs() <= 1e-13 * top;
         let (a, b) = rayleigh(&network.linear, |i| u[(i as usize, j)]);
         let (a, b) = (if free { 0.0 } else { a }, b.max(0.0));
@@ -193,17 +194,18 @@ pub fn modes(network: &Network) -> Option<Modes> {
 
 const TURN: f64 = core::f64::consts::TAU;
 
-/// Seconds to fall by 60 dB at a rate of decay \[1/s\]; infinite where what is lost in a tick is no more than its
-/// rounding, `known` times over: that is no decay.
+/// Returns the time for 60 dB at a rate of decay \[1/s\]. It is infinite if the loss per tick is within `known` times
+/// its rounding.
 fn t60(s: f64, tick_dt: f64, known: f64) -> f64 {
     if s * tick_dt > known * f64::EPSILON { 3.0 * core::f64::consts::LN_10 / s } else { f64::INFINITY }
 }
 
 impl Mode {
-    /// Pitch and decay of the mode by itself, with the inertia that implicit methods give it, or by the `composed` one.
+    /// Computes pitch and decay of the mode by itself, with the inertia of implicit methods or by the `composed`
+    /// method.
     fn alone(&mut self, tick_dt: f64, heavier: f64, composed: bool) {
         let (a, b) = (self.a, self.b);
-        // continuous: ω² = a/T², s = b/2T
+        // Continuous: ω² = a/T², s = b/2T.
         let (square, s) = (a - 0.25 * b * b, 0.5 * b / tick_dt);
         let t60 = |s: f64| t60(s, tick_dt, 1.0);
         self.f = if square > 0.0 && a > 0.0 { libm::sqrt(square) / (TURN * tick_dt) } else { 0.0 };
@@ -213,7 +215,7 @@ impl Mode {
             () => t60(s - libm::sqrt(-square) / tick_dt),
         };
         let (a, b) = (if composed { explicit(a) } else { a / heavier }, b / heavier);
-        // the scheme: the middle of its two poles is 1 − (a + b)/2, their distance twice the root of this
+        // The two poles of the scheme have the mean 1 − (a + b)/2; their distance is twice the root of `off`.
         let half = 1.0 - 0.5 * (a + b);
         let off = a - 0.25 * (a + b) * (a + b);
         if off > 0.0 && a > 0.0 {
@@ -227,7 +229,7 @@ impl Mode {
     }
 }
 
-/// The poles of the whole scheme, given to the modes whose shapes they have.
+/// Computes the poles of the whole scheme and assigns them to the modes with the most similar shapes.
 fn poles(k: &Mat<f64>, z: &Mat<f64>, u: faer::MatRef<'_, f64>, tick_dt: f64, list: &mut [Mode]) -> Option<()> {
     let n = list.len();
     let mut map = Mat::<f64>::zeros(2 * n, 2 * n);
@@ -242,7 +244,7 @@ fn poles(k: &Mat<f64>, z: &Mat<f64>, u: faer::MatRef<'_, f64>, tick_dt: f64, lis
     let found = map.eigen().ok()?;
     let (vectors, values) = (found.U(), found.S());
     let swings: Vec<usize> = (0..2 * n).filter(|p| values[*p].im > 1e-12).collect();
-    // how much each pole's shape is a mode's
+    // Share of each mode in the shape of each pole.
     let mut pairs: Vec<(f64, usize, usize)> = Vec::with_capacity(swings.len() * n);
     for p in swings {
         let mut dots = alloc::vec![(0.0, 0.0); n];
@@ -265,7 +267,7 @@ fn poles(k: &Mat<f64>, z: &Mat<f64>, u: faer::MatRef<'_, f64>, tick_dt: f64, lis
         (given[j], taken[p]) = (true, true);
         let w = values[p];
         list[j].heard = libm::atan2(w.im, w.re) / (TURN * tick_dt);
-        // poles are known to the rounding of a matrix of so many rows
+        // The matrix has 2n rows, whose rounding limits the accuracy of a pole.
         list[j].t60 = t60(-libm::log(libm::hypot(w.re, w.im)) / tick_dt, tick_dt, 8.0 * n as f64);
     }
     Some(())

@@ -1,8 +1,6 @@
-//! Accumulate: what pulls at each mass, added up.
-//!
-//! Decides that a method with another limit than 4 is judged as heavier masses would be by the explicit one
-//! ([`crate::net::Resolved::limit_ratio`]): `scaled_mobility` is T²/m times that, and everything compared with
-//! 4 goes by it, while rules about one contact go by T²/m itself.
+//! Accumulates the stiffness and viscosity at each mass. A method with a limit other than 4 is judged like the explicit
+//! one with heavier masses ([`crate::net::Resolved::limit_ratio`]): sums compared with 4 use `scaled_mobility`. Rules
+//! about a single contact use T²/m itself.
 
 use crate::certify::negative::Negative;
 use crate::certify::reach::{Reached, reached};
@@ -11,29 +9,29 @@ use crate::net::{End, LiaNode, Pruned};
 use alloc::vec::Vec;
 use ca_core::Bound;
 
-/// The sums at one MAT, each of h = T²k + 2Tz over T² \[N/m\].
+/// Sums at one MAT of h = T²k + 2Tz, over T² \[N/m\].
 #[derive(Clone, Copy, Default)]
 pub struct Sums {
-    /// of all links that are certainly there, as steep as that
+    /// Links that are always present, with the slopes that they always have.
     pub certain: f64,
-    /// of all links that may be
+    /// All links that may be present.
     pub all: f64,
-    /// the same with links between masses counted twice, as in the disc of Gershgorin
+    /// All links, with links between masses counted twice (Gershgorin).
     pub disc: f64,
-    /// of the stiffest that is certainly there
+    /// The stiffest link that is always present.
     pub most: f64,
-    /// of those below 0
+    /// Links below 0.
     pub negative: f64,
-    /// true where some of them are radial, so that they act in different directions
+    /// True if some of the links are radial and so act in different directions.
     pub radial: bool,
-    /// T²/m \[m/N\]; 0 of what does not move
+    /// T²/m \[m/N\]; 0 if it does not move.
     pub c: f64,
-    /// T²/m by which a sum is compared with the limit 4 \[m/N\]
+    /// T²/m for comparison of a sum with the limit 4 \[m/N\].
     pub scaled_mobility: f64,
-    /// stiffness of its own \[N/m\]
+    /// Own stiffness \[N/m\].
     #[cfg_attr(not(feature = "analysis"), allow(dead_code))]
     pub k: f64,
-    /// viscosity of its own and of its medium \[N per m/tick\]
+    /// Own viscosity plus the viscosity of its medium \[N per m/tick\].
     pub z: f64,
 }
 
@@ -55,20 +53,21 @@ impl Sums {
 
 /// The network as sums.
 pub struct Accumulated {
-    /// of each MAT
+    /// Sums of each MAT.
     pub mats: Vec<Sums>,
-    /// of each LIA, at the worst corner of what may change; of what hardens, where it is steepest within reach
+    /// Slopes of each LIA at the worst corner of its live parameters; for a hardening law at the steepest point within
+    /// reach.
     pub links: Vec<Bound>,
-    /// that place
+    /// The steepest point within reach of each LIA.
     pub reached: Vec<Option<Reached>>,
-    /// springs between pairs of masses, by sign
+    /// Springs between pairs of masses, by sign.
     pub springs: Negative,
 }
 
-/// Adds up.
+/// Accumulates the network.
 pub fn accumulate(net: &Pruned) -> Accumulated {
     let limit_ratio = net.limit_ratio();
-    // what is left out does not move
+    // Modules that were dropped do not move.
     let sums = |(m, alive): (WorstMat, &bool)| if *alive { Sums::new(m, limit_ratio) } else { Sums::default() };
     let worst = worst_mats(net);
     let mut links = worst_bounds(net);
@@ -82,11 +81,11 @@ pub fn accumulate(net: &Pruned) -> Accumulated {
     }
     let mut mats: Vec<Sums> = worst.into_iter().zip(&net.alive).map(sums).collect();
     let mut springs = Negative::default();
-    // where none is negative, nobody asks what covers it
+    // Only negative springs need others that cover them.
     let negative = links.iter().any(|b| b.k < 0.0);
     for (l, b) in net.lias.iter().zip(&links) {
         link(net, l, b, &mut mats);
-        // what is not always there covers nothing
+        // A contact covers nothing, since it may be open.
         if let ([End::Mat(i), End::Mat(j)], true) = (l.ends, negative && !b.contact) {
             springs.add(i, j, b.k);
         }
@@ -95,19 +94,19 @@ pub fn accumulate(net: &Pruned) -> Accumulated {
 }
 
 fn link(net: &Pruned, l: &LiaNode, b: &Bound, mats: &mut [Sums]) {
-    // an implicit contact is passive whatever it holds, and no part of the linear network; others are judged by rule
+    // Implicit contacts are passive at any slope and not part of the linear network; other contacts are judged by rule.
     if !l.law.stage.is_explicit() || (b.contact && !b.linear) {
         return;
     }
     let h = b.h();
     let sure = fixed_share(b);
-    // ends that move: the row of the link at each of them holds so many entries
+    // Number of entries in the row of the link, counted at ends that move.
     let moving = |ids: &[u32]| ids.iter().any(|m| mats[*m as usize].c > 0.0);
     let entries: f64 = l.all_ends().map(|e| if moving(&net.under(e)) { net.reach(e) } else { 0.0 }).sum();
     let others = (entries - 1.0).max(0.0);
     for (end, m) in l.all_ends().flat_map(|end| net.under(end).into_iter().map(move |m| (end, m))) {
         let s = &mut mats[m as usize];
-        // what raises the limit is left out of what no mass may pass
+        // Links that raise the limit must not count in a sum that bounds each mass.
         s.all += if b.lift > 0.0 { h.max(0.0) } else { h };
         s.disc += h + others * h.abs();
         if matches!(end, End::Mat(_)) {
@@ -119,8 +118,8 @@ fn link(net: &Pruned, l: &LiaNode, b: &Bound, mats: &mut [Sums]) {
     }
 }
 
-/// The part of [`Bound::h`] that a link has wherever its ends are \[N/m\].
+/// Returns the part of [`Bound::h`] that a link has at all elongations \[N/m\].
 fn fixed_share(b: &Bound) -> f64 {
-    // of a curve of friction the slope is one that it has somewhere
+    // The slope of a friction curve exists only at some speed.
     (if b.curve { b.k } else { b.h() }) - b.loose
 }

@@ -1,4 +1,4 @@
-//! Which module is to blame, and what would mend it, in numbers an author can type.
+//! Names the cause of instability, and fixes in numbers that an author can type.
 
 use super::bound::explicit;
 use crate::certify::accumulate::{Accumulated, Sums};
@@ -13,7 +13,7 @@ use ca_core::{Bound, Unit};
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, Span, quantity};
 
-/// Numbers so large or so small that the coefficients are not numbers any more. Said for each item, and an error.
+/// Reports each item whose coefficients overflow, and returns whether there is one.
 pub fn overflow(model: &Model, net: &Pruned, sums: &Accumulated, diags: &mut Diags) -> bool {
     let good = |s: &Sums| s.scaled_mobility.is_finite() && (s.all * s.scaled_mobility).is_finite();
     let mats = net.mats.iter().zip(&sums.mats).filter(|(_, s)| !good(s)).map(|(m, _)| m.item);
@@ -30,12 +30,12 @@ pub fn overflow(model: &Model, net: &Pruned, sums: &Accumulated, diags: &mut Dia
     !items.is_empty()
 }
 
-/// Where a module is named.
+/// Returns the place of the name of a module.
 pub fn span(model: &Model, net: &Pruned, item: u32) -> Span {
     model.items[net.items[item as usize].model].name_span
 }
 
-/// What makes a mass unstable, and the numbers that would mend it.
+/// Returns the warning for an unstable mass, with numbers that fix it.
 pub fn unstable(model: &Model, net: &Pruned, sums: &Accumulated, i: usize) -> Diag {
     let m = &net.mats[i];
     let s = &sums.mats[i];
@@ -47,7 +47,7 @@ pub fn unstable(model: &Model, net: &Pruned, sums: &Accumulated, i: usize) -> Di
         quantity::Plain(at)
     );
     let d = Diag::warning("W103", title).at(span(model, net, m.item), "this mass");
-    // the link that weighs most is the one to change
+    // The fix changes the link with the largest share.
     let mut most: Option<(&LiaNode, &Bound)> = None;
     for (l, b) in net.lias.iter().zip(&sums.links) {
         let touches = b.linear && l.all_ends().any(|e| net.under(e).contains(&(i as u32)));
@@ -62,7 +62,7 @@ pub fn unstable(model: &Model, net: &Pruned, sums: &Accumulated, i: usize) -> Di
     match most {
         Some((l, b)) => {
             let (room, counted) = (4.0 / s.scaled_mobility - (s.certain - b.h()), explicit(b));
-            // what one number leaves to the other; below 0 no value of it would do
+            // Each number has the margin that the other leaves; below 0 no value is small enough.
             let (k, z) = (room - 2.0 * counted.z, 0.5 * (room - counted.k));
             let fix = if b.lift > 0.0 {
                 format!("use `theta = 0.25` or more for `{}`", l.name)
@@ -86,8 +86,8 @@ pub fn unstable(model: &Model, net: &Pruned, sums: &Accumulated, i: usize) -> Di
     }
 }
 
-/// The sound rate at which an eigenvalue of now would be at the limit, and the ticks in a sample that are enough:
-/// stiffness falls with the square of the rate, viscosity with it. Empty where no model may have either.
+/// Returns the help with the sound rate at which an eigenvalue `now` is at the limit, and with sufficient ticks per
+/// sample. Stiffness falls with the square of the rate, viscosity with the rate. Empty if neither is allowed.
 pub fn faster(net: &Pruned, now: f64, viscous: bool) -> String {
     let times = if viscous { now / 4.0 } else { libm::sqrt(now / 4.0) };
     let above = net.rate * times;
@@ -98,7 +98,7 @@ pub fn faster(net: &Pruned, now: f64, viscous: bool) -> String {
     any(&[if above < CLOCK.1 { &rate } else { "" }, finer])
 }
 
-/// Ways to mend it, one of which is enough; those that are empty are none.
+/// Joins alternative fixes, without empty ones.
 pub fn any(ways: &[&str]) -> String {
     ways.iter().copied().filter(|w| !w.is_empty()).collect::<Vec<_>>().join(", or ")
 }

@@ -1,20 +1,20 @@
-//! Bound: two bounds of the largest eigenvalue from the sums, without a matrix (docs/numerics.md §1.3).
+//! Two bounds of the largest eigenvalue from the sums, without a matrix (docs/numerics.md §1.3).
 
 use crate::certify::accumulate::{Accumulated, Sums};
 use crate::net::{End, Pruned};
 use ca_core::Bound;
 
-/// What the sums say; the limit is 4.
+/// Result of the bounds; the limit is 4.
 pub struct Bounds {
-    /// the largest eigenvalue is at least this
+    /// Lower bound of the largest eigenvalue.
     pub lower: f64,
-    /// the MAT that makes it so
+    /// MAT that gives the lower bound.
     pub cause: Option<usize>,
-    /// it is at most this
+    /// Upper bound of the largest eigenvalue.
     pub upper: f64,
-    /// the MAT nearest to the limit, if one has any
+    /// MAT nearest to the limit, if any MAT has a link.
     pub worst: Option<usize>,
-    /// whether each negative spring is covered by those beside it
+    /// True if all negative springs are covered by adjacent ones.
     pub covered: bool,
 }
 
@@ -22,7 +22,7 @@ pub struct Bounds {
 pub fn bound(net: &Pruned, sums: &Accumulated) -> Bounds {
     let (mut lower, mut cause) = (0.0, None);
     for (i, s) in sums.mats.iter().enumerate() {
-        // waves that come back may hold a junction against its own damper, which is where they leave
+        // The damper of a junction represents leaving waves, and returning waves may cancel it.
         let leaves = if net.lines.iter().any(|l| l.junctions().contains(&(i as u32))) { 2.0 * s.z } else { 0.0 };
         if (certain(s) - leaves) * s.scaled_mobility > lower {
             (lower, cause) = ((certain(s) - leaves) * s.scaled_mobility, Some(i));
@@ -37,22 +37,22 @@ pub fn bound(net: &Pruned, sums: &Accumulated) -> Bounds {
     Bounds { lower, cause, upper, worst, covered: !negative || sums.springs.covered() }
 }
 
-/// Springs of different directions do not add up: a third of them does, and so does the stiffest.
+/// Returns the certain part of a sum: links of different directions add up to a third, or to the stiffest.
 fn certain(s: &Sums) -> f64 {
     if s.radial { (s.certain / 3.0).max(s.most + s.negative) } else { s.certain }
 }
 
-/// The largest sum over the ends of one link; a mass with a spring of its own is a link to the ground.
+/// Returns the largest sum over the ends of one link; own stiffness of a mass is a link to ground.
 fn pairs(net: &Pruned, sums: &Accumulated) -> f64 {
     let one = |m: &u32| sums.mats[*m as usize].all * sums.mats[*m as usize].scaled_mobility;
     let alone = sums.mats.iter().map(|s| s.all * s.scaled_mobility).fold(0.0, f64::max);
-    // the contacts of a set are judged by rule, and no two of its members are tied
+    // The contacts of a set are judged by rule, and do not tie its members to each other.
     let tied = net.lias.iter().filter(|l| l.sets.is_none() && l.law.stage.is_explicit());
     let end = |e: End| net.reach(e).max(1.0) * net.under(e).iter().map(one).fold(0.0, f64::max);
     tied.map(|l| l.all_ends().map(end).sum()).fold(alone, f64::max)
 }
 
-/// The explicit link that counts as much as this one.
+/// Returns the explicit link that counts as much as this one.
 pub(super) fn explicit(b: &Bound) -> Bound {
     let z = if b.centred { 0.0 } else { b.z };
     Bound { k: b.k - b.lift, z, lift: 0.0, centred: false, ..*b }

@@ -1,4 +1,4 @@
-//! Decide: stable, unstable or neither, from the bounds, and by a factorisation where they leave it open or somebody asks.
+//! Stable, unstable or not proven: decided from the bounds, or by a factorisation if they are open or it is requested.
 
 use crate::certify::accumulate::Accumulated;
 use crate::certify::bound::Bounds;
@@ -9,19 +9,19 @@ use crate::options::Effort;
 use ca_core::internal::scene::certificate::FactorVerdict;
 use ca_core::{Bound, Level};
 
-/// What is known.
+/// Result of `decide`.
 pub struct Decision {
-    /// how sure
+    /// Level of certainty.
     pub level: Level,
-    /// what the factorisation says, where there is one
+    /// Result of the factorisation, if it was needed.
     pub verdict: FactorVerdict,
-    /// the factorisation
+    /// The factorisation.
     pub exact: Option<Exact>,
-    /// whether it is worth asking it about each contact: they are few for its size
+    /// True if contacts are few enough to evaluate each by the factorisation.
     pub few: bool,
 }
 
-/// Decides.
+/// Returns the level of stability, with the factorisation if one was made.
 pub fn decide(net: &Pruned, sums: &Accumulated, bounds: &Bounds, effort: Effort) -> Decision {
     let spots = |l: &LiaNode| l.ends.iter().map(|e| net.spots(*e)).product::<usize>();
     let touching = net.lias.iter().zip(&sums.links).filter(|(l, b)| by_rule(net, sums, l, b));
@@ -31,7 +31,7 @@ pub fn decide(net: &Pruned, sums: &Accumulated, bounds: &Bounds, effort: Effort)
     let open = open && effort != Effort::Bounds;
     let exact = if open || few || effort == Effort::Largest { Exact::new(net, &sums.mats, &sums.links) } else { None };
     let verdict = exact.as_ref().filter(|_| open).map_or(FactorVerdict::Open, |e| e.verdict(net, &sums.links));
-    // waves may hold what the matrix, which has none, does not
+    // Waves may stabilise a scene that is unstable by the matrix, which does not contain them.
     let verdict =
         if verdict == FactorVerdict::Unstable && !net.lines.is_empty() { FactorVerdict::Open } else { verdict };
     Decision { level: level(net, sums, bounds, verdict), verdict, exact, few }
@@ -54,7 +54,7 @@ fn level(net: &Pruned, sums: &Accumulated, bounds: &Bounds, verdict: FactorVerdi
     }
 }
 
-/// A contact or a friction along a curve that holds something held elsewhere too.
+/// Returns whether a contact, or friction along a curve, acts on a MAT that other links hold too.
 fn by_rule(net: &Pruned, sums: &Accumulated, l: &LiaNode, b: &Bound) -> bool {
     let held = || l.all_ends().flat_map(|e| net.under(e)).any(|m| sums.mats[m as usize].all > 0.0);
     ((b.contact && (b.k > 0.0 || b.power.0 > 0.0)) || rubs(b))

@@ -1,8 +1,8 @@
-//! The exact answer, where the cheap bounds leave it open: one sparse factorisation of 4 − H (docs/numerics.md §1.3).
+//! The exact decision where the bounds leave it open: a sparse factorisation of 4 − H (docs/numerics.md §1.3).
 //!
-//! Decides with the slopes of all links that are always there, at the worst corner of what may change and at the pose of
-//! load; a link at a moving point counts at every node under it. Where that is not enough, the linear links alone, with
-//! the points where they are at load, say whether the scene is certainly unstable.
+//! H has all links that are always present, with their worst slopes over live parameters, at the pose of load. A link
+//! at a moving point counts at every node under it. If this is not stable, the linear links alone, with points at their
+//! positions at load, show whether the scene is certainly unstable.
 
 use super::bound::explicit;
 use crate::analysis::{Factor, Linear, MovingLink, StabilityMatrix};
@@ -21,9 +21,9 @@ use ca_model::{Model, quantity};
 
 /// Rounding of the factorisation, as a share of the limit.
 const ROUNDING: f64 = 1e-12;
-/// Products that looking for the worst place of a moving point, or at many contacts, may take.
+/// Largest number of products spent on the worst position of a moving point, or on many contacts.
 pub const WORK: usize = 2_000_000;
-/// How far the largest eigenvalue is narrowed for a message, and where it was asked for.
+/// Relative accuracies of the largest eigenvalue: for a message, and if it was requested.
 const MESSAGE_TOLERANCE: f64 = 1e-5;
 const TOLERANCE: f64 = 1e-13;
 
@@ -37,7 +37,7 @@ pub struct Exact {
 }
 
 impl Exact {
-    /// The matrix of a network; `None` where nothing moves.
+    /// Builds the matrix of a network; `None` if nothing moves.
     pub fn new(net: &Pruned, sums: &[Sums], bounds: &[Bound]) -> Option<Exact> {
         let bounds: Vec<Bound> = bounds.iter().map(explicit).collect();
         let bounds = &bounds[..];
@@ -51,8 +51,8 @@ impl Exact {
         Some(Exact { linear, numbers, matrix, factor, whole })
     }
 
-    /// Whether the scene is stable: surely wherever points stand and whatever is the steepest, or surely not with the
-    /// linear links alone and the points where they are at load.
+    /// Returns whether the scene is stable for all positions of points and the steepest slopes, or unstable with the
+    /// linear links alone and points at their positions at load.
     pub fn verdict(&self, net: &Pruned, bounds: &[Bound]) -> FactorVerdict {
         if self.is_stable() {
             return FactorVerdict::Stable;
@@ -71,13 +71,13 @@ impl Exact {
         if solves.saturating_mul(self.linear.dofs.len()) > WORK {
             return false;
         }
-        // 4 − H − Σ h b bᵀ is definite where Σ h bᵀ(4 − H)⁻¹b is below 1
+        // 4 − H − Σ h b bᵀ is definite if Σ h bᵀ(4 − H)⁻¹b is below 1.
         let most = |l: &MovingLink| l.at.iter().map(|b| factor.quadratic_form(b)).fold(0.0, f64::max);
         let used: f64 = self.linear.moving_links.iter().map(|l| (l.k + 2.0 * l.z) * most(l)).sum();
         used < 1.0 - ROUNDING
     }
 
-    /// What is there for certain: the linear links, with the points where they are at load.
+    /// Returns the linear links, with points at their positions at load.
     fn certain(&self, net: &Pruned, bounds: &[Bound]) -> Linear {
         let mut linear = Linear::default();
         linear.dofs.clone_from(&self.linear.dofs);
@@ -87,11 +87,11 @@ impl Exact {
         linear
     }
 
-    /// How easily a contact moves its two ends apart \[m/N per tick²\], with the other links that hold them: T² bᵀS⁻¹b,
-    /// which is T²/m of a mass that hangs on nothing. `None` where it was not looked at.
+    /// Returns the effective mobility of a contact between its ends, held by all other links: T² bᵀS⁻¹b \[m/N\], which
+    /// is T²/m for a free mass. `None` if it was not computed.
     pub fn mobility(&self, net: &Pruned, l: &LiaNode, own: &Bound) -> Option<f64> {
         let factor = self.factor.as_ref().filter(|_| l.sets.is_none())?;
-        // what is always there is in the matrix itself, and taken out of it again
+        // The matrix contains permanent links, whose own part is removed again.
         let h = if own.contact { 0.0 } else { own.h() };
         let of = |b: &[(u32, f64)]| {
             let g = factor.quadratic_form(b);
@@ -108,8 +108,8 @@ impl Exact {
             .reduce(f64::max)
     }
 
-    /// What [`Certificate::room`] says: 4 − H − h e eᵀ is definite where h eᵀ(4 − H)⁻¹e is below 1, for the mass that leaves
-    /// least. `None` where that depends on where points are, or would take long.
+    /// Returns [`Certificate::room`]: 4 − H − h e eᵀ is definite if h eᵀ(4 − H)⁻¹e is below 1, here for the mass with
+    /// the least margin. `None` if it depends on the positions of points or takes too long.
     pub fn room(&self) -> Option<f64> {
         let factor = self.factor.as_ref().filter(|_| self.whole && self.linear.moving_links.is_empty())?;
         let dofs = &self.linear.dofs;
@@ -121,13 +121,13 @@ impl Exact {
         (least > 0.0).then(|| libm::exp2(libm::floor(libm::log2(least))))
     }
 
-    /// Bounds of the largest eigenvalue; `None` where points wander or sets are tied, so that it depends.
+    /// Returns bounds of the largest eigenvalue; `None` if moving points or sets make it vary.
     pub fn largest(&self, cert: &Certificate, asked: bool) -> Option<(f64, f64)> {
         let fixed = self.whole && self.linear.moving_links.is_empty();
         fixed.then(|| self.matrix.largest(cert.lower, cert.bound, if asked { TOLERANCE } else { MESSAGE_TOLERANCE }))
     }
 
-    /// What makes the whole unstable though no module is by itself, and the numbers that would mend it.
+    /// Returns the warning for a network that is unstable as a whole, with numbers that fix it.
     pub fn blame(&self, model: &Model, net: &Pruned, bounds: &[Bound], mat: usize, cert: &Certificate) -> Diag {
         let m = &net.mats[mat];
         let linear = self.certain(net, bounds);
@@ -141,7 +141,7 @@ impl Exact {
         let d = Diag::warning("W103", title).at(span(model, net, m.item), "nearest to the limit by itself");
         let viscous = bounds.iter().any(|b| b.z > 0.0) || linear.dofs.iter().any(|p| p.z > 0.0);
         let rate = faster(net, largest, viscous);
-        // the link there that weighs most is the one to change
+        // The fix changes the link with the largest share.
         let touches = |l: &LiaNode| l.all_ends().any(|e| net.under(e).contains(&(mat as u32)));
         let most = net.lias.iter().zip(bounds).filter(|(l, b)| b.linear && l.sets.is_none() && touches(l));
         let Some((l, b)) = most.max_by(|a, b| a.1.h().total_cmp(&b.1.h())) else {
@@ -164,7 +164,7 @@ impl Exact {
     }
 }
 
-/// The largest share of the slopes of one item's links that would be stable; `None` where it is next to nothing.
+/// Returns the largest stable share of the slopes of an item, by bisection; `None` if it is below 1 %.
 fn share(net: &Pruned, linear: &Linear, item: u32) -> Option<f64> {
     let stable = |s: f64| {
         let weigh = |lia: u32| if net.lias[lia as usize].item == item { s } else { 1.0 };

@@ -1,7 +1,8 @@
-//! The springs on each device key: what a device must bear to stay passive (docs/numerics.md §5.2).
+//! Stiffness and viscosity at each device key, which its device must bear to stay passive (docs/numerics.md §5.2).
 //!
-//! The slopes of all links at a key are added up, as if all contacts were closed and all live parameters at their
-//! stiffest, and in space pulled in one direction. The model behind these links is passive by the rest of the certificate.
+//! They are the sums of the slopes of all links at a key, with all contacts closed and live parameters at their
+//! stiffest; in space, as if all pulled in one direction. The model behind these links is passive by the rest of the
+//! certificate.
 
 use crate::certify::rules::method;
 use crate::net::{End, MatRole, Pruned};
@@ -11,7 +12,7 @@ use ca_core::Bound;
 use ca_core::internal::kind::PortRole;
 use ca_core::internal::scene::certificate::Key;
 
-/// Stiffness and viscosity that the links of one item give a key.
+/// Stiffness and viscosity of the links of one item at a key.
 struct Held {
     item: u32,
     k: f64,
@@ -19,7 +20,7 @@ struct Held {
     sticks: bool,
 }
 
-/// A row for each key that a link holds by stiffness, viscosity or friction that sticks, in the order of the document.
+/// Returns a row per key with stiffness, viscosity or sticking friction, in document order.
 pub fn keys(net: &Pruned, bounds: &[Bound]) -> Vec<Key> {
     let key = |m: &crate::net::MatNode| matches!(m.role, MatRole::Port(PortRole::Tgr, _));
     if !net.mats.iter().any(key) {

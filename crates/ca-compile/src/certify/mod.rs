@@ -1,13 +1,13 @@
-//! Certify: what can be said of stability before anything moves, and which module to blame.
+//! Certify: judges stability before the scene runs, and names the module responsible.
+//! [`accumulate`](accumulate::accumulate) adds up the links at each mass, [`bound`](bound::bound) bounds the largest
+//! eigenvalue from both sides, [`decide`](decide::decide) decides, and [`report`](report::report) writes the
+//! certificate.
 //!
-//! Four steps: [`accumulate`](accumulate::accumulate) adds up what pulls at each mass, [`bound`](bound::bound) bounds the
-//! largest eigenvalue from both sides, [`decide`](decide::decide) settles it, [`report`](report::report) says so.
-//!
-//! Decides for the cheap bounds of docs/numerics.md §1.3 first (two sums per module, no matrix), which settle almost
-//! every scene. With h = T²k + 2Tz for each link and d_i their sum at mass i: d_i/m_i ≥ 4 is certainly unstable and
-//! this module is the cause; the smaller of the Gershgorin and the link bound below 4 is certainly stable. Between
-//! them, and with the feature `analysis`, one sparse factorisation decides. Contacts and other non-linear links are
-//! judged by rule (docs/numerics.md §3.2) and said to be.
+//! The cheap bounds of docs/numerics.md §1.3 come first: two sums per module, without a matrix, decide almost every
+//! scene. With h = T²k + 2Tz for each link and the sum d_i at mass i, d_i/m_i ≥ 4 is certainly unstable, and this
+//! module is the cause. If the smaller of the Gershgorin and the link bound is below 4, the scene is certainly stable.
+//! Between them one sparse factorisation decides (feature `analysis`). Contacts and other non-linear links are judged
+//! by rule (docs/numerics.md §3.2), and the certificate says so.
 
 mod accumulate;
 mod blame;
@@ -32,7 +32,7 @@ use ca_core::{Certificate, Level};
 use ca_model::Model;
 use ca_model::diag::Diags;
 
-/// Judges the network; warnings name the module and what would mend it.
+/// Judges the network; warnings name the module and a fix.
 pub fn certify(model: &Model, net: &Pruned, effort: Effort, diags: &mut Diags) -> Certificate {
     let sums = accumulate::accumulate(net);
     if overflow(model, net, &sums, diags) {
@@ -43,8 +43,8 @@ pub fn certify(model: &Model, net: &Pruned, effort: Effort, diags: &mut Diags) -
     report::report(model, net, &sums, &bounds, &decided, effort == Effort::Largest, diags)
 }
 
-/// The certificate of a scene and of its groups at the gesture rate together, from one of each by itself: what crosses between them is
-/// exact, if not `compensated`, so that each is as stable as alone with what the other holds of it fixed (docs/numerics.md §5.4).
+/// Combines the certificates of the sound side and of the groups at the gesture rate. Unless `compensated`, the border
+/// is exact, and each side is as stable as alone with the other side fixed (docs/numerics.md §5.4).
 pub fn beside(own: Certificate, slow: Certificate, compensated: bool) -> Certificate {
     let nearer = slow.bound > own.bound;
     let closer = slow.margin() < own.margin();
@@ -65,7 +65,7 @@ pub fn beside(own: Certificate, slow: Certificate, compensated: bool) -> Certifi
         lower: own.lower.max(slow.lower),
         exact: own.exact || slow.exact,
         largest,
-        // of a scene that is left alone
+        // Only for a scene without external motion.
         ripple: None,
         worst: if nearer { slow.worst } else { own.worst },
         rules: Rules {

@@ -1,10 +1,10 @@
-//! Negative springs (bending) and the positive ones that cover them: −B across a node is covered by 2B on either side,
+//! Negative springs (bending) and positive ones that cover them: −B across a node is covered by 2B on either side,
 //! since (a + b)² ≤ 2(a² + b²).
 
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 
-/// The springs between pairs of masses, by sign.
+/// Springs between pairs of masses, by sign.
 #[derive(Default)]
 pub struct Negative {
     positive: BTreeMap<(u32, u32), f64>,
@@ -12,7 +12,7 @@ pub struct Negative {
 }
 
 impl Negative {
-    /// Takes in a spring.
+    /// Adds a spring.
     pub fn add(&mut self, i: u32, j: u32, k: f64) {
         if k < 0.0 {
             self.negative.push((i, j, -k));
@@ -21,7 +21,7 @@ impl Negative {
         }
     }
 
-    /// Whether every negative spring is covered.
+    /// Returns whether every negative spring is covered.
     pub fn covered(&self) -> bool {
         let mut positive = self.positive.clone();
         let mut around: BTreeMap<u32, Vec<u32>> = BTreeMap::new();

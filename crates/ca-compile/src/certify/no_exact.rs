@@ -1,4 +1,4 @@
-//! A build without `analysis`: only the cheap bounds speak.
+//! Replacement of `exact` for builds without the feature `analysis`: the cheap bounds alone decide.
 
 use crate::certify::accumulate::Sums;
 use crate::net::{LiaNode, Pruned};
@@ -7,34 +7,34 @@ use ca_core::{Bound, Certificate};
 use ca_model::Model;
 use ca_model::diag::Diag;
 
-/// As many products as a factorisation may take for contacts alone.
+/// Products that a factorisation may take for contacts alone: none is possible.
 pub const WORK: usize = 1;
 
-/// There is none.
+/// Never exists.
 pub enum Exact {}
 
 impl Exact {
-    /// None.
+    /// Returns `None`.
     pub fn new(_: &Pruned, _: &[Sums], _: &[Bound]) -> Option<Exact> {
         None
     }
-    /// Never asked.
+    /// Never called.
     pub fn verdict(&self, _: &Pruned, _: &[Bound]) -> FactorVerdict {
         match *self {}
     }
-    /// Never asked.
+    /// Never called.
     pub fn mobility(&self, _: &Pruned, _: &LiaNode, _: &Bound) -> Option<f64> {
         match *self {}
     }
-    /// Never asked.
+    /// Never called.
     pub fn room(&self) -> Option<f64> {
         match *self {}
     }
-    /// Never asked.
+    /// Never called.
     pub fn largest(&self, _: &Certificate, _: bool) -> Option<(f64, f64)> {
         match *self {}
     }
-    /// Never asked.
+    /// Never called.
     pub fn blame(&self, _: &Model, _: &Pruned, _: &[Bound], _: usize, _: &Certificate) -> Diag {
         match *self {}
     }

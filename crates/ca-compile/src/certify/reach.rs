@@ -1,10 +1,10 @@
 //! Computes the largest elongation of a hardening link, and its slope there.
 //!
-//! A scene without ports holds at most its energy at load, which bounds the potential U(e) of each link on both sides of the
-//! elongation at load. A tick adds one step: at an elongation e the speed is at most √(2(E − U)/m), so the reach is the largest
-//! e + T√(2(E − U)/m). A spring at a port with a built-in
-//! gesture is judged at the stroke of that port, as if its other end stood still. A contact at a port is not, because the other end
-//! gives way. The reach of all other links is unknown.
+//! A scene without ports holds at most its energy at load E, which bounds the potential U(e) of each link on both sides
+//! of the elongation at load. A tick adds one step. At an elongation e the speed is at most √(2(E − U)/m), so the reach
+//! is the largest e + T√(2(E − U)/m). A spring at a port with a built-in gesture is judged at the stroke of the port,
+//! as if its other end stood still. A contact at a port is not, because the other end yields. The reach of all other
+//! links is unknown.
 
 use crate::net::worst::WorstMat;
 use crate::net::{LiaNode, MatNode, MatRole, Measure, Pruned, elongation, linearisation};
@@ -14,35 +14,35 @@ use ca_core::internal::op::{loaded, started};
 
 /// Steps of each search.
 const STEPS: usize = 60;
-/// An elongation that nothing comes to \[m\].
+/// Elongation beyond any that occurs \[m\].
 const FAR: f64 = 1e6;
 
 /// Rounding of a potential \[J\].
 const ROUNDING: f64 = 1e-12;
 
-/// The cause of the largest elongation.
+/// Cause of the largest elongation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
-    /// the energy at load
+    /// Energy at load.
     Energy,
-    /// the stroke of a port
+    /// Stroke of a port.
     Stroke,
 }
 
-/// The steepest place within reach.
+/// The steepest point within reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reached {
-    /// slope against elongation there \[N/m\]
+    /// Slope against elongation \[N/m\].
     pub k: f64,
-    /// slope against its change \[N per m/tick\]
+    /// Slope against change of elongation \[N per m/tick\].
     pub z: f64,
-    /// the largest elongation, or depth of a contact \[m\]
+    /// Largest elongation, or depth of a contact \[m\].
     pub far: f64,
-    /// why it goes so far
+    /// Cause of that elongation.
     pub cause: Cause,
 }
 
-/// The steepest place of each link within reach; `None` of links with one slope, and of an unknown reach.
+/// Returns the steepest point of each link within reach; `None` for links with one slope or an unknown reach.
 pub fn reached(net: &Pruned, mats: &[WorstMat], bounds: &[Bound]) -> Vec<Option<Reached>> {
     let grows = |b: &Bound| b.hardens || b.loose > 0.0 || b.power.0 > 0.0;
     let any = net.lias.iter().zip(bounds).any(|(l, b)| grows(b) && l.law.stage.is_explicit());
@@ -53,13 +53,12 @@ pub fn reached(net: &Pruned, mats: &[WorstMat], bounds: &[Bound]) -> Vec<Option<
         }
         let start = elongation::at_load(net, l)?;
         let law = Link::new(net, l);
-        // the other end of a contact gives way to a port
+        // The other end of a contact yields to a port.
         let stroke = if b.contact { None } else { stroke(net, l) };
         let (between, cause) = match (energy, stroke) {
             (Some(energy), _) => {
                 let c: f64 = l.all_ends().flat_map(|e| net.under(e)).map(|m| mats[m as usize].c).sum();
                 let [from, to] = [-1.0, 1.0].map(|side| start + side * law.farthest(start, side, energy, c));
-                // a distance in space is not below 0
                 let from = if matches!(l.measure, Measure::Radial) { from.max(0.0) } else { from };
                 ([from, to], Cause::Energy)
             }
@@ -73,7 +72,6 @@ pub fn reached(net: &Pruned, mats: &[WorstMat], bounds: &[Bound]) -> Vec<Option<
     net.lias.iter().zip(bounds).map(one).collect()
 }
 
-/// A link at load.
 struct Link<'n> {
     net: &'n Pruned,
     l: &'n LiaNode,
@@ -86,13 +84,14 @@ impl<'n> Link<'n> {
         Link { net, l, coefs }
     }
 
-    /// Its potential at elongation `e` \[J\].
+    /// Returns the potential at elongation `e` \[J\].
     fn stored(&self, e: f64) -> f64 {
         let c = &self.coefs[..];
         (self.l.law.fns.energies.stored)(c, &started(self.l.law, c, e), &self.net.tables, e, e)
     }
 
-    /// The largest change of the elongation from `start` to one side, with this energy \[J\] and mobility T²/m \[m/N\].
+    /// Returns the largest change of elongation from `start` to one side, for an energy \[J\] and a mobility T²/m
+    /// \[m/N\].
     fn farthest(&self, start: f64, side: f64, energy: f64, c: f64) -> f64 {
         let stored = |change: f64| self.stored(start + side * change);
         let mut high = 1e-12;
@@ -104,7 +103,7 @@ impl<'n> Link<'n> {
             let middle = 0.5 * (low + high);
             if stored(middle) < energy { low = middle } else { high = middle }
         }
-        // with the step of the next tick, which is a concave function of the place
+        // Including the step of the next tick, which is a concave function of the position.
         let end = high;
         let after = |e: f64| e + libm::sqrt(2.0 * c * (energy - stored(e)).max(0.0));
         let (mut low, mut high) = (0.0, end);
@@ -115,14 +114,14 @@ impl<'n> Link<'n> {
         after(0.5 * (low + high)).max(end)
     }
 
-    /// The depth of a contact between these elongations.
+    /// Returns the depth of a contact between these elongations.
     fn depth(&self, [from, to]: [f64; 2]) -> f64 {
         let (idle, beyond) = (self.l.law.fns.idle)(&self.coefs);
         if idle.is_finite() { (idle - from).max(0.0) } else { (to - beyond).max(0.0) }
     }
 }
 
-/// The stroke of the ports at a link \[m\], where each that moves has a built-in gesture.
+/// Returns the stroke of the ports at a link \[m\], if all that move have built-in gestures.
 fn stroke(net: &Pruned, l: &LiaNode) -> Option<f64> {
     let mut all = None;
     for m in l.all_ends().flat_map(|e| net.under(e)) {
@@ -136,8 +135,8 @@ fn stroke(net: &Pruned, l: &LiaNode) -> Option<f64> {
     all
 }
 
-/// The energy of the scene at load \[J\]; `None` where more may come: from ports, weight, live parameters, links that make energy, or what
-/// holds less than nothing.
+/// Returns the energy of the scene at load \[J\]. Returns `None` if more may be added, by ports, weight, live
+/// parameters, active links or negative potentials.
 fn at_load(net: &Pruned, bounds: &[Bound]) -> Option<f64> {
     let alive = || net.mats.iter().zip(&net.alive).filter(|(_, alive)| **alive).map(|(m, _)| m);
     let moved =
@@ -159,7 +158,7 @@ fn at_load(net: &Pruned, bounds: &[Bound]) -> Option<f64> {
         }
         let link = Link::new(net, l);
         let held = link.stored(elongation::at_load(net, l)?);
-        // a detent stores less than nothing at rest, and so gives more than it has
+        // A detent stores less than 0 at rest, and so can release more than it holds.
         if held.min(link.stored(0.0)) < -ROUNDING {
             return None;
         }

@@ -1,4 +1,4 @@
-//! Report: the certificate, and findings that name the module and what would mend it.
+//! Writes the certificate, with findings that name the responsible module and a fix.
 
 use crate::certify::accumulate::Accumulated;
 use crate::certify::blame::{span, unstable};
@@ -20,7 +20,7 @@ use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::{self, Plain};
 
-/// Writes down what was decided; `asked` where the largest eigenvalue is wanted.
+/// Writes the certificate; `asked` requests the largest eigenvalue.
 pub fn report(
     model: &Model,
     net: &Pruned,
@@ -42,7 +42,7 @@ pub fn report(
     };
     cert.largest = exact.filter(|_| asked).and_then(|e| e.largest(&cert, true));
     cert.room = exact.filter(|_| decided.verdict == FactorVerdict::Stable).and_then(Exact::room);
-    // of what is unstable by itself, that; what is nearest to the limit may owe it to what is not certainly there
+    // The MAT nearest to the limit may owe it to links that are not always present, so a certain cause comes first.
     let blamed = bounds.cause.filter(|_| bounds.lower >= 4.0).or(bounds.worst);
     match (cert.level, blamed) {
         (Level::Unstable, Some(i)) => diags.push(match exact {
@@ -78,7 +78,7 @@ fn not_proven(model: &Model, net: &Pruned, sums: &Accumulated, bounds: &Bounds, 
     let mut d = Diag::warning("W107", format!("stability is not proven: {why}"));
     if let Some(i) = bounds.worst {
         d = d.at(span(model, net, net.mats[i].item), "nearest to the limit");
-        // the link there that weighs most by what it is not everywhere decides
+        // Label the steepest non-linear link there.
         let touches = |l: &LiaNode| l.all_ends().any(|e| net.under(e).contains(&(i as u32)));
         let loose = net.lias.iter().zip(&sums.links).zip(&sums.reached);
         let loose = loose.filter(|((l, b), _)| !b.linear && !b.contact && l.law.stage.is_explicit() && touches(l));
@@ -91,7 +91,8 @@ fn not_proven(model: &Model, net: &Pruned, sums: &Accumulated, bounds: &Bounds, 
     d.help(format!("{help} `{}`, make it heavier, or raise the {} rate", cert.worst, net.clock()))
 }
 
-/// Items of which some mass is left out, since nothing hears it. Masses whose modes stand for them are heard.
+/// Returns the items with masses left out because no output depends on them. Masses replaced by modes are not among
+/// them.
 fn not_judged(net: &Pruned) -> Vec<String> {
     let items: BTreeSet<u32> = net.unheard.iter().map(|m| net.mats[*m as usize].item).collect();
     items.into_iter().map(|i| net.items[i as usize].name.to_string()).collect()

@@ -1,13 +1,13 @@
-//! The support of an LPR: whether the world of its line port holds the two ends together, and how softly.
+//! Support of an LPR: the stiffness between the two ends of its line port.
 //!
-//! An LPR is two springs end to end, itself and that world: the extension under a force F is F (1/k + χ), with χ the
-//! static compliance between the two ends (docs/numerics.md §4.3). Where nothing joins them χ is infinite and the body
-//! in space falls apart (W111); where χ is above 1/k, most of the stiffness that was written is not there (W112). Of
-//! two ports on lines it is enough that one has a support.
+//! An LPR is in series with the world of its line port: the extension under a force F is F (1/k + χ), with χ the static
+//! compliance between the two ends (docs/numerics.md §4.3). Without a connection χ is infinite and the body in space
+//! falls apart (W111). If χ is above 1/k, most of the written stiffness is missing (W112). If both ports are on lines,
+//! one support is sufficient.
 //!
-//! Decides for one factorisation of each part of the network that supports LPRs, in document order within its envelope,
-//! which for strings and meshes is a narrow band; parts whose envelope is too wide are only looked at for connection.
-//! Springs that push (bending) count in the compliance and not in the connection.
+//! Each part of the network that supports LPRs is factorised once, in document order within its envelope, which is a
+//! narrow band for strings and meshes. Parts with a wide envelope are only checked for connection. Negative springs
+//! (bending) count in the compliance but not as a connection.
 
 use crate::certify::blame::span;
 use crate::findings::round_down;
@@ -21,19 +21,19 @@ use ca_core::{Name, Unit};
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, quantity};
 
-/// Products a factorisation may take.
+/// Largest number of products in a factorisation.
 const WORK: usize = 50_000_000;
 
 /// One degree of freedom: a MAT and an axis.
 type Node = usize;
 
-/// The springs of all lines, at load and at rest; LPRs left out.
+/// Springs of all lines, at load and at rest, without LPRs.
 struct Springs {
-    /// stiffness of each node to what is fixed, its own included
+    /// Stiffness of each node to fixed points, including its own.
     ground: Vec<f64>,
-    /// springs at each node: the other end, stiffness
+    /// Springs at each node: other end, stiffness.
     around: Vec<Vec<(Node, f64)>>,
-    /// true where a moving point takes part, so that stiffness depends on where it stands
+    /// True if a moving point has a link, so that stiffness depends on its position.
     moving: bool,
 }
 
@@ -41,7 +41,7 @@ fn node(mat: u32, axis: u8) -> Node {
     3 * mat as usize + axis as usize
 }
 
-/// Stiffness of a link at rest; 0 of contacts, which may be open.
+/// Returns the stiffness of a link at rest; 0 for contacts, which may be open.
 fn stiffness(net: &Pruned, l: &LiaNode) -> f64 {
     let b = linearisation::slopes(net, l);
     if b.contact { 0.0 } else { b.k }
@@ -88,7 +88,7 @@ impl Springs {
         s
     }
 
-    /// What springs that pull join to a node, in document order.
+    /// Returns the nodes connected to a node by positive springs, in document order.
     fn part(&self, from: Node) -> Vec<Node> {
         let mut seen = BTreeSet::from([from]);
         let mut left = alloc::vec![from];
@@ -99,11 +99,11 @@ impl Springs {
     }
 }
 
-/// A part of the network, factorised: LLᵀ within the envelope, rows from their first entry to the diagonal.
+/// A connected part, factorised as LLᵀ within the envelope: rows from their first entry to the diagonal.
 struct Part {
     nodes: Vec<Node>,
     grounded: bool,
-    /// none where it is too wide, or not stiff in every direction
+    /// `None` if the envelope is too wide, or if the part is not stiff in every direction.
     rows: Option<Vec<(usize, Vec<f64>)>>,
 }
 
@@ -114,14 +114,14 @@ impl Part {
         Part { nodes, grounded, rows }
     }
 
-    /// Compliance \[m/N\] of the part where `pulls` act on nodes of it: the sum of pull times displacement.
+    /// Returns the compliance \[m/N\] under forces `pulls` on nodes: the sum of force times displacement.
     fn compliance(&self, pulls: &[(Node, f64)]) -> Option<f64> {
         let rows = self.rows.as_ref()?;
         let mut y = alloc::vec![0.0; rows.len()];
         for (node, pull) in pulls {
             y[self.nodes.binary_search(node).ok()?] += pull;
         }
-        // bᵀ K⁻¹ b is the square of L⁻¹ b
+        // bᵀ K⁻¹ b is the square of L⁻¹ b.
         for i in 0..rows.len() {
             let (first, row) = &rows[i];
             let (last, before) = row.split_last()?;
@@ -151,7 +151,7 @@ fn factor(s: &Springs, nodes: &[Node], grounded: bool) -> Option<Vec<(usize, Vec
     if work > WORK {
         return None;
     }
-    // a part that hangs on nothing is held at its first node: what pulls on it sums to nothing
+    // A part without ground is held at its first node, where the reaction is 0 because all pulls sum to 0.
     if let (false, Some((_, row))) = (grounded, rows.first_mut()) {
         row[0] *= 2.0;
     }
@@ -174,15 +174,15 @@ fn factor(s: &Springs, nodes: &[Node], grounded: bool) -> Option<Vec<(usize, Vec
     Some(rows)
 }
 
-/// What holds the two ends of a port.
+/// Connection between the two ends of a port.
 enum Hold {
     Nothing,
-    /// something, that gives so much \[m/N\]; not known where it is too large a network
+    /// Compliance \[m/N\]; `None` if it was not computed.
     Gives(Option<f64>),
 }
 
 fn hold(net: &Pruned, s: &Springs, parts: &mut Vec<Part>, ends: [End; 2], axes: [u8; 2]) -> Hold {
-    // of an end that moves along a string, the string has to hold
+    // An end on a string is held if the string is.
     let place =
         |e: End, axis: u8| net.under(e).first().filter(|m| !net.mats[**m as usize].is_fixed()).map(|m| node(*m, axis));
     let at = [place(ends[0], axes[0]), place(ends[1], axes[1])];
@@ -208,7 +208,7 @@ fn hold(net: &Pruned, s: &Springs, parts: &mut Vec<Part>, ends: [End; 2], axes: 
     Hold::Gives(gives.sum())
 }
 
-/// Looks at the line ports of each LPR; one finding for each item.
+/// Checks the line ports of each LPR; at most one finding per item.
 pub fn rigid(model: &Model, net: &Pruned, diags: &mut Diags) {
     if net.lias.iter().all(|l| l.onto.is_none()) {
         return;
@@ -235,7 +235,7 @@ pub fn rigid(model: &Model, net: &Pruned, diags: &mut Diags) {
                     break;
                 }
             };
-            // of two that do not hold, what is at least something
+            // Of two insufficient ports, report the one with some support.
             found = found.filter(|f: &Diag| f.code == "W112").or(Some(d));
         }
         if let (Some(d), false) = (found, held) {

@@ -16,7 +16,7 @@ use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::rounded;
 use ca_model::{Model, quantity};
 
-/// The link that decides a verdict by rule: that which uses the largest share of its limit.
+/// The link that decides a verdict by rule: it uses the largest share of its limit.
 #[derive(Default)]
 pub struct Decides {
     share: f64,
@@ -30,15 +30,15 @@ impl Decides {
         }
     }
 
-    /// Its name; of links without a number the first.
+    /// Returns its name; among links without a number, the first.
     pub fn name(self) -> String {
         self.name
     }
 }
 
-/// Rules for contacts (docs/numerics.md §3.2). A contact is unstable while it presses from T²k + 2Tz = 4 on; its slopes are the
-/// steepest within reach. kT²/m ≤ 1 is a rule of thumb. The certificate also has the depth at which a power law reaches it. `held` gives
-/// the mobility of both ends with the links that hold them, if it is known.
+/// Applies the rules for contacts (docs/numerics.md §3.2). A contact is unstable while it presses if T²k + 2Tz ≥ 4 with
+/// its steepest slopes within reach. kT²/m ≤ 1 is a rule of thumb, and the certificate has the depth at which a power
+/// law reaches it. `held` returns the mobility of both ends with the links that hold them, if it is known.
 pub fn contacts(
     model: &Model,
     net: &Pruned,
@@ -92,14 +92,13 @@ pub fn contacts(
     }
 }
 
-/// The method that a contact may have instead; empty where it would not serve.
+/// Returns the method that a contact could use instead; empty if there is none.
 pub fn stable(l: &LiaNode) -> &'static str {
     let words = methods_of(l);
     let serves = words.contains(&"stable") && (words.contains(&"stable3d") || !l.is_radial());
     if serves { "`method = \"stable\"`" } else { "" }
 }
 
-/// The words that a link may have as its method.
 fn methods_of(l: &LiaNode) -> &'static [&'static str] {
     match l.kind.param("method").map(|at| l.kind.params[at].ty) {
         Some(Type::Choice(words)) => words,
@@ -107,9 +106,9 @@ fn methods_of(l: &LiaNode) -> &'static [&'static str] {
     }
 }
 
-/// The place of the steepest slope, as the end of a sentence.
+/// Returns the elongation of the steepest slope, as the end of a sentence.
 pub fn at(reached: Option<&Reached>) -> String {
-    // within a nanometre it is at rest
+    // Within a nanometre it is at rest.
     let Some(r) = reached.filter(|r| r.far > 1e-9) else { return String::new() };
     let far = quantity::show(rounded(r.far, 3), Unit::METRE);
     match r.cause {
@@ -118,7 +117,7 @@ pub fn at(reached: Option<&Reached>) -> String {
     }
 }
 
-/// A contact that is unstable while it presses, with slopes `k`, `z` and mobility `c`; the numbers that would mend it.
+/// Returns the warning for a contact that is unstable while it presses, with slopes `k`, `z` and mobility `c`.
 fn unstable_contact(net: &Pruned, l: &LiaNode, [k, z, c]: [f64; 3], reached: Option<&Reached>) -> Diag {
     let closed = (k + 2.0 * z) * c;
     let title = format!(
@@ -145,8 +144,8 @@ fn unstable_contact(net: &Pruned, l: &LiaNode, [k, z, c]: [f64; 3], reached: Opt
     Diag::warning("W117", title).help(any(&[&method, &fix, "use heavier masses", &faster(net, closed, z > 0.0)]))
 }
 
-/// Rule for friction that is no straight line, as of a bow (docs/numerics.md §3.5): slope·T/m up to 1.5, or what should
-/// stick rings at every other sample.
+/// Applies the rule for friction along a curve, such as a bow (docs/numerics.md §3.5): above slope·T/m = 1.5 a sticking
+/// contact oscillates at every other sample.
 pub fn frictions(
     model: &Model,
     net: &Pruned,
@@ -183,7 +182,7 @@ pub fn frictions(
     }
 }
 
-/// Springs that harden: finds the deciding one, and lists those with an unknown largest elongation.
+/// Finds the hardening spring that decides, and lists those with an unknown largest elongation.
 pub fn hardening(
     net: &Pruned,
     sums: &Accumulated,
@@ -203,12 +202,12 @@ pub fn hardening(
     }
 }
 
-/// The word of the method that was written for a link.
+/// Returns the method written for a link.
 pub fn method(net: &Pruned, l: &LiaNode) -> &'static str {
     word(net, l, "method")
 }
 
-/// The word of a choice of a link; empty where its kind lacks the choice, or none is made.
+/// Returns the chosen word of a choice of a link; empty if its kind does not have the choice or none is made.
 pub fn word(net: &Pruned, l: &LiaNode, choice: &str) -> &'static str {
     let Some(at) = l.kind.param(choice) else { return "" };
     let Type::Choice(words) = l.kind.params[at].ty else { return "" };
@@ -216,12 +215,13 @@ pub fn word(net: &Pruned, l: &LiaNode, choice: &str) -> &'static str {
     value.and_then(|v| words.get(v as usize)).copied().unwrap_or_default()
 }
 
-/// True of set-valued friction that is solved together with others, where it creeps.
+/// Returns whether this is set-valued friction solved together with others, where it creeps.
 pub fn creeps(net: &Pruned, l: &LiaNode) -> bool {
     matches!(l.law.stage, SolveStage::Coupled(_)) && method(net, l) == "set-valued"
 }
 
-/// Friction by a method that cannot do here what its name says: set-valued that creeps, and Newton's that gives way to the secant.
+/// Reports friction methods that do not apply here: set-valued friction that creeps, and Newton's method where the
+/// secant replaces it.
 pub fn methods(model: &Model, net: &Pruned, sums: &Accumulated, decides: &mut Decides, diags: &mut Diags) {
     let mut reported = BTreeSet::new();
     for (l, b) in net.lias.iter().zip(&sums.links).filter(|(l, _)| !l.law.stage.is_explicit()) {
@@ -251,24 +251,24 @@ pub fn methods(model: &Model, net: &Pruned, sums: &Accumulated, decides: &mut De
     }
 }
 
-/// True where a law resists motion along a curve.
+/// Returns whether a law resists motion along a curve.
 pub fn rubs(b: &Bound) -> bool {
     b.curve && b.z > 0.0
 }
 
-/// T²/m of both ends of a contact together; of a set, of its most mobile pair.
+/// Returns T²/m of both ends of a contact together; for a set, of its most mobile pair.
 fn mobility(net: &Pruned, l: &LiaNode, mats: &[Sums]) -> f64 {
     let end = |e: End| {
         let all = net.under(e).into_iter().map(|m| mats[m as usize].c);
         let End::Point(p) = e else { return all.fold(0.0, f64::max) };
-        // a place among modes is moved by each of them, by its share
+        // Each mode moves a modal mass by its share.
         match &net.points[p as usize].shape {
             Some((shares, _)) => all.zip(shares).map(|(c, w)| w * w * c).sum(),
             None => all.fold(0.0, f64::max),
         }
     };
     let Some(sets) = &l.sets else { return l.all_ends().map(end).sum() };
-    // the largest and the next
+    // The largest mobility and the next.
     let two = |set: &[u32]| {
         set.iter().map(|m| mats[*m as usize].c).fold((0.0f64, 0.0f64), |(a, b), c| (a.max(c), b.max(a.min(c))))
     };
@@ -276,11 +276,12 @@ fn mobility(net: &Pruned, l: &LiaNode, mats: &[Sums]) -> f64 {
     if sets[1].is_empty() { first + next } else { first + two(&sets[1]).0 }
 }
 
-/// The delay of a device turns viscosity straight on a key into noise and instability (ICMC 2013, 7.1).
+/// Warns of viscosity directly at a device key, which the delay of the device turns into noise and instability (ICMC
+/// 2013, 7.1).
 pub fn devices(model: &Model, net: &Pruned, bounds: &[Bound], diags: &mut Diags) {
     let is_key = |e: &End| matches!(e, End::Mat(m) if net.mats[*m as usize].code == "TGR");
     let mut reported = BTreeSet::new();
-    // a coupling was made of the key itself, and is within that friction
+    // A virtual coupling belongs to the key, and respects the friction of the device.
     let written = |l: &LiaNode| model.items[net.items[l.item as usize].model].kind != "TGR";
     for (l, b) in net.lias.iter().zip(bounds) {
         if b.z > 0.0 && written(l) && l.all_ends().any(|e| is_key(&e)) && reported.insert(l.item) {

@@ -1,8 +1,9 @@
-//! Contacts on one side of a mass: each may be stable by itself, and all together not.
+//! Contacts on one side of a mass, which may be stable individually and unstable together.
 //!
-//! The largest eigenvalue with all of them pressed is at least T²/m times the sum of k + 2z/T over these contacts and over the
-//! permanent links of the mass. From 4 on the mass swings ever more while it presses (docs/numerics.md §3.2). Contacts of opposite sides
-//! may never press at once, and of those in space the directions differ, so that these are judged one by one.
+//! With all of them pressed, the largest eigenvalue is at least T²/m times the sum of k + 2z/T over these contacts and
+//! over the permanent links of the mass. From 4 on the mass oscillates with growing amplitude while it presses
+//! (docs/numerics.md §3.2). Contacts on opposite sides may never press at once, and those in space have different
+//! directions, so they are judged individually.
 
 use crate::certify::accumulate::Accumulated;
 use crate::certify::blame::{any, faster, span};
@@ -18,16 +19,16 @@ use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::Plain;
 
-/// A contact that presses: k + 2z/T, and whether z is a part of it.
+/// A pressed contact: k + 2z/T, and whether z contributes.
 struct Pressed<'a> {
     link: &'a LiaNode,
     h: f64,
     viscous: bool,
 }
 
-/// Warns of contacts that are unstable together and not by themselves.
+/// Warns of contacts that are unstable together but not individually.
 pub fn together(model: &Model, net: &Pruned, sums: &Accumulated, cert: &mut Certificate, diags: &mut Diags) {
-    // contacts by mass, axis and side
+    // Contacts by mass, axis and side.
     let mut sides: BTreeMap<(u32, u8, bool), Vec<Pressed>> = BTreeMap::new();
     for ((l, b), reached) in net.lias.iter().zip(&sums.links).zip(&sums.reached) {
         let Measure::Line(axes) = l.measure else { continue };
@@ -37,7 +38,7 @@ pub fn together(model: &Model, net: &Pruned, sums: &Accumulated, cert: &mut Cert
         let (k, z) = reached.map_or((b.k, b.z), |r| (r.k, r.z));
         for (second, (end, axis)) in l.ends.into_iter().zip(axes).enumerate() {
             if let End::Mat(m) = end {
-                // what contains presses from the other side
+                // A contact with `sense = "inside"` presses from the other side.
                 let side = (second == 1) != (word(net, l, "sense") == "inside");
                 sides.entry((m, axis, side)).or_default().push(Pressed { link: l, h: k + 2.0 * z, viscous: z > 0.0 });
             }
@@ -50,7 +51,7 @@ pub fn together(model: &Model, net: &Pruned, sums: &Accumulated, cert: &mut Cert
         let pressed: f64 = contacts.iter().map(|p| p.h).sum();
         let at = c * (pressed + s.certain);
         let Some(most) = contacts.iter().max_by(|a, b| a.h.total_cmp(&b.h)) else { continue };
-        // one contact is judged by itself, with the links that hold its mass
+        // A single contact is judged by `contacts`, with the links that hold its mass.
         if at < 4.0 || contacts.len() < 2 || c * most.h >= 4.0 || c * s.certain >= 4.0 || !reported.insert(mass.item) {
             continue;
         }

@@ -1,9 +1,9 @@
-//! Coupling: a mass between a device port and its links, with a spring and a damper to the port.
+//! Virtual coupling: a mass between a device port and its links, with a spring and a damper to the port.
 //!
-//! A device that cannot render the links of a key gets this (`ca_haptic::coupling`). The coupling is made of ordinary modules
-//! and needs no law at the rate border. So the tick, the certificate, the ledger and groups at the gesture rate treat
-//! a coupled port as any other, and the energy at the port stays exact. A scene without a coupling pays nothing. A module
-//! that follows the position of the port, or an output of it, stays with the port: the hand is there.
+//! It is for devices that cannot render the links of a key (`ca_haptic::coupling`). It consists of ordinary modules and
+//! needs no law at the rate boundary: the tick, the certificate, the ledger and groups at the gesture rate treat a
+//! coupled port like any other, and the energy at the port stays exact. Scenes without a coupling pay nothing. Outputs
+//! and moving points that refer to the port stay at the port, since that is the position of the hand.
 
 use crate::net::{End, LiaNode, MatNode, MatRole, Measure, Medium, NetItem, Wired};
 use alloc::format;
@@ -28,10 +28,10 @@ pub fn couple(net: &mut Wired, couplings: &[Coupling]) {
         for l in &mut net.lias {
             follow(l, at, mass);
         }
-        // neither weight nor air
+        // A medium without gravity and friction.
         let group = *medium.get_or_insert_with(|| {
             let method = if net.is_composed() { Method::Pefrl } else { Method::Ca };
-            // the last is that of modules without a group
+            // Before the last medium, which is for modules without a group.
             let n = net.media.len().saturating_sub(1);
             net.media.insert(n, Medium { method, ..Medium::default() });
             n as u32
@@ -88,7 +88,7 @@ pub fn couple(net: &mut Wired, couplings: &[Coupling]) {
     }
 }
 
-/// The ends of a link at `port` are at `mass` from here on.
+/// Moves the ends of a link from `port` to `mass`.
 fn follow(l: &mut LiaNode, port: End, mass: u32) {
     let onto = l.onto.as_mut().map(|o| o.ends.iter_mut());
     for end in l.ends.iter_mut().chain(onto.into_iter().flatten()).filter(|end| **end == port) {

@@ -1,8 +1,9 @@
-//! Hands: what moves the ports at the beginning, and which of them one hand moves at once.
+//! Checks of ports: gestures that begin elsewhere than their port, and ports on one degree of freedom.
 //!
-//! Decides that a port which its gesture takes away at load is a warning where something is tied to it: the link then holds an
-//! energy that nobody gave it, and the first thing heard is a blow. Ports on one degree of freedom are legitimate, so a note. Ports
-//! that follow different notes or controllers are not noted: MIDI plays such a model, and `dof` is the default of a part.
+//! A gesture that displaces its port at load gives a warning if the port has links: they store energy from the start,
+//! and the scene begins with a blow. Several ports on one degree of freedom are legitimate, so they give a note. Ports
+//! that follow different notes or controllers give none: MIDI plays such a model, and its parts use the default of
+//! `dof`.
 
 use crate::net::{End, MatRole, Wired};
 use alloc::collections::BTreeMap;
@@ -13,12 +14,12 @@ use ca_core::{Input, InputRole, Unit};
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, Span, Value, quantity};
 
-/// A gesture begins where its port stands, as far as this \[m\].
+/// Accepted distance between the first point of a gesture and its port \[m\].
 const THERE: f64 = 1e-6;
-/// And as far as this share of the way it goes: noise upon a stroke is part of the stroke.
+/// The same as a share of the range of the gesture: noise on a stroke is part of the stroke.
 const OF_WAY: f64 = 0.01;
 
-/// Says both.
+/// Runs both checks.
 pub fn check(model: &Model, net: &Wired, diags: &mut Diags) {
     jumps(model, net, diags);
     shared(model, net, diags);
@@ -83,7 +84,7 @@ fn shared(model: &Model, net: &Wired, diags: &mut Diags) {
     }
 }
 
-/// True if each of these ports follows MIDI, and no two of them the same.
+/// Returns whether all these ports follow MIDI, each a different source.
 fn are_distinct(ports: &[&Input]) -> bool {
     let by = |i: &&Input| i.midi.map(|m| (m.source, m.channel));
     ports.iter().enumerate().all(|(k, i)| by(i).is_some() && !ports[..k].iter().any(|other| by(other) == by(i)))

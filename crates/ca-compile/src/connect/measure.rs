@@ -1,15 +1,15 @@
-//! Measure: by what a link measures its two ends, on a line, along a direction or as a distance in space.
+//! Measure of a link between its two ends: on a line, along a direction, or as a distance in space.
 
 use crate::net::{End, LiaNode, Measure, Wired};
 use alloc::vec::Vec;
 use ca_core::Name;
 
-/// The axis a direction runs along, if it is one and points forward.
+/// Returns the axis of a direction that points forward along one.
 fn axis(n: [f64; 3]) -> Option<u8> {
     (0..3u8).find(|k| n[*k as usize] == 1.0)
 }
 
-/// How a port measures these ends; an error in words where it cannot.
+/// Returns the measure between two ends, or title and help of an error.
 pub fn measure(net: &Wired, ends: [End; 2], along: Option<[f64; 3]>) -> Result<Measure, (&'static str, &'static str)> {
     let space = ends.map(|e| net.axes(e) > 1);
     let Some(n) = along else {
@@ -34,8 +34,8 @@ pub fn measure(net: &Wired, ends: [End; 2], along: Option<[f64; 3]>) -> Result<M
     }
 }
 
-/// A linear link in space that is slack at length 0 has no direction of its own: it becomes one along each axis that
-/// moves, damper included. Any other link stays as it is.
+/// Replaces a linear link in space whose rest length is 0 by one link per moving axis, since its direction at rest is
+/// undefined. Any other link is returned as it is.
 pub fn vectorial(net: &Wired, l: LiaNode) -> Vec<LiaNode> {
     if l.measure != Measure::Radial || l.onto.is_some() || !l.law.linear || l.l0 != Some(0.0) {
         return alloc::vec![l];

@@ -1,4 +1,4 @@
-//! Second: from names to ends. What is written between quotes becomes ends of links, taps of outputs and moving points.
+//! Second step: resolves names to ends of links, outputs and moving points.
 
 pub mod coupling;
 pub mod hands;

@@ -1,4 +1,4 @@
-//! Outputs: what outputs and probes hear, and along which axis of what is in space.
+//! Outputs and probes: the quantities they read and, in space, the axes.
 
 use crate::connect::select::{Meaning, Written};
 use crate::connect::wiring::Wiring;
@@ -16,7 +16,7 @@ use ca_model::part::instances;
 use ca_model::{Entry, Span, Value};
 
 impl Wiring<'_> {
-    /// The axes of an end that a port hears or pushes, with their shares.
+    /// Returns the axes of an end that a port reads or pushes, with their shares.
     pub(super) fn directed(
         &mut self,
         end: End,
@@ -98,7 +98,7 @@ impl Wiring<'_> {
             let own = if many { format!("{name}[{i}]") } else { name.to_string() };
             let channel = channel.map_or(self.net.channels.len() as u32, |c| c as u32);
             if channel > 255 {
-                // once, not for each output that follows
+                // Reported once.
                 if !self.diags.list.iter().any(|d| d.code == "E027" && d.title.ends_with("256 channels")) {
                     let d = Diag::error("E027", format!("`{name}` would be the first beyond 256 channels"));
                     self.diags.push(d.at(e.span, "one too many").help("give several outputs the same `channel`"));
@@ -130,13 +130,13 @@ impl Wiring<'_> {
         }
     }
 
-    /// A probe: one value for what lives on a line, a value for each axis of what lives in space.
+    /// Adds a probe: one value on a line, one value per axis in space.
     pub(super) fn probe(&mut self, text: &str, asked: u32) {
         if let Some(each) = instances(self.model, text) {
             return each.iter().for_each(|name| self.probe(name, asked));
         }
-        // an output's name means what it hears, along the direction it hears it; one that hears several on channels of
-        // their own is a value for each
+        // The name of an output stands for its quantity, along its direction. An output with several channels gives one
+        // value per channel.
         let of = |o: &OutNode| o.item.is_some_and(|i| o.name == text || *self.net.items[i as usize].name == *text);
         let heard: Vec<OutNode> = self.net.outs.iter().filter(|o| of(o)).cloned().collect();
         let mut last = None;
@@ -158,14 +158,14 @@ impl Wiring<'_> {
         };
         let many = taps.len() > 1;
         for tap in taps {
-            // one is called as it was asked for, several each by its own name
+            // A single result has the name that was asked for; several have their own names.
             let name = match tap {
                 _ if !many => text.into(),
                 OutputTap::Position(end) | OutputTap::ForceOn(end) => self.net.end_name(end),
                 OutputTap::ForceOf(l) => self.net.lias[l as usize].name.to_string(),
             };
             let axes = if let OutputTap::Position(e) = tap { self.net.axes(e) } else { 1 };
-            // of a plane too: its frozen axis is a number like the others
+            // Three values for a plane too: the frozen axis is stored like the others.
             for axis in 0..if axes > 1 { 3 } else { 1 } {
                 let name = if axes > 1 { format!("{name}.{}", space::AXES[axis as usize]) } else { name.clone() };
                 let (channel, gain) = (self.next_probe(), Source::Const(1.0));
@@ -175,7 +175,7 @@ impl Wiring<'_> {
         }
     }
 
-    /// The place of the next probe, behind all channels.
+    /// Returns the channel of the next probe, after all sound channels.
     fn next_probe(&self) -> u32 {
         let probes = self.net.outs.iter().filter(|o| o.item.is_none()).map(|o| o.channel + 1).max();
         probes.unwrap_or(self.net.channels.len() as u32)

@@ -1,7 +1,7 @@
-//! Select: what a selector means in this network, or why it means nothing.
+//! Resolves selectors to modules of the network.
 //!
-//! Decides that a name which exists but could not be compiled is passed over in silence: what is wrong with it has been
-//! said where it stands, and one mistake is one finding.
+//! A name that exists but could not be compiled is ignored silently: its error is reported at its own place, and one
+//! mistake gives one finding.
 
 use crate::connect::wiring::Wiring;
 use crate::findings::inside;
@@ -20,13 +20,13 @@ use ca_model::select::{self, Coord, Index, Part, Selector};
 use ca_model::suggest::nearest;
 use ca_model::{Item, Span};
 
-/// What a selector means.
+/// Modules that a selector refers to.
 pub(super) enum Meaning {
     Ends(Vec<End>),
     Links(Vec<u32>),
 }
 
-/// A selector where it stands: text, its place with the quotes, and who holds it.
+/// A selector as written: its text, its span with the quotes, and the module that contains it.
 #[derive(Clone, Copy)]
 pub(super) struct Written<'t> {
     pub text: &'t str,
@@ -35,7 +35,6 @@ pub(super) struct Written<'t> {
 }
 
 impl Written<'_> {
-    /// The place of a part of the text.
     fn part(&self, from: usize, to: usize) -> Span {
         inside(self.span, self.text, from, to)
     }
@@ -45,7 +44,7 @@ impl Written<'_> {
     fn name(&self, name: &str) -> Span {
         self.part(self.lead(), self.lead() + name.len())
     }
-    /// From the first `[` or `@` to the end; the whole if there is none.
+    /// Returns the span from the first `[` or `@` to the end, or of the whole text.
     fn index(&self) -> Span {
         let from = self.text.find(['[', '@']).unwrap_or(self.lead());
         self.part(from, self.text.trim_end().len())
@@ -53,7 +52,7 @@ impl Written<'_> {
 }
 
 impl<'a> Wiring<'a> {
-    /// Reads one selector and looks it up. `wants_mat`: why a MAT is wanted, if one is.
+    /// Resolves a selector. `wants_mat` is the reason why it must refer to MATs, if it must.
     pub(super) fn select(&mut self, w: Written<'_>, wants_mat: Option<&str>) -> Option<Meaning> {
         let sel = match select::parse(w.text) {
             Ok(s) => s,
@@ -97,11 +96,11 @@ impl<'a> Wiring<'a> {
     }
 
     fn not_a_selector(&mut self, w: Written<'_>, e: &select::SelectError) {
-        // the character at fault, with the word it begins; what is missing is shown at what stands before it
+        // Label the wrong character with the word that it begins.
         let rest = w.text.get(e.at..).unwrap_or("");
         let word = rest.find(|c: char| !c.is_ascii_alphanumeric()).unwrap_or(rest.len());
         let len = word.max(rest.chars().next().map_or(0, char::len_utf8));
-        // what is missing at the end is shown at the last character
+        // Something missing at the end is labelled at the last character.
         let last = w.text.get(..e.at).and_then(|t| t.chars().next_back()).map_or(0, char::len_utf8);
         let (from, to) = if len == 0 { (e.at - last, e.at) } else { (e.at, e.at + len) };
         let shown: String = w.text.chars().take(40).collect();
@@ -116,7 +115,7 @@ impl<'a> Wiring<'a> {
         });
     }
 
-    /// True where the name stands in the model, but broken: the reason has been given there.
+    /// Returns whether the name is in the model but broken, which was reported at its place.
     fn is_reported(&mut self, name: &str) -> bool {
         let broken = self.broken.contains(name);
         if broken && self.net.incomplete.is_none() {
@@ -132,7 +131,7 @@ impl<'a> Wiring<'a> {
         let known = self.net.items.iter().find(|i| *i.name == *name).map(|i| (i.kind, i.model));
         if let Some((kind, at)) = known {
             if let Role::Generator(_) = kind.role {
-                // it could not be built, and that has been said
+                // The generator could not be built, which was reported.
                 self.net.incomplete.get_or_insert_with(|| name.into());
                 return;
             }
@@ -146,13 +145,13 @@ impl<'a> Wiring<'a> {
             return;
         }
         let d = Diag::error("E013", format!("`{}`: no module `{name}`", w.owner)).at(w.name(name), "unknown");
-        // of instances any stands for all
+        // The group of any instance represents all of them.
         let many = |g: &str| g.strip_prefix(name).is_some_and(|r| r.starts_with('['));
         let is = |g: &&str| *g == w.text.trim() || *g == name || many(g);
         let group = self.model.groups.iter().map(|g| g.name.as_str()).find(is);
         let known = self.net.families.names();
         let member = known.iter().copied().find(|k| k.rsplit('.').next() == Some(name));
-        // modules that are broken themselves are meant no less
+        // Broken modules are suggested too.
         let names = known.iter().copied().chain(self.broken.iter().copied());
         let near = member.or_else(|| self.of_instance(name, w.owner)).or_else(|| nearest(name, names));
         let d = if self.model.params.iter().any(|p| p.key == name) {
@@ -165,10 +164,10 @@ impl<'a> Wiring<'a> {
             let rest = name.get(u.name.len()..).unwrap_or("");
             d.help(format!("`{0}` has instances: write `{0}[0]{rest}` for one of them, `{0}[*]{rest}` for all", u.name))
         } else if let Some(near) = near.filter(|_| !self.is_as_written(w)) {
-            // the text was made of another one
+            // The text was generated from another one and cannot be replaced in place.
             d.help(format!("did you mean `{near}`?"))
         } else if let Some(near) = near {
-            // a part of the text can be mended only where it can be told from the whole
+            // If the span is the whole text, the fix includes the quotes.
             let span = w.name(name);
             let new = if span == w.span { format!("\"{near}\"") } else { near.to_string() };
             d.help(format!("did you mean `{near}`?")).fix(span, new)
@@ -180,27 +179,28 @@ impl<'a> Wiring<'a> {
         self.diags.push(d);
     }
 
-    /// Whether the text stands there as it is; lists of instances and values of parts do not.
+    /// Returns whether the source contains the text as it is, unlike names made for lists of instances or values of
+    /// parts.
     fn is_as_written(&self, w: Written<'_>) -> bool {
         let source = self.model.source(w.span);
         let at = source.within(w.span);
         !w.span.is_some() || source.text.get(at.start..at.end).is_none_or(|t| t.contains(w.text))
     }
 
-    /// The module of a part that is nearly called `name`, where the owner is of an instance of it: as it is called there.
+    /// Returns the module of a part with a name similar to `name`, if `owner` is in an instance of that part.
     fn of_instance(&self, name: &str, owner: &str) -> Option<&'a str> {
         let (instance, _) = owner.rsplit_once('.').filter(|_| self.is_in_part(owner))?;
         let own = |i: &'a Item| i.name.strip_prefix(instance).and_then(|r| r.strip_prefix('.'));
         nearest(name, self.model.items.iter().filter_map(own))
     }
 
-    /// Whether `name` is that of a module of an instance.
+    /// Returns whether `name` belongs to an instance of a part.
     fn is_in_part(&self, name: &str) -> bool {
         let of = |u: &Use| name.strip_prefix(u.name.as_str()).is_some_and(|r| r.starts_with(['.', '[']));
         self.model.uses.iter().any(of)
     }
 
-    /// A moving point; the same text is the same point.
+    /// Returns a moving point; equal texts share one.
     fn moving(&mut self, sel: &Selector, at: &[Coord], w: Written<'_>) -> Option<u32> {
         let text = sel.to_string();
         if let Some(p) = self.points.get(&text) {
@@ -240,7 +240,7 @@ impl<'a> Wiring<'a> {
                 ),
             );
             let d = d.at(w.index(), is);
-            // 0,3 for 0.3
+            // A decimal comma, e.g. 0,3 for 0.3.
             let comma = w.text.trim().replace(',', ".");
             let decimal = wants == 1 && select::parse(&comma).is_ok_and(|s| s.at.is_some_and(|a| a.0.len() == 1));
             self.diags.push(if decimal {
@@ -270,7 +270,7 @@ impl<'a> Wiring<'a> {
         }
         self.under += nodes;
         if self.under > 4 * LARGEST {
-            // once, not for each that follows
+            // Reported once.
             if self.under - nodes <= 4 * LARGEST {
                 let title = format!("`{owner}`: too many moving points on long strings");
                 let d = Diag::error("E027", title).at(w.span, "one too many");
@@ -289,7 +289,7 @@ impl<'a> Wiring<'a> {
         self.net.unused.retain(|u| u.0 != name);
         if let Some(i) = self.net.params.iter().position(|p| p.name == name) {
             let p = &mut self.net.params[i];
-            // the place it stands in bounds it, unless the author was stricter
+            // A coordinate limits the parameter to 0..1, within the limits of the author.
             p.min = p.min.max(0.0);
             p.max = p.max.min(1.0);
             if !(p.min..=p.max).contains(&p.value) {
@@ -332,12 +332,12 @@ impl<'a> Wiring<'a> {
     }
 }
 
-/// Whether a name is one of what is called `of`.
+/// Returns whether `name` is within `of`.
 fn is_of(name: &str, of: &str) -> bool {
     name.strip_prefix(of).is_some_and(|r| r.starts_with('.'))
 }
 
-/// `low(3)`, `low{3}`, `low 3` and `low.3` as `low[3]`.
+/// Rewrites `low(3)`, `low{3}`, `low 3` and `low.3` as `low[3]`.
 fn brackets(text: &str) -> Option<String> {
     let text = text.trim();
     let name = text.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_'))?;
@@ -354,15 +354,12 @@ fn family_of(kind: &Kind) -> &'static str {
     }
 }
 
-/// Why an index selects nothing.
+/// Reason why an index selects nothing.
 enum Pick {
-    /// none where one is needed
     Needs,
-    /// beyond the end
     Outside,
-    /// a range that holds nothing
     Empty,
-    /// two indices on what is not a mesh
+    /// Two indices on something other than a mesh.
     Row,
 }
 

@@ -1,8 +1,8 @@
-//! Sets: a contact between all pairs of two sets of masses in space stays one module.
+//! Sets: a contact between all pairs of two sets of masses in space as one module.
 //!
-//! Decides where: for a law that remembers nothing and does nothing far away, between distances, with enough pairs, and
-//! only where nobody hears one of the pairs, since their forces are not kept apart. Everything else makes its pairs,
-//! each a module of its own; so does [`KernelClass::Reference`](crate::KernelClass), as the plain account of the same.
+//! The law must measure distances, without memory and without force at a distance. There must be enough pairs, and no
+//! output may read a single pair, since forces are not stored per pair. Otherwise each pair becomes a module. With
+//! [`KernelClass::Reference`](crate::KernelClass) it always does, as the plain form to compare with.
 
 use crate::connect::wiring::Wiring;
 use crate::net::{End, LiaNode, Measure};
@@ -16,10 +16,10 @@ use ca_model::part::instances;
 use ca_model::select::parse;
 use ca_model::{Model, Value};
 
-/// Fewer pairs than this for each member are cheaper as they are: three grains, or one thing against many.
+/// Smallest number of pairs per member. Below it single links are cheaper: three grains, or one mass against many.
 const FEWEST: f64 = 1.5;
 
-/// Names of what outputs and probes hear.
+/// Returns the names that outputs and probes refer to.
 pub fn heard(model: &Model, options: &Options) -> BTreeSet<String> {
     let from = model.items.iter().flat_map(|i| &i.args).filter(|e| e.key == "from");
     let texts = from.filter_map(|e| if let Value::Text(t) = &e.value { Some(t) } else { None });
@@ -28,7 +28,7 @@ pub fn heard(model: &Model, options: &Options) -> BTreeSet<String> {
 }
 
 impl Wiring<'_> {
-    /// Adds item `id` as one module between all pairs of `a` and `b`, if it can be one.
+    /// Adds item `id` as one module between all pairs of `a` and `b`, if possible.
     pub(super) fn set(&mut self, id: u32, law: &'static Law, a: &[End], b: &[End]) -> bool {
         let item = &self.net.items[id as usize];
         let (name, kind) = (item.name.clone(), item.kind);
@@ -44,7 +44,7 @@ impl Wiring<'_> {
         let (n, m) = (first.len() as f64, second.len() as f64);
         let enough = if itself { 0.5 * (n - 1.0) >= FEWEST } else { n * m >= FEWEST * (n + m) };
         let written = |key: &str| self.entry(id, key).is_some();
-        // a method of its own keeps something for each pair; a module joined to itself is an error that pairs tell
+        // Other methods need memory per pair. A module joined to itself is left to the pairs, which report it.
         let plain = law.contact && law.mem == 0 && arg("method").is_none_or(|m| m == 0.0);
         if !plain
             || !enough

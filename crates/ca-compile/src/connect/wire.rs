@@ -1,4 +1,4 @@
-//! Wire: what is written between quotes becomes ends of links, taps of outputs and moving points.
+//! Resolves references (names in quotes) to ends of links, outputs and moving points.
 
 use crate::connect::measure;
 use crate::connect::select::{Meaning, Written};
@@ -31,7 +31,7 @@ pub fn wire(model: &Model, net: Resolved, options: &Options, diags: &mut Diags) 
     for id in 0..w.net.items.len() {
         if let Role::Lia(_) = w.net.items[id].kind.role {
             w.link(id as u32, options.kernel);
-            // what does not follow a parameter is in its slots from here on
+            // The values are in the slots from now on, unless some follow a parameter.
             let item = &mut w.net.items[id];
             if item.follows.is_empty() {
                 item.args = Vec::new();
@@ -69,7 +69,7 @@ impl<'a> Wiring<'a> {
         self.item(id).args.iter().find(|e| e.key == key)
     }
 
-    /// The ends on one side of `between`, or what a force pushes; `why` says what is wanted there.
+    /// Returns the ends on one side of `between`, or the targets of a force; `why` describes what is expected there.
     fn side(&mut self, e: &Entry, owner: &str, key: &str, why: &str) -> Option<Vec<End>> {
         match &e.value {
             Value::Text(t) => match self.select(Written { text: t, span: e.span, owner }, Some(why))? {
@@ -136,7 +136,7 @@ impl<'a> Wiring<'a> {
             return;
         }
         let arg = |key: &str| kind.param(key).and_then(|i| self.net.items[id as usize].args[i].num());
-        // a set with itself makes all pairs: one to one would join each to itself
+        // A set with itself makes all pairs: one to one would join each member to itself.
         let all = Pairs::of(arg("pairs")) == Pairs::All || (a.len() > 1 && a == b);
         let (l0, soften) = (arg("l0"), arg("soften").unwrap_or(0.0));
         if all && class != KernelClass::Reference && self.set(id, law, &a, &b) {
@@ -148,7 +148,7 @@ impl<'a> Wiring<'a> {
             (false, _) => a.len().max(b.len()),
         };
         if self.net.mats.len() + self.net.lias.len() + count > LARGEST {
-            // once, not for each link that is one too many
+            // Reported once.
             if !core::mem::replace(&mut self.over, true) {
                 self.too_many(&name, "links", e.span);
             }
@@ -211,7 +211,7 @@ impl<'a> Wiring<'a> {
                 }
             };
             let mut ends = ends;
-            // a quadripole is the same either way round: the port in space comes first
+            // A quadripole is symmetric in its ports: the port in space comes first.
             if let (Measure::Line(_), Some(o @ SecondPort { measure: Measure::Radial, .. })) = (measure, &mut onto) {
                 core::mem::swap(&mut ends, &mut o.ends);
                 core::mem::swap(&mut measure, &mut o.measure);
@@ -234,7 +234,8 @@ impl<'a> Wiring<'a> {
         self.net.families.insert_links(&name, made);
     }
 
-    /// How the two ports of a quadripole measure; an error in words where the ends of one are in different worlds.
+    /// Returns the measures of both ports of a quadripole, or title and help of an error if the ends of one port are in
+    /// different worlds.
     fn ports(&self, first: [End; 2], second: [End; 2]) -> Result<(Measure, SecondPort), (&'static str, &'static str)> {
         let measure = |ends| measure::measure(&self.net, ends, None);
         let help = "the ends of one port stand in one world: both on a line, or both in space";
@@ -243,7 +244,7 @@ impl<'a> Wiring<'a> {
         Ok((first, SecondPort { ends: second, measure: there }))
     }
 
-    /// The second ports of `count` quadripoles, one pair of ends each; none for a link of two ends.
+    /// Returns the second ports of `count` quadripoles, one pair of ends each; empty for a link of two ends.
     fn onto(&mut self, id: u32, name: &str, count: usize) -> Result<Vec<[End; 2]>, ()> {
         let Some(e) = self.entry(id, "onto") else { return Ok(Vec::new()) };
         let help = "write `onto = [\"first\", \"second\"]`, the ends in the other world";
@@ -271,7 +272,7 @@ impl<'a> Wiring<'a> {
         Ok(pairs)
     }
 
-    /// References of modules that could not be resolved are looked up all the same, so that everything is said at once.
+    /// Looks up the references of modules that could not be resolved, so that one run reports all errors.
     fn broken_items(&mut self) {
         if self.net.items.len() == self.model.items.len() {
             return;

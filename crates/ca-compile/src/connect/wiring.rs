@@ -1,4 +1,4 @@
-//! What is at hand while names become modules: the model, the network so far, the moving points met.
+//! State of the step from names to modules: the model, the network so far, and the moving points so far.
 
 use crate::net::{Resolved, Wired};
 use alloc::collections::{BTreeMap, BTreeSet};
@@ -11,19 +11,19 @@ pub(super) struct Wiring<'a> {
     pub model: &'a Model,
     pub net: Wired,
     pub diags: &'a mut Diags,
-    /// names that outputs and probes hear
+    /// Names that outputs and probes refer to.
     pub heard: BTreeSet<String>,
-    /// moving points by their text
+    /// Moving points by their text.
     pub points: BTreeMap<String, u32>,
-    /// names of modules that are there but could not be read or made; that has been reported
+    /// Names of modules that could not be read or made, which was reported.
     pub broken: BTreeSet<&'a str>,
-    /// whether it has been said that there are more links than a model holds
+    /// True once too many links were reported.
     pub over: bool,
-    /// nodes under all moving points, and under the moving points of all links
+    /// Nodes under all moving points, and under the moving points of all links.
     pub under: usize,
 }
 
-/// Names that stand in the model, but not in the network, in full and without their group.
+/// Returns the names that are in the model but not in the network, in full and without their group.
 pub(super) fn broken<'a>(model: &'a Model, net: &Resolved) -> BTreeSet<&'a str> {
     let last = |name: &'a str| name.rsplit('.').next().unwrap_or(name);
     let mut all: BTreeSet<&str> = model.lost.iter().flat_map(|l| [l.as_str(), last(l)]).collect();

@@ -1,22 +1,20 @@
-//! Cost: how many instructions a pass takes, by its form and its number of modules.
+//! Cost model: instructions per pass, as `fixed + each × modules`.
 //!
-//! Decides for instructions of the kernels of AVX2, which callgrind counts and which are the same on every run: a table in ns
-//! is of one machine, and no test could hold it. A pass is a fixed part and so much for each module, a scene the sum of its
-//! passes. What the table leaves out: how many modules are left over from whole vectors, which of the contacts press, and what
-//! waits for memory. `benches/counts/run` holds the sums against what it counts, `PASSES=1 benches/counts/run` prints counted
-//! and predicted pass by pass: from that the table is made.
+//! Costs are AVX2 instructions as counted by callgrind, not nanoseconds, so that tests can check them on any machine.
+//! The model ignores vector remainders, whether a contact is closed, and memory latency. `benches/counts/run` compares
+//! it with measured counts; `PASSES=1 benches/counts/run` prints both per pass and is how the table is made.
 //!
-//! The compiler chooses by it where two forms have the same bits: whether a row is folded (`folds`), rows run as one
-//! (`joins`), a list from one place is a pass of its own (`fans`), and short stretches move with their neighbours
-//! (`merges`). It does not choose which rows become runs: the order in which a state is hashed goes by these, and that of takes
-//! that exist has to stay. A test below says what the table would choose there.
+//! The compiler uses it to choose between forms that give the same bits: folded rows (`folds`), joined rows (`joins`),
+//! fans (`fans`), merged stretches (`merges`). It does not choose which rows become runs, because the state hash of
+//! existing takes depends on that order. A test below shows what the table would choose.
 
 use ca_core::Scene;
 use ca_core::internal::op::links::pair_set;
 use ca_core::internal::op::{Band, Hub, Integrate, MeasureKind, Op, Pass};
 use ca_core::internal::state::Fold;
 
-/// A pass: `fixed` and for each module `each`; for links, `fixed_coef` and `each_coef` more for each coefficient of a law.
+/// Cost of a pass: `fixed` plus `each` per module; for links, plus `fixed_coef` and `each_coef` per coefficient of the
+/// law.
 #[derive(Clone, Copy)]
 struct Price {
     fixed: f64,
@@ -26,59 +24,57 @@ struct Price {
 }
 
 impl Price {
-    /// Of links: the law comes on top.
     const fn of_links([fixed, fixed_coef]: [f64; 2], [each, each_coef]: [f64; 2]) -> Price {
         Price { fixed, each, fixed_coef, each_coef }
     }
 
-    /// Of other modules.
     const fn of(fixed: f64, each: f64) -> Price {
         Price { fixed, each, fixed_coef: 0.0, each_coef: 0.0 }
     }
 
-    /// A module whose law has so many coefficients.
+    /// Returns the cost per module for a law with `coefs` coefficients.
     fn each(self, coefs: usize) -> f64 {
         self.each + self.each_coef * coefs as f64
     }
 
-    /// A pass of `n` modules whose law has so many coefficients.
+    /// Returns the cost of a pass of `n` modules for a law with `coefs` coefficients.
     fn at(self, n: usize, coefs: usize) -> f64 {
         self.fixed + self.fixed_coef * coefs as f64 + n as f64 * self.each(coefs)
     }
 }
 
-/// On a line, looked up one by one.
+/// Links on a line, looked up one by one.
 const GATHER: Price = Price::of_links([63.0, 9.0], [14.0, 4.0]);
-/// From one place to places in a row.
+/// Links from one slot to consecutive slots.
 const FAN: Price = Price::of_links([70.0, 12.0], [7.0, 0.6]);
-/// A row.
+/// A run.
 const RUN: Price = Price::of_links([240.0, 50.0], [3.6, 0.5]);
-/// A row that integrates its masses, as they stand.
+/// A run that integrates its masses in their order.
 const FUSED: Price = Price::of_links([280.0, 0.0], [7.0, 8.0]);
-/// The same, in eight stretches side by side.
+/// The same, folded into eight stretches.
 const FOLDED: Price = Price::of_links([150.0, 20.0], [3.9, 1.0]);
-/// The same with the links across a mesh.
+/// The same, with the links across a mesh.
 const BAND: Price = Price::of_links([380.0, 60.0], [7.9, 2.0]);
-/// What a mass with a spring and a damper of its own takes more in the three above.
+/// Extra cost of a mass with its own spring and damper in the last three forms.
 const OWN: f64 = 0.9;
-/// By distance, one by one.
+/// Distances, one by one.
 const RADIAL: Price = Price::of_links([130.0, 9.0], [76.0, 4.0]);
-/// By distance, in blocks of vectors.
+/// Distances, in blocks of vectors.
 const BLOCKS: Price = Price::of_links([580.0, 10.0], [65.0, 0.5]);
-/// In the rows of a cloth each takes so much less.
+/// Saving per link in the rows of a cloth.
 const IN_ROWS: f64 = 23.0;
-/// From so many links on there are blocks.
+/// Smallest number of links for blocks.
 const FEWEST: usize = 16;
-/// A quadripole: measured by distance, pulling on a line.
+/// A quadripole with a distance and a line port.
 const ONTO: Price = Price::of_links([120.0, 10.0], [121.0, 4.0]);
-/// All pairs of a set: for each of its points; for each pair that is listed as near, of which some are measured; and for each
-/// that is tested when the list is made anew, in grains that fly by a thousandth of their diameter in a tick.
+/// All pairs of a set: per point; per pair listed as near, some of them measured (`LISTED`); and per pair tested when
+/// the list is rebuilt (`TESTED`), for grains that move by a thousandth of their diameter per tick.
 const PAIRS: Price = Price::of(140.0, 82.0);
 const LISTED: f64 = 42.0;
 const TESTED: f64 = 0.2;
 
-/// Laws that are no sum of products: what their force takes beside its coefficients, looked up one by one and in a row.
-/// A contact that is apart is done before its coefficients are read, so that it takes less.
+/// Laws that are not a sum of products: cost of the force besides the coefficients, looked up one by one and in a run.
+/// It is negative if a contact that is apart ends before its coefficients are read.
 const LAWS: [(&str, f64, f64); 12] = [
     ("ATT", 0.0, 2.0),
     ("BOW coulomb", 0.0, 0.0),
@@ -94,14 +90,14 @@ const LAWS: [(&str, f64, f64); 12] = [
     ("POW", 33.0, 33.0),
 ];
 
-/// Contacts by the method `stable`, each by itself, as they press.
+/// Contacts of the method `stable`, each solved alone, while they press.
 const STABLE: [(&str, Price); 2] = [("BUT stable", Price::of(80.0, 250.0)), ("HRZ stable", Price::of(95.0, 800.0))];
 
-/// The factor of links by implicit methods: for each of its masses, and for each number beside its diagonal.
+/// Implicit links: per mass, and per number beside the diagonal of their factor.
 const IMPLICIT: Price = Price::of(145.0, 86.0);
 const BESIDE: f64 = 26.0;
 
-/// Passes that are not links, by their names.
+/// Passes other than links, by name.
 const PASSES: [(&str, Price); 18] = [
     ("ENF", Price::of(41.0, 25.0)),
     ("ENX", Price::of(74.0, 31.0)),
@@ -125,26 +121,26 @@ const PASSES: [(&str, Price); 18] = [
 
 const INTEGRATE_CEL: Price = Price::of(125.0, 3.75);
 const INTEGRATE_MAS: Price = Price::of(118.0, 8.0);
-/// Stretches of so many masses are moved in vectors as a whole.
+/// Smallest stretch that is integrated in vectors as a whole.
 const LONG: usize = 48;
 const INTEGRATE_LONG: Price = Price::of(215.0, 2.0);
 
-/// Outputs that each hear one position, those that are summed, and those that are summed in lanes.
+/// Outputs of one position each, outputs that are summed, and outputs that are summed in lanes.
 const POSITIONS: Price = Price::of(41.0, 14.0);
 const OUTPUTS: Price = Price::of(100.0, 17.0);
 const MANY_OUTPUTS: Price = Price::of(190.0, 1.9);
 
-/// Around the passes of a tick, and around each.
+/// Overhead of a tick, and of a pass.
 const TICK: f64 = 25.0;
 const CALL: f64 = 5.0;
 
-/// All passes again, for each tick between two samples.
+/// Pass that runs all passes again, for each tick between two samples.
 const BETWEEN: &str = "ticks between";
 
-/// True where a row that integrates its masses is cheaper folded, its law having so many coefficients, though `ends` of links
-/// of other rows on its masses are looked up then instead of being in a row.
+/// Returns whether a row that integrates its masses is cheaper folded, although `ends` of links of other rows at its
+/// masses are then looked up instead of being in a row.
 pub(crate) fn folds(masses: usize, coefs: usize, ends: usize) -> bool {
-    // its kernel has two vectors at least
+    // The folded kernel has at least two vectors.
     if masses <= Fold::LANES {
         return false;
     }
@@ -152,32 +148,33 @@ pub(crate) fn folds(masses: usize, coefs: usize, ends: usize) -> bool {
     FOLDED.at(masses.next_multiple_of(Fold::LANES), coefs) + more < FUSED.at(masses - 1, coefs)
 }
 
-/// True where a mesh is cheaper as one, of so many nodes, though `ends` of links of other rows on its masses are looked up then.
+/// Returns whether a mesh is cheaper as one pass, although `ends` of links of other rows at its masses are then looked
+/// up.
 pub(crate) fn bands(nodes: usize, coefs: usize, ends: usize) -> bool {
     let more = (GATHER.each(coefs) - RUN.each(coefs)) / 2.0 * ends as f64;
     let nodes = nodes.next_multiple_of(Fold::LANES);
     BAND.at(nodes, coefs) + more < FUSED.at(nodes - 1, coefs) + RUN.at(nodes, coefs)
 }
 
-/// True where two rows of such a law are cheaper as one, with so many joints between them.
+/// Returns whether two rows of a law are cheaper as one, with `joints` links between them.
 pub(crate) fn joins(joints: usize, coefs: usize) -> bool {
     joints as f64 * RUN.each(coefs) < CALL + RUN.at(0, coefs)
 }
 
-/// True where `n` links from one place to a row are cheaper as a pass of their own than among links that are looked up;
-/// `cuts` where they stand behind some of these, which become two passes.
+/// Returns whether `n` links from one slot to a row are cheaper as a separate pass than among links that are looked up.
+/// `cuts` is true if they follow some of these, whose pass is then divided.
 pub(crate) fn fans(n: usize, coefs: usize, cuts: bool) -> bool {
     let more = if cuts { CALL + GATHER.at(0, coefs) } else { 0.0 };
     CALL + FAN.at(n, coefs) + more < n as f64 * GATHER.each(coefs)
 }
 
-/// True where `n` MAS are cheaper in the pass of the CELs beside them.
+/// Returns whether `n` MAS are cheaper in the pass of the adjacent CELs.
 pub(crate) fn merges(n: usize) -> bool {
     let alone = if n >= LONG { INTEGRATE_LONG } else { INTEGRATE_MAS };
     n as f64 * INTEGRATE_CEL.each < CALL + alone.at(n, 0)
 }
 
-/// Instructions of one pass; `None` where the table does not have it.
+/// Returns the instructions of one pass; `None` if the table does not contain it.
 #[must_use]
 pub fn of_pass(scene: &Scene, op: &Op) -> Option<f64> {
     if op.law.is_some() {
@@ -200,13 +197,12 @@ pub fn of_pass(scene: &Scene, op: &Op) -> Option<f64> {
     Some(price.at(op.n, 0))
 }
 
-/// Instructions of a tick, without the passes that the table does not have.
+/// Returns the instructions of a tick, without passes that the table does not contain.
 #[must_use]
 pub fn of_tick(scene: &Scene) -> f64 {
     TICK + passes(scene, |_| true)
 }
 
-/// Of those passes that are `asked` for.
 fn passes(scene: &Scene, asked: impl Fn(&Op) -> bool) -> f64 {
     let lists = [&scene.passes.reads[..], scene.passes.summed(), &scene.passes.writes, &scene.passes.moves];
     let asked = lists.into_iter().flatten().filter(|op| asked(op));
@@ -229,7 +225,7 @@ fn links(scene: &Scene, op: &Op) -> Option<f64> {
         let idle = (law.fns.idle)(start.coef.get(op.coef..op.coef + law.coefs)?);
         let [listed, measured] = pair_set::neighbours(set, &scene.places.rest, &start.x, idle);
         let near = match listed {
-            // what contains measures all
+            // Contacts with the sense `inside` measure all pairs.
             0 if idle.1 < f64::INFINITY => RADIAL.each(law.coefs) * measured as f64,
             listed => LISTED * listed as f64 + TESTED * set.pairs() as f64,
         };
@@ -263,7 +259,7 @@ mod tests {
     /// Coefficients of RES and of REF.
     const LINEAR: [usize; 2] = [1, 2];
 
-    /// The least size from which on each of the forms is chosen, by what was counted when the table was made.
+    /// The smallest size at which each form is chosen, from the counts at the time of the table.
     #[test]
     fn forms_are_chosen_from_the_sizes_at_which_they_cost_less() {
         let from = |chosen: &dyn Fn(usize) -> bool| (1..200).find(|n| (*n..200).all(chosen));
@@ -273,7 +269,7 @@ mod tests {
         }
         for coefs in LINEAR {
             assert_eq!(from(&|masses| folds(masses, coefs, 0)), Some(Fold::LANES + 1));
-            // a mesh that is none costs less as rows
+            // With many links of other rows at its masses, folding costs more.
             assert!(folds(400, coefs, 100) && !folds(400, coefs, 900));
             assert!(bands(400, coefs, 74) && !bands(400, coefs, 1500));
         }
@@ -282,14 +278,14 @@ mod tests {
         assert_eq!(longest(&merges), Some(125));
     }
 
-    /// One choice is made where the outputs are computed.
+    /// This choice is made where the outputs are computed.
     #[test]
     fn outputs_are_summed_in_lanes_where_that_costs_less() {
         assert!(MANY_OUTPUTS.at(MANY, 0) < OUTPUTS.at(MANY, 0));
     }
 
-    /// Rows become runs from another size on, which the order of hashes keeps. Instructions are not all: measured in ns, eleven
-    /// links are faster as a run, which has more of them.
+    /// Rows become runs from another size on, which the order of state hashes fixes. Instructions are not everything:
+    /// eleven links are faster as a run in nanoseconds, with more instructions.
     #[test]
     fn a_run_has_fewer_instructions_only_from_some_links_on() {
         let fewer = |coefs| (1..100).find(|n| RUN.at(*n, coefs) < GATHER.at(*n, coefs));

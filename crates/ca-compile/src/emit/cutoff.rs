@@ -1,6 +1,4 @@
-//! High passes of outputs: which has one, and its coefficients.
-//!
-//! The one place where the cut-off of an output is decided.
+//! High-passes of outputs: which outputs have one, and its coefficients. Only this module decides on cut-offs.
 
 use crate::net::{OutNode, Pruned};
 use alloc::collections::BTreeSet;
@@ -14,12 +12,12 @@ use ca_model::quantity::show;
 use ca_model::{Model, Span};
 use core::f64::consts::PI;
 
-/// What a spinning body stretches by is far larger than its sound and as slow as a gesture \[Hz\]
+/// Default cut-off \[Hz\]: the stretch of a spinning body is far larger than its sound, and as slow as a gesture
 /// (docs/numerics.md §4.3).
 const FED: f64 = 7.0;
 
-/// The cut-off \[Hz\] of an output: what is written, where that is not 0; by default none, but for what a body in space
-/// feeds through a quadripole.
+/// Returns the cut-off \[Hz\] of an output: as written, unless 0. The default is none, except for outputs that a body
+/// in space feeds through a quadripole.
 fn cutoff(net: &Pruned, o: &OutNode) -> Option<f64> {
     let item = &net.items[o.item? as usize];
     let written = item.kind.param("dc").and_then(|i| item.args[i].num());
@@ -27,18 +25,17 @@ fn cutoff(net: &Pruned, o: &OutNode) -> Option<f64> {
     written.or_else(own).filter(|f| *f > 0.0)
 }
 
-/// Whether an output passes a filter of its own.
+/// Returns whether an output has a filter.
 fn is_passed(net: &Pruned, o: &OutNode) -> bool {
     o.hear == Hear::Acceleration || cutoff(net, o).is_some()
 }
 
-/// Whether an output hears motion.
 fn moves(o: &OutNode) -> bool {
     matches!(o.hear, Hear::Speed | Hear::Acceleration)
 }
 
-/// Outputs as [`OutputArrays::outputs`](ca_core::internal::op::layout::OutputArrays::outputs) has them: without a high pass, by channel and in each in their
-/// order, then those of motion, then the same of those with one.
+/// Returns the outputs in the order of [`OutputArrays::outputs`](ca_core::internal::op::layout::OutputArrays::outputs):
+/// without a high-pass, by channel; of motion; then both with a high-pass.
 pub fn plain_first(net: &Pruned) -> impl Iterator<Item = &OutNode> {
     let (plain, passed): (Vec<&OutNode>, Vec<_>) = net.outs.iter().partition(|o| !is_passed(net, o));
     let (motion, mut plain): (Vec<&OutNode>, Vec<_>) = plain.into_iter().partition(|o| moves(o));
@@ -51,15 +48,15 @@ fn still_first(passed: Vec<&OutNode>) -> impl Iterator<Item = &OutNode> {
     still.into_iter().chain(motion)
 }
 
-/// How many hear motion: as it is, and through a high pass.
+/// Returns the number of outputs of motion, without and with a high-pass.
 pub fn of_motion(net: &Pruned) -> [usize; 2] {
     let all = net.outs.iter().filter(|o| moves(o));
     let passed = all.clone().filter(|o| is_passed(net, o)).count();
     [all.count() - passed, passed]
 }
 
-/// The high passes, in that order: bilinear, so −3 dB exactly at the cut-off. That of an acceleration is the change of the
-/// motion itself.
+/// Returns the high-passes in that order. They are bilinear, so −3 dB exactly at the cut-off. For an acceleration the
+/// filter is the difference of the motion itself.
 pub fn blockers(model: &Model, net: &Pruned, diags: &mut Diags) -> Vec<DcBlocker> {
     let mut reported = BTreeSet::new();
     let mut all = Vec::new();

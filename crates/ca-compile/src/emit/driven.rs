@@ -1,8 +1,8 @@
 //! Tables of the coefficients that ports drive.
 //!
-//! Decides that a table has two rows where its coefficients are straight lines over the parameter, as of stiffness, friction and
-//! gain, and [`ROWS`] else; and that each coefficient follows one thing only, a port or what somebody sets: what two of them
-//! together make of it no table says.
+//! A table has two rows if its coefficients are linear in the parameter, e.g. for stiffness, friction and gain, else
+//! [`ROWS`]. Each coefficient follows one source only, a port or a live parameter, because a table cannot describe the
+//! combined effect of two.
 
 use crate::net::{NetDriven, Resolved};
 use alloc::collections::BTreeSet;
@@ -14,12 +14,12 @@ use ca_core::internal::op::driven::Driven;
 use ca_core::{Controls, Patch};
 use ca_model::diag::{Diag, Diags};
 
-/// Rows of a table of what is not straight: a pitch over an octave is then off by less than 0.01 cents.
+/// Rows of a table that is not linear: the error of a pitch over an octave is then below 0.01 cents.
 const ROWS: usize = 257;
-/// How far coefficients may be from a straight line, as a part of the largest in their column.
+/// Largest deviation from a straight line, relative to the largest coefficient in the column.
 const STRAIGHT: f64 = 1e-12;
 
-/// The tables of all that ports drive; says in `plan` which coefficients these are.
+/// Returns the tables of all driven parameters, and records their coefficients in `plan`.
 pub fn tables(net: &Resolved, plan: &mut LivePlan, diags: &mut Diags) -> Vec<Driven> {
     if net.driven.is_empty() {
         return Vec::new();
@@ -60,7 +60,7 @@ pub fn tables(net: &Resolved, plan: &mut LivePlan, diags: &mut Diags) -> Vec<Dri
     all
 }
 
-/// What ports drive is nothing that somebody sets.
+/// Removes driven parameters from the live parameters.
 fn taken_out(net: &Resolved, plan: &mut LivePlan) {
     let driven = |p: usize| net.driven.iter().find(|d| d.param == p);
     let mut number = 0;
@@ -83,7 +83,7 @@ fn taken_out(net: &Resolved, plan: &mut LivePlan) {
     }
 }
 
-/// The coefficients at so many equal steps of parameter `p`: their places, then a row for each.
+/// Returns the coefficients at `rows` equidistant values of parameter `p`: their indices, then a row per value.
 fn rows(controls: &mut Controls, p: usize, rows: usize) -> Result<(Vec<u32>, Vec<Vec<f64>>), String> {
     let (mut patch, mut all, mut places) = (Patch::default(), Vec::new(), Vec::new());
     let [min, max] = [controls.params()[p].min, controls.params()[p].max];
@@ -105,10 +105,10 @@ fn rows(controls: &mut Controls, p: usize, rows: usize) -> Result<(Vec<u32>, Vec
     Ok((places, all))
 }
 
-/// The coefficients that parameter `p` changes; all that it is written to where it has no bounds to compare.
+/// Returns the coefficients that parameter `p` changes; if its bounds cannot be compared, all that it writes.
 fn reached(plan: &LivePlan, tick_dt: f64, p: usize) -> BTreeSet<u32> {
     let (mut controls, mut patch) = (Controls::new(plan, tick_dt), Patch::default());
-    // a factor of 0 would hide what stands beside it, and some value at load is 0
+    // Other parameters take values inside their range, since a factor of 0 at load would hide changes.
     for (q, param) in plan.params.iter().enumerate().filter(|(q, _)| *q != p) {
         let _ = controls.turn(q, param.min + 0.37 * (param.max - param.min), &mut patch);
     }
@@ -120,7 +120,6 @@ fn reached(plan: &LivePlan, tick_dt: f64, p: usize) -> BTreeSet<u32> {
     patch.set.iter().map(|s| s.0).collect()
 }
 
-/// The table of one.
 fn table(plan: &LivePlan, tick_dt: f64, d: &NetDriven, places: &BTreeSet<u32>) -> Result<Driven, String> {
     let (written, all) = rows(&mut Controls::new(plan, tick_dt), d.param, ROWS)?;
     let columns: Vec<usize> = (0..written.len()).filter(|j| places.contains(&written[*j])).collect();

@@ -1,21 +1,21 @@
-//! Masses: where MATs and moving points start, their coefficients, and which of them have weight, slot by slot.
+//! Masses: initial state, coefficients and weight of MATs and moving points, slot by slot.
 
 use crate::emit::plan::Plan;
 use crate::net::{End, MatRole};
 use alloc::vec::Vec;
 use ca_core::internal::live::Loader;
 
-/// Where MATs and moving points start, how fast, and where they rest, slot by slot.
+/// Initial state of MATs and moving points, slot by slot.
 pub struct Masses {
-    /// displacement from rest \[m\]
+    /// Displacement from rest \[m\].
     pub x: Vec<f64>,
-    /// speed \[m/s\]
+    /// Speed \[m/s\].
     pub v: Vec<f64>,
-    /// rest \[m\]
+    /// Rest position \[m\].
     pub rest: Vec<f64>,
 }
 
-/// Positions and coefficients of MATs, rest positions of moving points too.
+/// Sets positions and coefficients of MATs, and rest positions of moving points.
 pub fn masses(plan: &mut Plan) -> Masses {
     let net = plan.net;
     let n_mat = plan.coef.len() / 3;
@@ -30,12 +30,12 @@ pub fn masses(plan: &mut Plan) -> Masses {
             (all.x[at + k], all.v[at + k], all.rest[at + k]) = (m.dx0[k], m.v[k], m.rest[k]);
         }
         if let MatRole::Port(_, inputs) = m.role {
-            // as far as anyone can tell, it goes on as it went
+            // P = 1: until its next input a port continues its motion.
             (0..3).filter(|k| inputs[*k].is_some()).for_each(|k| plan.coef[at + k] = 1.0);
         }
         if let MatRole::Mat(spec) = m.role {
             let loader = Loader::Mat(spec, if spec.fixed { 0.0 } else { net.medium(m).friction });
-            // a frozen axis keeps the coefficients 0, 0, 0 of a fixed point
+            // A frozen axis has the coefficients 0, 0, 0 of a fixed point.
             for at in at..at + m.axes as usize {
                 plan.load(loader, m.item, &m.values, &[at, n_mat + at, 2 * n_mat + at]);
             }
@@ -49,7 +49,7 @@ pub fn masses(plan: &mut Plan) -> Masses {
     all
 }
 
-/// MATs under gravity, behind the place of their first coefficient.
+/// Returns the index of the first weight coefficient, and the slots of MATs under gravity.
 pub fn weigh(plan: &mut Plan) -> (usize, Vec<u32>) {
     let net = plan.net;
     let first = plan.coef.len();

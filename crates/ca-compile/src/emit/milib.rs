@@ -1,16 +1,16 @@
-//! `start = "mi.lib"`: the first two samples as mi.lib has them, so that an imported model begins exactly as its peer.
+//! `start = "mi.lib"`: the first two samples as in mi.lib, so that an imported model begins exactly like the original.
 //!
-//! `dx0` is then where a module is one sample before the first, `v` how far it came in that sample. What mi.lib does:
-//! - in the step to the first sample only a module's own spring and its weight act, no link;
-//! - in the first sample a link takes for the speed of an end the sum of its position now and two samples before (the
-//!   initial delayed position is added where it should be taken away), a fixed point's being twice its position.
+//! `dx0` is then the displacement one sample before the first, and `v` the change in that sample. In mi.lib
+//! - the step to the first sample includes only the own spring and the weight of a module, no link;
+//! - in the first sample, links take the sum of the positions now and two samples before as the speed of an end (the
+//!   initial delayed position is added instead of subtracted), which is twice the position for a fixed point.
 //!
-//! The first is done here, at load. The second is a force in the first tick that hangs on positions alone, so it is
-//! left in the sum of forces that the first tick adds to; the energy ledger counts its work as a change. A start speed
-//! that had the same effect does not always exist: where viscosity ends all motion within a tick, no speed is left.
+//! The first step is computed at load. The second effect is a force in the first tick that depends on positions only.
+//! It is stored in the sum of forces, to which the first tick adds, and the ledger counts its work as a change. A start
+//! speed with the same effect does not always exist: where viscosity ends all motion within a tick, no speed is left.
 //!
-//! One thing stays different: the threshold of a contact that touches in the first sample, which mi.lib takes for a
-//! part of the speed. The import says where that is so.
+//! One difference remains: for a contact that touches in the first sample, mi.lib takes the threshold as part of the
+//! speed. The importer reports such contacts.
 
 use crate::net::Pruned;
 use alloc::vec::Vec;
@@ -22,7 +22,7 @@ use ca_core::internal::state::set_kick;
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 
-/// Refuses the start where the first tick is not the explicit scheme's: there is nothing to compare it with.
+/// Refuses this start if the first tick is not a plain step of the explicit scheme, since mi.lib has only such steps.
 pub fn check(model: &Model, net: &Pruned, layout: &Layout, forces: &[Op], diags: &mut Diags) {
     let Some(e) = model.meta("start").filter(|_| net.as_milib) else { return };
     let what = if net.is_composed()
@@ -43,7 +43,7 @@ pub fn check(model: &Model, net: &Pruned, layout: &Layout, forces: &[Op], diags:
     );
 }
 
-/// The state at the first sample, from what is written for the two before.
+/// Returns the state at the first sample from the written values for the two samples before.
 pub fn first(layout: &Layout, forces: &[Op], begin: Start, written: State) -> State {
     let n = layout.counts.n_mat;
     let mut s = written;

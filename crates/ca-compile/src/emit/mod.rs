@@ -1,4 +1,4 @@
-//! Last: from the network to the arrays and passes of a [`Scene`](ca_core::Scene).
+//! Last step: converts the network to the arrays and passes of a [`Scene`](ca_core::Scene).
 
 pub mod cost;
 pub mod cutoff;

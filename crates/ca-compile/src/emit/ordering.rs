@@ -1,30 +1,29 @@
-//! Ordering: the order of the MATs in the state. A module's document number and its storage place are different things,
-//! tied by one permutation.
+//! Ordering: the order of the MATs in the state, a permutation of their document numbers.
 //!
-//! Decides to walk along links from each MAT to its next, so that chains stand in a row whatever order they were
-//! written in, and kernels can run through them without indices. What already stands in a row is left as it is.
+//! The order follows links from each MAT to the next, so that kernels can run through chains without indices, in
+//! whatever order they were written. MATs that are already in a row stay as they are.
 
 use crate::net::{End, Pruned};
 use alloc::vec::Vec;
 use ca_core::Role;
 
-/// Storage order.
+/// Order of the MATs in the state.
 pub struct Storage {
-    /// document numbers of the MATs that stay, as they stand in the state
+    /// Document numbers of the MATs that stay, in their order in the state.
     pub order: Vec<u32>,
-    /// true where arithmetic 2 had another order, that of a row turning into the next at the corner of a mesh
+    /// True if arithmetic 2 had another order, in which a row turned into the next at the corner of a mesh.
     pub sorted: bool,
 }
 
-/// As the document has them.
+/// Returns the order of the document.
 pub fn document(net: &Pruned) -> Storage {
     let order = (0..net.mats.len() as u32).filter(|m| net.alive[*m as usize]).collect();
     Storage { order, sorted: false }
 }
 
-/// As `document`, with chains in a row.
+/// Returns the order of the document, with chains in a row.
 pub fn storage(net: &Pruned) -> Storage {
-    // neighbours in document order of the links, as (start, list)
+    // Neighbours in document order of the links, as (start, list).
     let n = net.mats.len();
     let pairs = || {
         net.lias.iter().filter_map(|l| match l.ends {
@@ -57,14 +56,14 @@ pub fn storage(net: &Pruned) -> Storage {
             seen[at] = true;
             order.push(at as u32);
             let around = &next[start[at]..start[at + 1]];
-            // the one written next, if it is linked; else the first neighbour that is not yet placed and written by
-            // hand, inside a chain: what a generator made stands as it should, and does not turn at the rim of a mesh
+            // The MAT written next, if it is linked; else the first free neighbour in a chain, if both were written one
+            // by one. MATs of generators keep their order, and do not turn at the rim of a mesh.
             let by_hand = |m: usize| matches!(net.items[net.mats[m].item as usize].kind.role, Role::Mat(_));
             let follower = if around.contains(&(at + 1)) && !seen[at + 1] {
                 Some(at + 1)
             } else if by_hand(at) {
                 let chain = around.iter().copied().find(|m| !seen[*m] && by_hand(*m) && degree(*m) <= 2);
-                // the corner of a mesh is between two others that are in no chain
+                // The corner of a mesh lies between two MATs outside any chain.
                 let others = |m: usize| next[start[m]..start[m + 1]].iter().filter(move |o| **o != at);
                 let corner = |m: usize| degree(at) > 2 && others(m).any(|o| degree(*o) > 2);
                 sorted |= chain.is_some_and(corner);

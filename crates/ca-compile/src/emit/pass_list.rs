@@ -1,4 +1,4 @@
-//! Pass list: the lists of what a tick runs, in order. What the scene does not have makes no entry.
+//! Pass list: the passes of a tick, in order. A pass exists only if the scene needs it.
 
 use crate::emit::cost;
 use crate::emit::plan::Plan;
@@ -8,7 +8,7 @@ use alloc::vec::Vec;
 use ca_core::internal::op::layout::{Layout, Output, OutputRow, Tap};
 use ca_core::internal::op::{Op, Pass, SolveStage, pass};
 
-/// Before the forces: ports, the ledger of the tick before, changes, moving points.
+/// Returns the passes before the forces: ports, ledger of the previous tick, changes, moving points.
 pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
     let kept = layout.ledger.is_some();
     let points = layout.places.moving_points.len();
@@ -23,9 +23,9 @@ pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
         ),
         (!layout.ports.ahead.is_empty(), Pass::Ahead, layout.ports.ahead.len()),
         (modal > 0, Pass::ModalPorts, modal),
-        // the ledger asks whether anything is on its way
+        // The ledger checks for pending changes.
         (!layout.ports.driven.is_empty(), Pass::Driven, layout.ports.driven.iter().map(|d| d.places.len()).sum()),
-        // and needs the points where the last tick had them
+        // The ledger needs the points of the previous tick.
         (kept && points > 0, Pass::Points, points),
         (kept, Pass::Ledger, modules),
         (live > 0, Pass::Changes, live),
@@ -36,9 +36,11 @@ pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
     list.into_iter().filter(|p| p.0).map(|(_, pass, n)| Op::pass(pass, n)).collect()
 }
 
-/// Forces at the present positions: from outside in space, weight, waves, links, from outside on a line, and what goes on to others.
-/// Links from `late` on need all of that. What pushes on a line comes behind the links, so that a row of links that integrates
-/// its masses may have it added; of `layout.enf` the first `in_space` are those in space, which no such row has.
+/// Returns the passes that sum forces: external forces in space, weight, waves, links, external forces on a line, and
+/// transfers of forces. Links from `late` on need all of these.
+///
+/// External forces on a line follow the links, so that a row of links that integrates its masses can add them. The
+/// first `in_space` of `layout.enf` are in space, where no row does so.
 pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize, in_space: usize) -> Vec<Op> {
     let mut list = Vec::new();
     let enf = |first: usize, n: usize| Op { first, ..Op::pass(Pass::Enf { counted: true }, n) };
@@ -103,7 +105,7 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize, i
     list
 }
 
-/// The rows of a channel with many outputs, see [`OutputArrays::output_rows`].
+/// Returns the rows of channels with many outputs, see [`OutputArrays::output_rows`].
 pub fn output_rows(layout: &Layout) -> Vec<OutputRow> {
     let plain = &layout.out.outputs[..layout.out.outputs.len() - layout.out.blockers.len() - layout.out.of_motion[0]];
     let channels = || plain.chunk_by(|a, b| a.channel == b.channel);
@@ -123,7 +125,7 @@ pub fn output_rows(layout: &Layout) -> Vec<OutputRow> {
     channels().map(outputs).collect()
 }
 
-/// Outputs; `gains` is the coefficient of the first.
+/// Returns the passes of outputs; `gains` is the first coefficient.
 pub fn writes(layout: &Layout, gains: usize) -> Vec<Op> {
     let high = layout.out.blockers.len();
     let [motion, passed] = layout.out.of_motion;
@@ -138,7 +140,7 @@ pub fn writes(layout: &Layout, gains: usize) -> Vec<Op> {
     };
     let list = [
         (again > 0, Pass::HeardLinks, again, 0),
-        // it clears what the others add to
+        // It clears the channels to which the other passes add.
         (plain + motion + high > 0, outputs, plain, 0),
         (motion > 0, Pass::Motions, motion, plain),
         (high > passed, Pass::HighPass, high - passed, plain + motion),
@@ -149,19 +151,19 @@ pub fn writes(layout: &Layout, gains: usize) -> Vec<Op> {
     list.into_iter().filter(|p| p.0).map(op).collect()
 }
 
-/// How the number on a slot is integrated.
+/// Integration of the number in a slot.
 #[derive(PartialEq, Clone, Copy)]
 pub enum Class {
-    /// by forces alone
+    /// By forces only.
     Free,
-    /// by a spring and a damper of its own too
+    /// By its own spring and damper too.
     Full,
-    /// a port says
+    /// Set by a port.
     Held,
 }
 
 impl Plan<'_> {
-    /// How the number on each slot of a MAT is integrated, MATs being in this order; `None` for what does not move.
+    /// Returns the class of each slot for MATs in this order; `None` for slots that do not move.
     pub fn classes(&self, order: &[u32], n_mat: usize) -> Vec<Option<Class>> {
         let live: BTreeSet<u32> = self.live.iter().copied().collect();
         let mut classes: Vec<Option<Class>> = Vec::new();
@@ -176,7 +178,7 @@ impl Plan<'_> {
                         let own = self.coef[at] != 1.0 || self.coef[n_mat + at] != 0.0 || live.contains(&(at as u32));
                         Some(if own { Class::Full } else { Class::Free })
                     }
-                    // a fixed point, a frozen axis
+                    // A fixed point or a frozen axis.
                     _ => None,
                 });
             }
@@ -185,7 +187,8 @@ impl Plan<'_> {
     }
 }
 
-/// Integration with stretches of MAS in the pass of the CELs beside them where that costs less ([`cost`]): P is 1 for them and Q is 0, which changes no bit.
+/// Merges stretches of MAS into the pass of adjacent CELs where that costs less ([`cost`]). With P = 1 and Q = 0 the
+/// bits are the same.
 pub fn merged(moves: Vec<Op>) -> Vec<Op> {
     let full = |op: &Op| op.pass == Pass::IntegrateFull;
     let short = |op: &Op| op.pass == Pass::IntegrateFree && cost::merges(op.n);
@@ -206,7 +209,7 @@ pub fn merged(moves: Vec<Op>) -> Vec<Op> {
     all
 }
 
-/// Gives what does not move the class of its neighbour: what it has no use for costs less than two stretches.
+/// Gives slots that do not move the class of a neighbour: an unneeded integration costs less than two stretches.
 pub fn spread(classes: &mut [Option<Class>]) {
     for i in 1..classes.len() {
         classes[i] = classes[i].or(classes[i - 1].filter(|c| *c != Class::Held));
@@ -216,8 +219,8 @@ pub fn spread(classes: &mut [Option<Class>]) {
     }
 }
 
-/// Integration: stretches of MATs of one class, nothing for what is fixed; then what leaves on the `ways` of waves. And
-/// whether some MAT has coefficients of its own.
+/// Returns the integration passes: stretches of one class, except for ports, then the waves that leave on `ways`. Also
+/// returns whether some MAT has its own spring or damper.
 pub fn moves(classes: &[Option<Class>], n_mat: usize, ways: usize) -> (Vec<Op>, bool) {
     let mut ops = Vec::new();
     let mut at = 0;
@@ -227,7 +230,7 @@ pub fn moves(classes: &[Option<Class>], n_mat: usize, ways: usize) -> (Vec<Op>, 
         let pass = match stretch[0] {
             Some(Class::Held) => continue,
             Some(Class::Full) => Pass::IntegrateFull,
-            // a fixed point that stands alone does not move, but the force on it starts from nothing each tick
+            // An isolated fixed point does not move, but the force on it is reset in each tick.
             Some(Class::Free) | None => Pass::IntegrateFree,
         };
         ops.push(Op { mat: first, ..Op::pass(pass, stretch.len()) });

@@ -1,4 +1,4 @@
-//! Penetration: a contact that is pressed together before anything has moved. Of a set, the first of its pairs is reported.
+//! Warns of contacts that are pressed at load. For a set, only the first pair is reported.
 
 use crate::net::{End, LiaNode, Measure, Pruned};
 use alloc::format;
@@ -11,7 +11,7 @@ use ca_core::internal::op::{loaded, started};
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, quantity};
 
-/// Warns if `l` is pressed at load; once for each item.
+/// Warns if `l` is pressed at load, once per item.
 pub fn warn(net: &Pruned, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2], model: &Model, diags: &mut Diags) {
     let found = if l.sets.is_some() { of_set(net, l) } else { of_pair(net, l, e0, reach) };
     let Some((ends, e, f)) = found else { return };
@@ -21,7 +21,7 @@ pub fn warn(net: &Pruned, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2], model: &M
         return;
     }
     let (a, b) = (net.end_name(ends[0]), net.end_name(ends[1]));
-    // three digits are enough to find the place
+    // Three digits are enough to find the position.
     let three = |v: f64| format!("{:.2e}", v.abs()).parse().unwrap_or(v.abs());
     let force = quantity::show(three(f), Unit::NEWTON);
     let d = Diag::warning("W102", format!("`{}` presses at load, with {force}", l.name));
@@ -37,15 +37,14 @@ pub fn warn(net: &Pruned, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2], model: &M
     diags.push(d.at(item.name_span, label).help(help));
 }
 
-/// The ends that are pressed, their elongation \[m\] and their force \[N\].
+/// Pressed ends, elongation \[m\] and force \[N\].
 type Pressed = ([End; 2], f64, f64);
 
-/// The coefficients of a contact, as they are at load.
 fn coefs(net: &Pruned, l: &LiaNode) -> Vec<f64> {
     loaded(l.law, &net.values(l.item, &l.values), net.tick_dt)
 }
 
-/// The force \[N\] of a contact that stands at `e` and remembers nothing but that.
+/// Returns the force \[N\] of a contact that starts at elongation `e`.
 fn force(net: &Pruned, l: &LiaNode, c: &[f64], e: f64) -> f64 {
     (l.law.fns.force)(c, &mut started(l.law, c, e), &net.tables, e, 0.0)
 }
@@ -69,7 +68,7 @@ fn of_pair(net: &Pruned, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2]) -> Option<
 fn of_set(net: &Pruned, l: &LiaNode) -> Option<Pressed> {
     let sets = l.sets.as_deref()?;
     let members = || sets.iter().flatten().map(|m| &net.mats[*m as usize]);
-    // the members alone, three places each
+    // The members alone, with three slots each.
     let rest: Vec<f64> = members().flat_map(|m| m.rest).collect();
     let x: Vec<f64> = members().flat_map(|m| m.dx0).collect();
     let places = [0..sets[0].len(), sets[0].len()..rest.len() / 3].map(|r| r.map(|k| 3 * k as u32).collect::<Vec<_>>());

@@ -1,4 +1,4 @@
-//! Plan: where modules and their coefficients stand, and how live ones are computed again.
+//! Plan: slots of modules, indices of their coefficients, and the recomputation of live ones.
 
 use crate::net::{End, LiaNode, OutputTap, Pruned};
 use alloc::collections::{BTreeMap, BTreeSet};
@@ -11,28 +11,28 @@ use ca_core::internal::op::layout::{CoordinateSource, ImplicitLinks};
 use ca_core::internal::tuning::Scheme;
 use ca_core::{Identity, Role};
 
-/// Arrays and places while the scene is being laid out.
+/// Arrays and slots of a scene being laid out.
 pub struct Plan<'a> {
-    /// the network
+    /// Network.
     pub net: &'a Pruned,
-    /// document number → first slot in the state; `u32::MAX` for what is left out
+    /// First slot of each MAT, by document number; `u32::MAX` if it was left out.
     pub slot: Vec<u32>,
-    /// moving point → slot in the state
+    /// Slot of each moving point.
     pub point: Vec<u32>,
-    /// coefficients so far
+    /// Coefficients so far.
     pub coef: Vec<f64>,
-    /// places of live coefficients
+    /// Indices of live coefficients.
     pub live: Vec<u32>,
-    /// coefficients of the module that was loaded last
+    /// Coefficients of the last module loaded.
     pub loaded: Vec<f64>,
-    /// the numbers it was loaded from
+    /// Numbers that these coefficients were loaded from.
     pub numbers: Vec<Option<f64>>,
-    /// modules with live coefficients, by item
+    /// Modules with live coefficients, by item.
     pub modules: BTreeMap<u32, Vec<LiveModule>>,
 }
 
 impl<'n> Plan<'n> {
-    /// MATs in their order, moving points behind them; what nobody needs has no slot.
+    /// Assigns slots to MATs in `order`, then to the moving points in use.
     pub fn new(net: &'n Pruned, order: &[u32]) -> Plan<'n> {
         let mut slot = alloc::vec![u32::MAX; net.mats.len()];
         let mut n_mat = 0;
@@ -62,18 +62,18 @@ impl<'n> Plan<'n> {
 }
 
 impl Plan<'_> {
-    /// The links whose force an output hears.
+    /// Returns the links whose force is an output.
     pub fn heard(&self) -> BTreeSet<u32> {
         let force = |tap: &OutputTap| if let OutputTap::ForceOf(l) = tap { Some(*l) } else { None };
         self.net.outs.iter().filter_map(|o| force(&o.tap)).collect()
     }
 
-    /// Slots of MATs and moving points, while their coefficients are all there are.
+    /// Returns the number of slots of MATs and moving points, while `coef` contains only their coefficients.
     pub fn coef_slots(&self) -> usize {
         self.coef.len() / 3
     }
 
-    /// Place of an end in the state; `u32::MAX` where it was left out.
+    /// Returns the slot of an end; `u32::MAX` if it was left out.
     pub fn at(&self, e: End) -> u32 {
         match e {
             End::Mat(m) => self.slot[m as usize],
@@ -81,12 +81,12 @@ impl Plan<'_> {
         }
     }
 
-    /// Place of one axis of an end, if it stays.
+    /// Returns the slot of one axis of an end, if it stays.
     pub fn alive(&self, e: End, axis: u8) -> Option<u32> {
         Some(self.at(e)).filter(|m| *m != u32::MAX).map(|m| m + u32::from(axis))
     }
 
-    /// Computes coefficients into `to`; remembers how, where they may change.
+    /// Computes coefficients into `to`, and records how if they are live.
     pub fn load(&mut self, loader: Loader, item: u32, values: &[Source], to: &[usize]) {
         let slots = &self.net.items[item as usize].slots;
         self.numbers.clear();
@@ -107,20 +107,20 @@ impl Plan<'_> {
         self.live.len() as u32 - 1
     }
 
-    /// A coefficient for the coordinate of a moving point, live where it follows a parameter.
+    /// Adds a coefficient for a coordinate of a moving point, live if it follows a parameter.
     pub fn coordinate(&mut self, v: f64, param: Option<u32>) -> CoordinateSource {
         self.coef.push(v);
         let at = self.coef.len() - 1;
         if let Some(p) = param {
             let to = alloc::vec![self.live_place(at)];
             let module = LiveModule { loader: Loader::Times(1.0), values: Arc::from([Source::Slot(0)]), to };
-            // points have no item: they are numbered after the items, one per parameter
+            // Points are not items: they are numbered after the items, one per parameter.
             self.modules.entry(self.net.items.len() as u32 + p).or_default().push(module);
         }
         CoordinateSource::Coef(at as u32)
     }
 
-    /// What live changes need to know.
+    /// Returns the data for live changes.
     pub fn live_plan(&mut self, implicit: Option<&(ImplicitLinks, Inertia)>) -> LivePlan {
         let implicit = implicit.and_then(|(a, made)| {
             let live: BTreeSet<u32> = self.live.iter().copied().collect();
@@ -160,7 +160,7 @@ impl Plan<'_> {
                 }
             })
             .collect();
-        // whose it is is known when all else is
+        // The identity is set when the scene is complete.
         let scene = Identity::default();
         LivePlan {
             scene,

@@ -1,7 +1,7 @@
-//! Points: moving points and masses that go by modes, as the tick reads them, and how easily forces move the latter.
+//! Moving points and modal masses as the tick reads them, and the mobility of modal masses.
 //!
-//! Decides that the mobility of such a mass, and what couples several of a group, are numbers computed once: its modes do not
-//! follow live parameters. Only masses at which a link counts on the motion to come have them.
+//! The mobility of a modal mass, and the coupling of several in a group, are computed once, since modes do not follow
+//! live parameters. Only masses with a link that is solved with the coming motion have them.
 
 use crate::emit::plan::Plan;
 use crate::net::{Coordinate, End};
@@ -9,22 +9,22 @@ use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 use ca_core::internal::op::layout::{CoordinateSource, Modal, ModalCoupling, MovingPoint, SolvedModal};
 
-/// Moving points and masses that go by modes, laid out.
+/// Moving points and modal masses, laid out.
 #[derive(Default)]
 pub struct Points {
-    /// the MATs under them
+    /// Slots of the MATs under moving points.
     pub nodes: Vec<u32>,
-    /// they
+    /// Moving points.
     pub moving: Vec<MovingPoint>,
-    /// masses that go by modes
+    /// Modal masses.
     pub modal: Vec<Modal>,
-    /// their shares in the modes
+    /// Shares of modal masses in the modes.
     pub shares: Vec<f64>,
-    /// whether one of them moves along what it stands on
+    /// True if a moving point moves.
     pub aimed: bool,
 }
 
-/// Lays them out.
+/// Lays out moving points and modal masses.
 pub fn points(plan: &mut Plan) -> Points {
     let net = plan.net;
     let mut all = Points::default();
@@ -35,7 +35,7 @@ pub fn points(plan: &mut Plan) -> Points {
         }
         let family = net.families.of(&p.family);
         if let Some((weights, _)) = &p.shape {
-            // modes are tied to nothing, so they stand as they were made: in a row
+            // Modes are not linked, so their slots are consecutive.
             let first = family.nodes.first().map_or(0, |mode| plan.slot[*mode as usize]);
             let (share, n) = (all.shares.len() as u32, weights.len() as u32);
             all.shares.extend(weights);
@@ -58,18 +58,18 @@ pub fn points(plan: &mut Plan) -> Points {
     all
 }
 
-/// Masses that go by modes and at which links count on the motion to come.
+/// Modal masses with links that are solved with the coming motion.
 #[derive(Default)]
 pub struct Solved {
-    /// they, group by group
+    /// Masses, group by group.
     pub list: Vec<SolvedModal>,
-    /// groups with several
+    /// Groups with several such masses.
     pub groups: Vec<ModalCoupling>,
-    /// their matrices
+    /// Coupling matrices of these groups.
     pub couplings: Vec<f64>,
 }
 
-/// Finds them and gives their places their mobility; `tap` is the first number in passing that is free.
+/// Finds these masses and sets the mobility of their slots; `tap` is the first free temporary number.
 pub fn solved(plan: &mut Plan, n_mat: usize, tap: usize, (modal, shares): (&[Modal], &[f64])) -> Solved {
     let staged = plan.net.lias.iter().filter(|l| !l.law.stage.is_explicit()).flat_map(|l| l.ends);
     let held: BTreeSet<u32> = staged.filter(|e| matches!(e, End::Point(_))).map(|e| plan.at(e)).collect();
@@ -91,7 +91,7 @@ pub fn solved(plan: &mut Plan, n_mat: usize, tap: usize, (modal, shares): (&[Mod
             let own = moves(*p, *p, &plan.coef);
             (plan.coef[mat as usize], plan.coef[2 * n_mat + mat as usize]) = (1.0, own);
             if group.len() > 1 {
-                // at a node of all modes nothing moves
+                // At a node of all modes nothing moves.
                 let part = |r: &usize| if own > 0.0 { moves(*p, *r, &plan.coef) / own } else { 0.0 };
                 all.couplings.extend(group.iter().map(part));
             }

@@ -1,4 +1,4 @@
-//! Schedule: flat arrays and the list of passes. What a scene does not have makes no entry here.
+//! Schedule: builds the flat arrays and the list of passes of a scene, with entries only for parts that it has.
 
 use crate::emit::cutoff::{blockers, of_motion, plain_first};
 use crate::emit::driven;
@@ -46,7 +46,7 @@ use ca_model::diag::Diags;
 use ca_model::plain::plain;
 use core::ops::Range;
 
-/// Builds the scene, with groups at the gesture rate where there are any. `None` where the findings hold an error.
+/// Builds the scene, with its groups at the gesture rate if there are any. Returns `None` if there is an error.
 pub fn schedule(
     model: &Model,
     net: &Pruned,
@@ -71,7 +71,7 @@ pub fn schedule(
     fuse::mark(&plan, options, &mut classes, &mut batches);
     pass_list::spread(&mut classes);
     let mut batches = plan.joined(options, batches);
-    // from here on a slot stays what it is
+    // Slots are final from here on.
     let moved = settled.is_some().then(|| listed.moved(&plan));
     let folded = fold(&mut plan, &mut masses, &mut classes, &mut batches);
     let last = |slot: u32| folded.get(slot as usize).copied().unwrap_or(slot);
@@ -86,7 +86,7 @@ pub fn schedule(
     let pushed = |p: &Push| Some(Enf { input: p.input, mat: plan.alive(p.end, p.axis)? });
     let in_space: Vec<Enf> = pushes(false).filter_map(pushed).collect();
     let on_line: Vec<Enf> = pushes(true).filter_map(pushed).collect();
-    // in this order, coefficients stand one behind the other
+    // This order makes the coefficients contiguous.
     let (weight, weighed) = weigh(&mut plan);
     let first_of_links = plan.coef.len();
     let links = plan.links(batches, options, diags, model);
@@ -95,7 +95,7 @@ pub fn schedule(
     let solved_modal = points::solved(&mut plan, n_mat, links.tap, (&modal, &shares));
     let (gains, outputs) = outputs(&mut plan, &links)?;
     let implicit = plan.implicit(n_mat, &links, model, diags);
-    // what stands before the links in the list of forces moves them back; what stands behind them only those of a later turn
+    // Passes before the links shift all of them in the list of forces; passes after them shift only the late links.
     let waves = plan.waves(links.mem);
     let lead = [!in_space.is_empty(), !weighed.is_empty(), !waves.delays.is_empty()].into_iter().filter(|b| *b).count();
     let solved = implicit.as_ref().map_or([false; 2], |(a, _)| [!a.places.is_empty(), !a.pairs.is_empty()]);
@@ -200,7 +200,7 @@ pub fn schedule(
     layout.out.output_rows = pass_list::output_rows(&layout);
     let mut writes = pass_list::writes(&layout, gains);
     let mut moves = if net.is_composed() { pefrl::moves(&layout, &forces, own) } else { moves };
-    // the start sums forces in the order of the list
+    // The start sums forces in the order of this list.
     let listed = forces.clone();
     let accounts = layout.ledger.as_mut().map_or(&mut [][..], |l| &mut l.accounts);
     let mut passes = Passes { forces: &mut forces, moves: &mut moves, symbols: &mut symbols, accounts };
@@ -261,10 +261,10 @@ pub fn schedule(
     })
 }
 
-/// The ports of one role that move a MAT, axis by axis.
+/// Returns the ports of one role that move a MAT, axis by axis.
 fn ports(plan: &Plan, role: PortRole) -> Vec<Enx> {
     let mut all = Vec::new();
-    // links by the motion to come, and what they hold
+    // Links that are solved with the coming motion, and their ends.
     let late = plan.net.lias.iter().filter(|l| l.law.implicit || !l.law.stage.is_explicit());
     let held = late.flat_map(LiaNode::all_ends).filter_map(|e| if let End::Mat(m) = e { Some(m) } else { None });
     let held: BTreeSet<u32> = held.map(|m| plan.slot[m as usize]).collect();
@@ -278,7 +278,7 @@ fn ports(plan: &Plan, role: PortRole) -> Vec<Enx> {
     all
 }
 
-/// Outputs, behind the place of the first gain. `None` where one hears what was left out.
+/// Returns the index of the first gain, and the outputs. Returns `None` if an output reads something that was left out.
 fn outputs(plan: &mut Plan, links: &Links) -> Option<(usize, Vec<Output>)> {
     let first = plan.coef.len();
     let mut all = Vec::new();
@@ -304,7 +304,8 @@ fn outputs(plan: &mut Plan, links: &Links) -> Option<(usize, Vec<Output>)> {
     Some((first, all))
 }
 
-/// What the energy ledger reads of each pass of links, and its `index` among the forces; which places are `ported`.
+/// Returns the accounts of the energy ledger, one per pass of links with its `index` among the forces. `ported` marks
+/// slots moved by ports.
 fn accounts(links: &Links, n_mat: usize, ported: impl Fn(u32) -> bool, index: impl Fn(usize) -> usize) -> Vec<Account> {
     let account = |(i, op): (usize, &Op)| {
         let law = op.law?;
@@ -312,9 +313,9 @@ fn accounts(links: &Links, n_mat: usize, ported: impl Fn(u32) -> bool, index: im
         let (energies, idle) = (law.fns.energies, law.fns.idle);
         let on_a_line = ports.measure == MeasureKind::Line && ports.onto.is_none() && ports.pair_set.is_none();
         let rows = if on_a_line { Row::two(&links.ends[first..first + n], n_mat) } else { <[Row; 2]>::default() };
-        // a distance is no linear function of places: the identity then holds only with what the link made
+        // A distance is not linear in positions: the identity then holds only with the scheme error of the link.
         let radial = ports.measure == MeasureKind::Radial || ports.onto.is_some_and(|o| o.0 == MeasureKind::Radial);
-        // what is implicit to a port that then goes another way is not exact either
+        // An implicit link is not exact if its port then moves otherwise.
         let strays = law.implicit && links.ends[first..first + n].iter().flatten().any(|p| ported(*p));
         let linear = law.linear && !radial && !strays;
         Some(Account {
@@ -335,7 +336,7 @@ fn accounts(links: &Links, n_mat: usize, ported: impl Fn(u32) -> bool, index: im
     links.forces.iter().enumerate().filter_map(account).collect()
 }
 
-/// The modules by name: MATs that stay, then links, whose passes have an `index` among the forces.
+/// Returns the modules by name: MATs that stay, then links with the `index` of their pass among the forces.
 fn symbols(plan: &Plan, links: &Links, index: impl Fn(usize) -> usize) -> SymbolsBuilder {
     let net = plan.net;
     let mats = net.mats.iter().zip(&plan.slot).filter(|(_, at)| **at != u32::MAX);
@@ -347,7 +348,7 @@ fn symbols(plan: &Plan, links: &Links, index: impl Fn(usize) -> usize) -> Symbol
     all
 }
 
-/// The state as written: every mass where its author put it, with the speed it was given.
+/// Returns the state as written: the position and speed of each mass.
 fn loaded(net: &Pruned, layout: &Layout, x: &[f64], v: &[f64], coef: &[f64], (live, whole): (Vec<u32>, u32)) -> State {
     let input: Vec<f64> = net.inputs.iter().map(|i| if i.role == InputRole::Force { 0.0 } else { i.rest }).collect();
     let mut s = State::default();
@@ -383,7 +384,7 @@ fn loaded(net: &Pruned, layout: &Layout, x: &[f64], v: &[f64], coef: &[f64], (li
     s
 }
 
-/// The probes by name and by what asked for them, one for each place behind the channels.
+/// Returns names and request numbers of the probes, one for each output after the channels.
 fn probes(net: &Pruned) -> (Vec<String>, Vec<u32>) {
     let mut all: Vec<&OutNode> = net.outs.iter().filter(|o| o.item.is_none()).collect();
     all.dedup_by_key(|o| o.channel);

@@ -1,7 +1,7 @@
-//! Slow: the groups at the gesture rate in the layout of the sound, and what the sound answers in a frame.
+//! Slow: the groups at the gesture rate in the layout of the sound, and the response of the sound within a frame.
 //!
-//! Decides to measure that answer by the passes of the scene itself, for a metre at each place that counts, and not to derive
-//! it from the numbers of the modules a second time: what the tick does and what the border believes of it are then the same.
+//! The response is measured by running the passes of the scene, with a displacement of one metre at each position. It
+//! is not derived from the numbers of the modules again, so that the border always agrees with the tick.
 
 use crate::emit::plan::Plan;
 use crate::net::{End, MatRole, OutputTap, Pruned};
@@ -14,25 +14,25 @@ use ca_core::internal::op::{MeasureKind, Op, Pass};
 use ca_core::internal::state::SlowState;
 use ca_core::{Scene, State};
 
-/// The groups, compiled at their own rate.
+/// The groups, compiled at their rate.
 pub struct Slow<'a> {
-    /// which modules they are
+    /// Their modules.
     pub part: &'a SlowPart,
-    /// what runs
+    /// Their scene.
     pub scene: Scene,
-    /// the place of each MAT in it, by document number; `u32::MAX` for what is not there
+    /// Slot of each MAT in this scene, by document number; `u32::MAX` if it is not there.
     pub place: Vec<u32>,
 }
 
 impl<'a> Slow<'a> {
-    /// From the network of the group and the scene that was made of it.
+    /// Combines the network of the groups with the scene compiled from it.
     pub fn new(net: &Pruned, part: &'a SlowPart, mut scene: Scene) -> Slow<'a> {
         let mut place = alloc::vec![u32::MAX; net.mats.len()];
         let alive = (0..net.mats.len()).filter(|m| net.alive[*m]);
         for (m, at) in alive.zip(scene.symbols.places()) {
             place[m] = *at;
         }
-        // by its scheme, positions are those half a frame later, so that the border stands where its author put it
+        // Positions of its scheme are half a frame later, so that the border begins at the written positions.
         for (m, at) in net.mats.iter().zip(&place).filter(|(m, at)| **at != u32::MAX && !m.is_fixed()) {
             for k in 0..m.axes as usize {
                 let moved = m.v[k] * net.tick_dt;
@@ -43,7 +43,7 @@ impl<'a> Slow<'a> {
         Slow { part, scene, place }
     }
 
-    /// The groups as the sound has them, but for what the sound answers.
+    /// Returns the groups for the layout of the sound, still without the response of the sound.
     pub fn group(&self, plan: &Plan) -> SlowGroup {
         let net = plan.net;
         let copied = |m: u32, k: u8| {
@@ -85,14 +85,14 @@ impl<'a> Slow<'a> {
         }
     }
 
-    /// The state at load of so many of its places.
+    /// Returns the state of the groups at load.
     pub fn state(&self, group: &SlowGroup) -> SlowState {
         let mut slow = SlowState::new(self.scene.initial.clone(), group.ports.len(), group.coupled, group.compensated);
         border::group::placed(group, &mut slow);
         slow
     }
 
-    /// Places of the sound that answer within a frame, and whether each is moved from outside.
+    /// Returns the slots of the sound that respond within a frame, and whether each is moved from outside.
     pub fn reach(&self, plan: &Plan) -> Vec<(u32, bool)> {
         let net = plan.net;
         let of = |m: &u32| {
@@ -105,7 +105,7 @@ impl<'a> Slow<'a> {
     }
 }
 
-/// Passes of the border, put where they belong.
+/// Inserts the passes of the border.
 pub fn passes(group: &SlowGroup, reads: &mut Vec<Op>, forces: &mut Vec<Op>) {
     let ports = reads.iter().take_while(|op| matches!(op.name(), "ENX" | "TGR in")).count();
     let compensated = group.compensated;
@@ -116,16 +116,17 @@ pub fn passes(group: &SlowGroup, reads: &mut Vec<Op>, forces: &mut Vec<Op>) {
     }
 }
 
-/// One tick of the sound as it runs, for frames at load.
+/// One tick of the sound, for the frames measured at load.
 pub struct Tick {
-    /// passes that sum forces
+    /// Passes that sum forces.
     pub forces: Vec<Op>,
-    /// integration
+    /// Integration.
     pub moves: Vec<Op>,
 }
 
 impl Tick {
-    /// What of a tick answers in proportion, of passes before rows are fused: a metre at each place says nothing of a contact.
+    /// Returns the linear part of a tick, from passes before rows are fused. A metre of displacement tells nothing
+    /// about contacts.
     pub fn proportional(forces: &[Op], moves: Vec<Op>) -> Tick {
         let radial = |op: &Op| [Some(op.form.measure), op.form.onto].contains(&Some(MeasureKind::Radial));
         let is = |op: &&Op| {
@@ -135,12 +136,12 @@ impl Tick {
     }
 }
 
-/// What the sound answers in a frame: `blank` is a state at load in which nothing has been put anywhere.
+/// Measures the response of the sound within a frame; `blank` is the state at load without any displacement.
 pub fn response(layout: &Layout, group: &SlowGroup, tick: &Tick, blank: &State, reach: &[(u32, bool)]) -> Response {
     let coupled = &group.ports[..group.coupled];
     let n = coupled.len();
     let frame = layout.rates.frame;
-    // mean forces of one frame from `s` on, in which port `moving` goes a metre
+    // Mean forces of one frame that starts from `s`, in which port `moving` moves by a metre.
     let frame_of = |mut s: State, moving: Option<usize>| -> Vec<f64> {
         let mut mean = alloc::vec![0.0; n];
         let still: Vec<f64> = coupled.iter().map(|p| s.x[p.at as usize]).collect();
@@ -178,7 +179,7 @@ pub fn response(layout: &Layout, group: &SlowGroup, tick: &Tick, blank: &State, 
         known[i * width] = *mean;
     }
     for (k, at) in places.iter().enumerate() {
-        // how a port moves is what is asked for, and no part of what is known
+        // The motion of a port is the unknown of the response.
         let motion = k < reach.len();
         for (column, moved) in [(1 + 2 * k, false), (2 + 2 * k, true)].into_iter().take(1 + usize::from(motion)) {
             let mut s = blank.clone();
@@ -195,17 +196,17 @@ pub fn response(layout: &Layout, group: &SlowGroup, tick: &Tick, blank: &State, 
             by_motion[i * n + k] = mean - always;
         }
     }
-    // T²/m
+    // T²/m.
     let mobility =
         |p: &Copied| blank.slow.as_ref().map_or(0.0, |s| s.state.coef[2 * group.layout.counts.n_mat + p.own as usize]);
     let mobility: Vec<f64> = coupled.iter().map(mobility).collect();
     Response { places, known, answer: solved(&by_motion, &mobility, n) }
 }
 
-/// Y (1 − ½ C Y)⁻¹: the force by the motion there would be without it. Row by row, by elimination with the largest pivot;
-/// the matrix is 1 plus what resists, so there is one.
+/// Returns Y (1 − ½ C Y)⁻¹, the force as a function of the motion without it. Uses elimination with the largest pivot,
+/// which exists because the matrix is 1 plus a resistance.
 fn solved(y: &[f64], c: &[f64], n: usize) -> Vec<f64> {
-    // transposed, the unknown is a matrix of columns: (1 − ½ C Y)ᵀ Hᵀ = Yᵀ
+    // Transposed, the unknown is a matrix of columns: (1 − ½ C Y)ᵀ Hᵀ = Yᵀ.
     let mut a: Vec<f64> = (0..n * n)
         .map(|at| {
             let (row, column) = (at / n, at % n);
@@ -230,7 +231,7 @@ fn solved(y: &[f64], c: &[f64], n: usize) -> Vec<f64> {
     (0..n * n).map(|at| h[at % n * n + at / n] / a[at % n * n + at % n]).collect()
 }
 
-/// A state in which nothing was put anywhere.
+/// Returns a state without any displacement.
 pub fn blank(loaded: &State, slow: SlowState) -> State {
     let mut s = loaded.clone();
     s.ledger = None;

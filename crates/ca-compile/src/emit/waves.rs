@@ -1,4 +1,4 @@
-//! Waves: where the strings of waves and their memory stand.
+//! Lays out waveguides and their memory.
 
 use crate::emit::plan::Plan;
 use alloc::vec::Vec;
@@ -6,7 +6,7 @@ use ca_core::internal::op::layout::{Delay, Junction, Termination, Waves};
 use ca_core::internal::tuning::wave::Loss;
 
 impl Plan<'_> {
-    /// Lays out the strings; their memory begins at `memory`.
+    /// Lays out the waveguides; their memory begins at `memory`.
     pub fn waves(&self, memory: usize) -> Waves {
         let mut all = Waves { first: memory, ..Waves::default() };
         let mut next = memory;
@@ -23,11 +23,11 @@ impl Plan<'_> {
             }
             let last = tuned.delays.len() - 1;
             for (i, len) in tuned.delays.iter().copied().enumerate() {
-                // before the first junction and behind the last a wave comes back to where it was
+                // Before the first junction and after the last, a wave returns to where it came from.
                 let sides = [(i > 0).then(|| (base + i - 1, 1)), (i < last).then_some((base + i, 0))];
                 let [left, right] = sides;
                 let mut lossy = |loss: Loss| Termination::Lossy { loss, memory: take(1) };
-                // taps and allpass of the near end take two samples of its delay; every ring of taps has three more
+                // Taps and allpass of the near end take two samples of its delay; a ring with taps needs three more.
                 let ways = match (left, right, tuned.near) {
                     (Some(a), Some(b), _) => {
                         alloc::vec![(a, b, Termination::Open, len), (b, a, Termination::Open, len)]

@@ -1,4 +1,4 @@
-//! What `[rate]` says beside the two rates: how devices cross the border, and the low-pass of the outputs.
+//! Reads the parts of `[rate]` besides the two rates: the border of devices and the low-pass of the outputs.
 
 use crate::lower::lowpass;
 use crate::lower::values::Values;
@@ -9,15 +9,13 @@ use ca_core::{Need, Param, Type, Unit};
 use ca_model::Model;
 use ca_model::diag::Diags;
 
-/// Longest delay \[frames\], 3 s at 3 kHz: it is room in the state.
+/// Longest delay \[frames\], about 3 s at 3 kHz; the state stores it.
 const LATEST: u32 = 10_000;
 
 ca_core::choice! {
-    /// The position of a device between two frames.
+    /// Position of a device between two frames.
     enum Border {
-        /// a straight line
         Linear = "linear",
-        /// that of the last frame
         Hold = "hold",
     }
 }
@@ -30,12 +28,12 @@ const FEEDBACK: Param = Param::new("feedback", Type::Flag, Need::Default(1.0), "
 const FILTER: Param =
     Param::number("filter", Unit::HERTZ, (1.0, 1e7), Need::Optional, "edge of the low-pass of the outputs");
 
-/// Reads them into the network; needs its rates.
+/// Reads the settings into the network, whose rates must be known.
 pub fn crossing(model: &Model, net: &mut Resolved, diags: &mut Diags) {
     let mut v = Values::new(None, diags);
     let mut number = |p: &Param| {
         let e = model.rate.iter().find(|e| e.key == p.name)?;
-        // the kind matters to exponents only, of which there are none
+        // `arg` uses the kind only for exponents, which these parameters are not.
         let (arg, _) = v.arg(&TGR, p, e, &[], "[rate]")?;
         arg.num()
     };
@@ -46,7 +44,7 @@ pub fn crossing(model: &Model, net: &mut Resolved, diags: &mut Diags) {
     let latency = number(&LATENCY).unwrap_or(0.0) as u32;
     let feedback = number(&FEEDBACK) != Some(0.0);
     net.crossing = Crossing { shape, latency, feedback };
-    // what ticks between samples make above half the sound rate must go before they are left out
+    // Ticks between samples are dropped only after a low-pass at half the sound rate.
     if let Some(edge) = number(&FILTER).or((net.oversample > 1).then_some(lowpass::WIDEST * net.rate)) {
         let span = model.rate.iter().find(|e| e.key == FILTER.name).map(|e| e.span);
         net.lowpass = lowpass::design(edge, net.rate, net.oversample, span, diags);

@@ -1,8 +1,8 @@
-//! `[equivalence]`: what the author wrote about the hand, checked and solved.
+//! Checks and solves `[equivalence]`, the scales between device and model (docs/numerics.md §6).
 //!
-//! Decides that the real side of a pair is in SI and the simulated side in the model's units, that no row at all means
-//! one to one in metres and newtons, and that one row keeps the class of the anchor as it would be without the section.
-//! A key with its own factors multiplies those of the whole (docs/numerics.md §6).
+//! The real side of a pair is in SI, the simulated side in the units of the model. Without any row the scale is one to
+//! one in metres and newtons. A single row keeps the class of the anchor as it is without the section. The factors of a
+//! key multiply those for all keys.
 
 use crate::findings::type_name;
 use crate::lower::values::Values;
@@ -18,10 +18,10 @@ use ca_model::diag::Diag;
 use ca_model::suggest::{nearest, ticked};
 use ca_model::{Entry, Model, Value};
 
-/// What a key's own table holds.
+/// Keys in the table of a device key.
 const WORDS: [&str; 3] = ["lever", "position", "force"];
 
-/// Reads the section and gives every device input its gains.
+/// Reads the section and sets the gains of every device input.
 pub fn equivalence(model: &Model, net: &mut Resolved, v: &mut Values<'_>) {
     let time_unit = v.alg.unwrap_or(1.0);
     let keys: Vec<(String, [Option<u32>; 3])> = net
@@ -65,7 +65,7 @@ pub fn equivalence(model: &Model, net: &mut Resolved, v: &mut Values<'_>) {
     net.equivalence = found;
 }
 
-/// `[equivalence.room.hand]` is the key `room.hand`.
+/// Collects the tables of device keys: `[equivalence.room.hand]` is the key `room.hand`.
 fn flatten<'m>(prefix: &str, e: &'m Entry, out: &mut Vec<(String, &'m Entry)>) {
     let name = format!("{prefix}{}", e.key);
     let Value::Table(inner) = &e.value else { return };
@@ -125,7 +125,7 @@ fn pair(row: &'static Quantity, e: &Entry, v: &mut Values<'_>) -> Option<Pair> {
     let real = v.constant(real, row.unit, ABOVE_ZERO, &format!("the real `{}` of `[equivalence]`", row.name));
     v.alg = alg;
     let sim = v.constant(sim, row.unit, ABOVE_ZERO, &format!("the simulated `{}` of `[equivalence]`", row.name));
-    // numbers of the model, not SI
+    // `sim` is a number of the model, not SI.
     let unit = v.alg.map_or(1.0, |time_unit| alg_to_si(row.unit.dim, time_unit));
     Some(Pair { row, ratio: real? / (sim? / unit) })
 }
@@ -137,7 +137,7 @@ fn wrong_shape(row: &Quantity, e: &Entry, is: &str, v: &mut Values<'_>) -> Optio
     None
 }
 
-/// α and β of the whole, from what was written; `None` where that has been reported.
+/// Returns α and β for all keys; `None` if an error was reported.
 fn whole(
     pairs: &[(Pair, &Entry)],
     held: Option<Class>,
@@ -187,7 +187,6 @@ fn whole(
     gains
 }
 
-/// The table of one key.
 fn scale(
     key: String,
     e: &Entry,
@@ -240,7 +239,7 @@ fn scale(
     Some(Scale { key, position: of(position), force: of(force) })
 }
 
-/// Keys that move with one degree of freedom have one scale: the force on it is one force.
+/// Reports keys on one degree of freedom with different scales: there is only one force on it.
 fn shared(net: &Resolved, found: &Equivalence, model: &Model, v: &mut Values<'_>) {
     let devices: Vec<_> = net.inputs.iter().filter(|i| i.role == InputRole::Device && i.device.is_some()).collect();
     for (n, b) in devices.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Expand: what a generator built becomes modules with names, kinds and places for their numbers.
+//! Expands the output of a generator to modules with names, kinds and parameter sources.
 
 use crate::net::lines::LineNode;
 use crate::net::{End, Family, LiaNode, MatNode, MatRole, Measure, Resolved};
@@ -9,7 +9,7 @@ use ca_core::internal::kind::name::Part;
 use ca_core::internal::live::Source;
 use ca_core::{Kind, Name, Role};
 
-/// Lists of sources met lately: most modules of a generator share theirs.
+/// The most recent lists of sources: most modules of a generator share one.
 #[derive(Default)]
 struct Shared(Vec<Arc<[Source]>>);
 
@@ -25,8 +25,8 @@ impl Shared {
     }
 }
 
-/// Adds what item `item` built to the net. The cheapest law that serves each link is chosen later, by the same
-/// pass that treats links written by hand.
+/// Adds the modules of item `item` to the network. A later pass chooses the cheapest law of each link, as for links
+/// written one by one.
 pub fn expand(net: &mut Resolved, item: u32, built: &Builder<'_>, (dim, rest): (u8, [f64; 3]), group: Option<u32>) {
     let name = net.items[item as usize].name.clone();
     let base = net.mats.len() as u32;
@@ -35,7 +35,7 @@ pub fn expand(net: &mut Resolved, item: u32, built: &Builder<'_>, (dim, rest): (
     net.mats.reserve(built.mats.len());
     net.lias.reserve(built.links.len());
     family.masses.reserve(built.mats.len());
-    // the values of the last one: most are as it is
+    // Values of the previous module: most modules repeat them.
     let mut last: Option<(Built, Arc<[Source]>)> = None;
     for (i, (what, index)) in built.mats.iter().enumerate() {
         let id = base + i as u32;

@@ -1,4 +1,4 @@
-//! Lists: values that are more than one number: places, directions, nodes, points of a table, and files.
+//! Reads values of more than one number: positions, directions, nodes, points of a table, and files.
 
 use crate::findings::quoted;
 use crate::lower::values::Values;
@@ -12,7 +12,7 @@ use ca_model::quantity::Plain;
 use ca_model::{Entry, Value};
 
 impl Values<'_> {
-    /// A whole number.
+    /// Reads a whole number.
     pub(super) fn count(&mut self, e: &Entry, (min, max): (u32, u32), what: &str) -> Option<f64> {
         let v = self.constant(e, Unit::NONE, (f64::from(min), f64::from(max)), what)?;
         if v != libm::floor(v) {
@@ -24,7 +24,7 @@ impl Values<'_> {
         Some(v)
     }
 
-    /// A place, or a velocity: a number, or a list of them. How many there must be is known where the group is.
+    /// Reads a position or a velocity: one number or a list. Its length is checked later, by the axes of the group.
     pub fn position(&mut self, e: &Entry, unit: Unit, what: &str) -> Option<Arg> {
         let Value::List(list) = &e.value else {
             return self.constant(e, unit, ca_core::ANY, what).map(Arg::Num);
@@ -33,7 +33,7 @@ impl Values<'_> {
         read.into_iter().collect::<Option<Vec<f64>>>().map(Arg::List)
     }
 
-    /// A list of places in space, flat.
+    /// Reads a list of positions in space into one flat list.
     pub(super) fn positions(&mut self, e: &Entry, unit: Unit, what: &str) -> Option<Vec<f64>> {
         let help = format!("write e.g. `[[0, 0, 0], [{}, 0, 0]]`", quoted(unit));
         let Value::List(list) = &e.value else {
@@ -56,7 +56,7 @@ impl Values<'_> {
         (!all.is_empty()).then_some(all)
     }
 
-    /// What a file holds, with a note of what was left out of it.
+    /// Returns the contents of a file, with a note about omitted points and faces.
     pub(super) fn file(&mut self, e: &Entry, what: &str) -> Option<Arg> {
         let Value::Text(name) = &e.value else {
             return self.wrong_type(what, "the name of a file", &e.value, e.span, "write e.g. `\"bell.ply\"`");
@@ -97,7 +97,7 @@ impl Values<'_> {
         }
     }
 
-    /// A direction, as a unit vector.
+    /// Reads a direction as a unit vector.
     pub(super) fn direction(&mut self, e: &Entry, what: &str) -> Option<Arg> {
         const HELP: &str = "write `\"x\"`, `\"y\"`, `\"z\"`, or a list of two or three numbers such as `[0, 0.6, 0.8]`";
         let n = match &e.value {
@@ -123,7 +123,7 @@ impl Values<'_> {
         n.map(|n| Arg::List(n.to_vec()))
     }
 
-    /// A list of nodes, flat.
+    /// Reads a list of nodes into one flat list.
     pub(super) fn nodes(&mut self, e: &Entry, what: &str) -> Option<Vec<f64>> {
         let whole = |v: &Entry| match v.value {
             Value::Num(n) if n == libm::floor(n) && n.abs() < 1e6 => Some(n),
@@ -144,7 +144,7 @@ impl Values<'_> {
         Some(list.iter().filter_map(node).flatten().collect())
     }
 
-    /// A list of points, each column in its unit.
+    /// Reads a list of points; each column has its unit.
     pub fn points(&mut self, e: &Entry, x: Unit, y: Unit, what: &str) -> Option<Vec<[f64; 2]>> {
         let Value::List(list) = &e.value else {
             let help = format!("write `[[{}, {}], …]`", quoted(x), quoted(y));
@@ -163,7 +163,7 @@ impl Values<'_> {
                     }
                 }
                 _ => {
-                    // said once: a list of plain numbers has it wrong everywhere
+                    // Only the first bad point is reported: a list of plain numbers is wrong everywhere.
                     if good {
                         let d =
                             Diag::error("E019", format!("{what}: a point has two numbers")).at(p.span, "not a pair");

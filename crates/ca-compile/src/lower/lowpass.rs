@@ -1,13 +1,13 @@
-//! The low-pass of the outputs: its coefficients.
+//! Coefficients of the low-pass of the outputs.
 //!
-//! Decides on a windowed sinc (Kaiser): linear phase, so that every frequency is late by the same number of ticks, and
-//! a length in closed form. The author gives the edge of the pass band; the stop band begins at half the sound rate,
-//! the band between them is as wide as it can be, so the filter is as short and as early as it can be. 80 dB are
-//! promised there, and as little ripple below the edge.
+//! The filter is a windowed sinc (Kaiser): it has linear phase, so that all frequencies have the same delay, and its
+//! length has a closed form. The author gives the edge of the pass band. The stop band begins at half the sound rate,
+//! which gives the widest transition band and so the shortest filter and delay. Its attenuation is 80 dB, and the
+//! ripple below the edge is as small.
 //!
-//! Where a sample has several ticks, it is this filter that keeps the ticks from folding into the sound: it goes at the
-//! rate of the ticks, promises 100 dB, stands there unasked, and is late by whole samples. Half-band stages one after
-//! the other would save half of the products, and be a second kind of filter that knows nothing of `filter`.
+//! With several ticks per sample this filter prevents aliasing. It then runs at the tick rate with 100 dB, is always
+//! present, and delays by whole samples. A cascade of half-band stages would save half of the products, but would be a
+//! second kind of filter, which does not depend on `filter`.
 
 use alloc::format;
 use alloc::vec::Vec;
@@ -18,18 +18,18 @@ use ca_model::quantity::Plain;
 use ca_model::quantity::show;
 use core::f64::consts::PI;
 
-/// What the window is made for \[dB\]: 80, and 6 because the sinc meets its mirror image at half the sound rate, whose
-/// ripple adds, and 2 because Kaiser's formulas are fits.
+/// Design attenuation of the window \[dB\]: 80, plus 6 for the ripple of the mirror image of the sinc, which it meets
+/// at half the sound rate, plus 2 because Kaiser's formulas are fits.
 const ATTENUATION: f64 = 88.0;
-/// The same before ticks are left out \[dB\]: 100, and 4 because of Kaiser's fits; no mirror image is near.
+/// Design attenuation before ticks are dropped \[dB\]: 100, plus 4 for Kaiser's fits; no mirror image is near.
 const ALIASES: f64 = 104.0;
-/// The edge where nothing is said, as a part of the sound rate: 20 kHz of 48 kHz.
+/// Default edge as a fraction of the sound rate: 20 kHz of 48 kHz.
 pub const WIDEST: f64 = 5.0 / 12.0;
-/// Narrowest band between edge and half the sound rate, as a part of the latter: some 1600 coefficients.
+/// Narrowest band between edge and half the sound rate, as a fraction of the latter; gives about 1600 coefficients.
 const NARROWEST: f64 = 0.01;
 
-/// The first half of the coefficients up to the middle one, for the pass band `edge` and sound rate `rate` \[Hz\] with
-/// `times` ticks in a sample.
+/// Returns the first half of the coefficients, up to the middle one, for the pass band `edge` and the sound rate `rate`
+/// \[Hz\] with `times` ticks per sample.
 pub fn design(edge: f64, rate: f64, times: u32, span: Option<Span>, diags: &mut Diags) -> Vec<f64> {
     let (half, most) = (0.5 * rate, 0.5 * rate * (1.0 - NARROWEST));
     if edge > most {
@@ -58,7 +58,7 @@ pub fn design(edge: f64, rate: f64, times: u32, span: Option<Span>, diags: &mut 
     taps.into_iter().map(|h| h / steady).collect()
 }
 
-/// Modified Bessel function of order 0, by its series, which only adds.
+/// Modified Bessel function of order 0, by its power series, all of whose terms are positive.
 fn bessel(x: f64) -> f64 {
     let (mut term, mut sum, mut k) = (1.0, 1.0, 1.0);
     while term > sum * f64::EPSILON {

@@ -1,5 +1,7 @@
-//! First: from what is written to numbers in SI. Rates, parameters, media and the parameters of every item; MATs, ports
-//! and generators become nodes of the network. Links wait for all names to be known ([`super::connect`]).
+//! First step: converts the text of a model to numbers in SI.
+//!
+//! It reads rates, parameters, media and the parameters of every item. MATs, ports and generators become nodes of the
+//! network. Links follow in [`super::connect`], when all names are known.
 
 pub mod crossing;
 pub mod curve;

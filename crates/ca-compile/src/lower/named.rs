@@ -1,4 +1,4 @@
-//! A `[param]` as it was read: its number as written, its limits, and where it is used.
+//! A parsed `[param]`: its number as written, its limits, and its use.
 
 use alloc::string::String;
 use ca_core::Unit;
@@ -8,14 +8,13 @@ use ca_model::{Entry, Span};
 /// A number as written in `[param]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Raw {
-    /// in the model's units, whatever the dimension
+    /// In the units of the model, of any dimension.
     Bare(f64),
-    /// with its unit
     Quantity(Quantity),
 }
 
 impl Raw {
-    /// The number, in SI if it has a unit.
+    /// Returns the number, in SI if it has a unit.
     pub fn number(self) -> f64 {
         match self {
             Raw::Bare(v) => v,
@@ -27,31 +26,31 @@ impl Raw {
 /// A `[param]`.
 #[derive(Clone, Debug)]
 pub struct Named {
-    /// its name
+    /// Name.
     pub name: String,
-    /// its value; `None` where it could not be read, which has been reported
+    /// Value; `None` if it could not be read, which was reported.
     pub value: Option<Raw>,
-    /// may change while playing
+    /// True if it may change while playing.
     pub live: bool,
-    /// the port that drives it, and where that is at `min` and `max`
+    /// Port that drives it, and the values of the port at `min` and `max`.
     pub port: Option<Entry>,
     pub span_of_port: Option<Entry>,
-    /// smallest value while playing
+    /// Smallest value while playing.
     pub min: Option<Raw>,
-    /// largest value while playing
+    /// Largest value while playing.
     pub max: Option<Raw>,
-    /// one line
+    /// Description in one line.
     pub doc: String,
-    /// where it is declared
+    /// Place of the declaration.
     pub span: Span,
-    /// where its value stands
+    /// Place of the value.
     pub value_span: Span,
-    /// where it was first used: unit and range of that place
+    /// Unit at its first place of use, and the range that all such places allow; `None` if unused.
     pub used: Option<(Unit, f64, f64)>,
 }
 
 impl Named {
-    /// A parameter that exists, but has no value.
+    /// Creates a parameter that exists without a value.
     pub fn broken(name: &str, span: Span) -> Named {
         Named {
             name: name.into(),

@@ -1,4 +1,4 @@
-//! `[param]`: named numbers, live or not, and what became of them.
+//! Reads `[param]`, named numbers that may be live, and places them in the network.
 
 use crate::findings::{bad_quantity, inside, range_help, type_name, wrong_unit};
 use crate::lower::named::{Named, Raw};
@@ -17,7 +17,7 @@ use ca_model::{Entry, Model, Span, Value, quantity};
 
 const KEYS: &[&str] = &["value", "unit", "live", "min", "max", "port", "span", "doc"];
 
-/// The parameters of a model.
+/// Reads the parameters of a model.
 pub fn all(model: &Model, diags: &mut Diags) -> Vec<Named> {
     let lost = model.lost.iter().map(|name| Named::broken(name, Span::NONE));
     let keys: BTreeSet<&str> = model.params.iter().map(|e| e.key.as_str()).collect();
@@ -44,7 +44,7 @@ fn raw(e: &Entry, what: &str, is_param: &dyn Fn(&str) -> bool, diags: &mut Diags
                 }
             }
         }
-        // a name of a parameter comes first
+        // A parameter takes precedence over a note of the same name.
         Value::Text(t)
             if !is_param(t)
                 && let Some(value) = quantity::note(t) =>
@@ -77,7 +77,7 @@ fn named(e: &Entry, is_param: &dyn Fn(&str) -> bool, diags: &mut Diags) -> Named
         Some((Value::Text(t), span)) => Some((t.clone(), span)),
         _ => None,
     };
-    // a bare number with `unit = "…"` beside it is a quantity
+    // A bare number with `unit = "…"` in the table is a quantity.
     let mut unit = text("unit").filter(|u| !u.0.is_empty());
     if let Some((u, span)) = &unit {
         let asked = format!("1 {u}");
@@ -92,7 +92,7 @@ fn named(e: &Entry, is_param: &dyn Fn(&str) -> bool, diags: &mut Diags) -> Named
                 None => d.help("units are made of m, g, s, Hz, N, J, W and prefixes, e.g. `N s/m`"),
             });
             unit = None;
-            // what follows would only say it again
+            // Further findings would repeat this one.
             if !entries.iter().any(|x| x.key == "value" && matches!(x.value, Value::Text(_))) {
                 return n;
             }
@@ -176,7 +176,8 @@ fn named(e: &Entry, is_param: &dyn Fn(&str) -> bool, diags: &mut Diags) -> Named
     n
 }
 
-/// What a port drives has bounds, a span of the port, and is at its smallest value until the port is looked at.
+/// Checks a parameter that a port drives: it needs bounds and a span, and has its smallest value until the port is
+/// read.
 fn driven(n: &mut Named, e: &Entry, what: &str, diags: &mut Diags) {
     let missing = [("min", n.min.is_none()), ("max", n.max.is_none()), ("span", n.span_of_port.is_none())];
     for (key, _) in missing.into_iter().filter(|m| m.1) {
@@ -190,7 +191,7 @@ fn driven(n: &mut Named, e: &Entry, what: &str, diags: &mut Diags) {
         }
         n.port = None;
     }
-    // 0 is 0 in every unit
+    // 0 needs no unit.
     let least = match (n.min, n.max) {
         (Some(Raw::Bare(0.0)), Some(Raw::Quantity(q))) => Some(Raw::Quantity(quantity::Quantity { value: 0.0, ..q })),
         (min, _) => min,
@@ -198,7 +199,7 @@ fn driven(n: &mut Named, e: &Entry, what: &str, diags: &mut Diags) {
     n.value = n.value.or(least);
 }
 
-/// `min` and `max` are of the kind of `value`, in order, and `value` lies between them.
+/// Checks that `min` and `max` have the dimension of `value` and are in order, with `value` between them.
 fn limits(n: &mut Named, spans: [Span; 2], what: &str, diags: &mut Diags) {
     let Some(value) = n.value else { return };
     let dim = |r: Raw| match r {
@@ -209,7 +210,7 @@ fn limits(n: &mut Named, spans: [Span; 2], what: &str, diags: &mut Diags) {
     for (key, limit, span) in limits {
         let Some(limit) = limit else { continue };
         let (a, b) = (dim(value), dim(limit));
-        // 0 is 0 in every unit
+        // 0 needs no unit.
         let nothing = limit.number() == 0.0;
         if nothing || matches!((a, b), (None, None)) || matches!((a, b), (Some(a), Some(b)) if a.same(b)) {
             continue;
@@ -239,8 +240,8 @@ fn limits(n: &mut Named, spans: [Span; 2], what: &str, diags: &mut Diags) {
     }
 }
 
-/// What to say where the value and a limit are not of one unit. Of the two a plain number is what is wrong, and a value
-/// that was set, which does not stand in the text.
+/// Returns the error for a value and a limit of different units. It blames the plain number of the two, or a value that
+/// was set and so is not in the text.
 fn not_alike(n: &Named, what: &str, key: &str, span: Span, [value, limit]: [Option<Dim>; 2]) -> Diag {
     let [is, of] = [value, limit].map(|d| d.map_or(String::new(), quantity::unit_of));
     let in_unit = |unit: &str| if unit.is_empty() { "a plain number".into() } else { format!("in {unit}") };
@@ -264,7 +265,7 @@ fn not_alike(n: &Named, what: &str, key: &str, span: Span, [value, limit]: [Opti
     d.help(format!("what is set is given as in the file, e.g. `{}={}`", n.name, format!("{v} {of}").trim_end()))
 }
 
-/// Hands the parameters over to the network; notes which nothing uses.
+/// Moves the parameters into the network and records the unused ones.
 pub fn place(v: &mut Values<'_>, net: &mut Resolved) {
     let mut renumber = alloc::vec![usize::MAX; v.named.len()];
     for (i, n) in v.named.iter().enumerate() {
@@ -282,7 +283,7 @@ pub fn place(v: &mut Values<'_>, net: &mut Resolved) {
         net.params.push(LiveParam {
             name: n.name.clone(),
             unit,
-            // a declared range never widens that of the place
+            // A declared range never widens the range at the place of use.
             min: n.min.map_or(min / factor, Raw::number).max(min / factor),
             max: n.max.map_or(max / factor, Raw::number).min(max / factor),
             value: raw.number(),
@@ -301,7 +302,7 @@ pub fn place(v: &mut Values<'_>, net: &mut Resolved) {
     }
 }
 
-/// The port that drives a parameter, and how.
+/// Returns the port that drives a parameter, with its span.
 fn drives(n: &Named, net: &Resolved, v: &mut Values<'_>) -> Option<NetDriven> {
     let (port, span) = (n.port.as_ref()?, n.span_of_port.as_ref()?);
     let Value::Text(name) = &port.value else { return None };
@@ -332,7 +333,7 @@ fn drives(n: &Named, net: &Resolved, v: &mut Values<'_>) -> Option<NetDriven> {
     Some(NetDriven { input: input as u32, span: [from, to], param: 0, at: n.span })
 }
 
-/// Parameters that no module and no moving point follows.
+/// Reports parameters that no module and no moving point follows.
 pub fn report_unused(net: &Resolved, diags: &mut Diags) {
     for (name, span) in &net.unused {
         let d = Diag::warning("W109", format!("parameter `{name}` is used by nothing")).at(*span, "declared here");

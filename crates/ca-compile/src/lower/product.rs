@@ -1,8 +1,9 @@
-//! A number times a parameter, `"6.27 f"`.
+//! Reads a number times a parameter, `"6.27 f"`.
 //!
-//! Decides that it stands wherever the name of a parameter does, and is one number of the scene when that is made: it follows what
-//! is set, and costs a tick nothing. A live parameter cannot be scaled, so that the changes of one reach all places alike.
-//! Against sums and formulas: partials and proportions are factors, and more would be a language of its own.
+//! A product may replace the name of a parameter anywhere. It is evaluated when the scene is compiled, follows values
+//! set by then, and costs the tick nothing. A live parameter cannot be scaled, so that its changes reach all places
+//! alike. Sums and formulas are not supported: partials and proportions are factors, and more would be a language in
+//! itself.
 
 use crate::lower::named::Named;
 use crate::lower::values::Values;
@@ -15,18 +16,18 @@ use ca_model::diag::Diag;
 use ca_model::quantity::{self, QuantityError};
 use ca_model::suggest::nearest;
 
-/// More parameters are not listed.
+/// Largest number of parameters listed in a finding.
 const LISTED: usize = 8;
 
 impl Values<'_> {
-    /// The number and the name, where there is a parameter of that name.
+    /// Returns the number and the name, if a parameter of that name exists.
     pub(super) fn product<'t>(&self, text: &'t str) -> Option<(f64, &'t str)> {
         quantity::product(text).filter(|(_, name)| self.index.contains_key(*name))
     }
 
-    /// The product of `factor` and the parameter `name` where a number of `unit` belongs.
+    /// Returns `factor` times the parameter `name`, for a number of unit `unit`.
     pub(super) fn scaled(&mut self, factor: f64, name: &str, unit: Unit, e: &Entry, what: &str) -> Option<f64> {
-        // the range of the place is that of the product
+        // The range of the place applies to the product, not to the parameter.
         let (v, follows) = self.named_number(name, unit, (f64::MIN, f64::MAX), e, what)?;
         let Some((i, _)) = follows else { return Some(factor * v) };
         let short = name.rsplit('.').next().unwrap_or(name);
@@ -36,10 +37,10 @@ impl Values<'_> {
         None
     }
 
-    /// Adds to a finding about a unit that it may be a parameter misspelt.
+    /// Adds to a finding about a unit that the word may be a misspelt parameter.
     pub(super) fn near_parameter(&self, d: Diag, what: &str, text: &str, err: &QuantityError) -> Diag {
         let Some((_, word)) = quantity::product(text).filter(|_| err.hint.is_none()) else { return d };
-        // those of the model, and those of the instance as the part calls them
+        // Parameters of the model, and parameters of the instance by their names within the part.
         let here = |n: &Named| n.name.rsplit_once('.').is_none_or(|(of, _)| what.contains(&format!("`{of}.")));
         let names: Vec<&str> =
             self.named.iter().filter(|n| here(n)).filter_map(|n| n.name.rsplit('.').next()).collect();

@@ -1,6 +1,6 @@
-//! Rates, units and media: what holds for the whole model or for a group of modules.
+//! Reads rates, units and media, i.e. settings of the whole model or of a group.
 //!
-//! The one place where the tick of the physics and the sample of the outside part ways.
+//! This module defines the tick of the physics relative to the sample of the outputs.
 
 use crate::lower::values::Values;
 use crate::net::{Medium, Resolved};
@@ -17,17 +17,14 @@ use ca_model::{Entry, Model, Span, Value};
 
 /// Slowest and fastest clock \[Hz\].
 pub const CLOCK: (f64, f64) = (1.0, 1e7);
-/// Most ticks in a sample.
+/// Largest number of ticks per sample.
 pub const FINEST: u32 = 64;
 const OVERSAMPLE: Param =
     Param::new("oversample", Type::Count { min: 1, max: FINEST }, Need::Default(1.0), "ticks in a sample");
 
 ca_core::choice! {
-    /// How often a group is computed.
     enum GroupRate {
-        /// in every tick
         Sound = "sound",
-        /// once a gesture frame
         Gesture = "gesture",
     }
 }
@@ -35,11 +32,11 @@ const RATE: Param =
     Param::new("rate", Type::Choice(GroupRate::WORDS), Need::Default(0.0), "how often a group is computed");
 
 ca_core::choice! {
-    /// How a group at the gesture rate is tied to the sound.
+    /// Border between a group at the gesture rate and the sound.
     enum GroupBorder {
-        /// the force of a frame is known as it begins
+        /// The force of a frame is known as it begins.
         Exact = "exact",
-        /// what is not known of it is expected from the frames before
+        /// The unknown part of the force is extrapolated from the frames before.
         Compensated = "compensated",
     }
 }
@@ -50,7 +47,7 @@ const BORDER: Param = Param::new(
     "how a group at the gesture rate is tied to the sound",
 );
 
-/// Sound rate, ticks in a sample, tick and ratio.
+/// Sets the sound rate, the ticks per sample, the tick and the ratio of the rates.
 pub fn rates(model: &Model, options: &Options, net: &mut Resolved, diags: &mut Diags) {
     let hertz = |key: &str, diags: &mut Diags| {
         let e = model.rate.iter().find(|e| e.key == key)?;
@@ -70,17 +67,17 @@ pub fn rates(model: &Model, options: &Options, net: &mut Resolved, diags: &mut D
     let sound = asked.or(written.and_then(|w| w.0)).unwrap_or(48_000.0);
     net.rate = sound;
     let finer = model.rate.iter().find(|e| e.key == OVERSAMPLE.name).and_then(|e| {
-        // the kind matters to exponents only, of which there are none
+        // `arg` uses the kind only for exponents.
         Values::new(None, diags).arg(&TGR, &OVERSAMPLE, e, &[], "[rate]")?.0.num()
     });
     net.oversample = finer.map_or(1, |n| n as u32);
     net.tick_dt = 1.0 / (sound * f64::from(net.oversample));
     net.ratio = 1;
-    // a rate that could not be read fits nothing
+    // A rate that could not be read cannot be compared.
     if matches!(written, Some((None, _))) || matches!(gesture, Some((None, _))) || options.rate != asked {
         return;
     }
-    // 3 kHz or the nearest that divides the sound rate: 44.1 kHz / 15
+    // Default: 3 kHz, or the nearest rate that divides the sound rate, e.g. 44.1 kHz / 15.
     let slow = gesture.and_then(|g| g.0).unwrap_or(sound / libm::round(sound / 3000.0).max(1.0));
     let ratio = libm::round(sound / slow).max(1.0);
     if (sound / ratio - slow).abs() > 1e-6 * slow || slow > sound {
@@ -97,7 +94,7 @@ pub fn rates(model: &Model, options: &Options, net: &mut Resolved, diags: &mut D
             }
             let near = sound / ratio;
             d = d.help(format!("the nearest that does is {} Hz", Plain(near)));
-            // a fraction of a hertz would be a fix nobody wants
+            // A fraction of a hertz is not offered as a fix.
             if near == libm::round(near) {
                 d = d.fix(span, format!("\"{near} Hz\""));
             }
@@ -107,7 +104,7 @@ pub fn rates(model: &Model, options: &Options, net: &mut Resolved, diags: &mut D
     net.ratio = ratio as u32;
 }
 
-/// Tick of the reference rate, for `alg` units.
+/// Returns the tick of the reference rate, for `alg` units.
 pub fn reference(model: &Model, net: &Resolved, diags: &mut Diags) -> Option<f64> {
     let e = model.meta("units")?;
     let word = if let Value::Text(t) = &e.value { t.as_str() } else { "" };
@@ -130,7 +127,7 @@ pub fn reference(model: &Model, net: &Resolved, diags: &mut Diags) -> Option<f64
     }
 }
 
-/// Gravity and friction of every group; those of the model come last.
+/// Reads gravity, friction and methods of every group; the medium of the model comes last.
 pub fn media(model: &Model, net: &mut Resolved, v: &mut Values<'_>) {
     let root = medium(&model.meta, ["`[model]`", "[model]"], Medium::default(), &OF_MODEL, v);
     for g in &model.groups {
@@ -140,10 +137,10 @@ pub fn media(model: &Model, net: &mut Resolved, v: &mut Values<'_>) {
     net.media.push(root);
 }
 
-/// The medium of an owner: how it is spoken of, and its bare name.
+/// Reads the medium of an owner, given as its phrase in findings and its bare name.
 fn medium(props: &[Entry], [owner, name]: [&str; 2], outer: Medium, methods: &Param, v: &mut Values<'_>) -> Medium {
     let mut m = outer;
-    // which way is down hangs on the number of axes
+    // First `dim`: the direction of gravity depends on it.
     if let Some(e) = props.iter().find(|e| e.key == "dim") {
         let what = format!("`dim` of {owner}");
         match e.value {
@@ -154,7 +151,7 @@ fn medium(props: &[Entry], [owner, name]: [&str; 2], outer: Medium, methods: &Pa
                 v.diags.push(d.help("1: a line; 2: a plane; 3: space").fix(e.span, "3"));
             }
         }
-        // the weight of the model is along its own axes
+        // The gravity of the model acts along the last axis of the group.
         if m.dim != outer.dim {
             m.gravity = down(m.dim, -down_of(outer));
         }
@@ -182,19 +179,19 @@ fn medium(props: &[Entry], [owner, name]: [&str; 2], outer: Medium, methods: &Pa
     m
 }
 
-/// A pull `g` towards negative positions of the last axis.
+/// Returns an acceleration `g` towards negative positions of the last axis.
 fn down(dim: u8, g: f64) -> [f64; 3] {
     let mut all = [0.0; 3];
     all[dim as usize - 1] = -g;
     all
 }
 
-/// What pulls along the last axis.
+/// Returns the acceleration along the last axis.
 fn down_of(m: Medium) -> f64 {
     m.gravity[m.dim as usize - 1]
 }
 
-/// One number, the pull towards negative positions of the last axis; or the acceleration, a number per axis.
+/// Reads gravity: one number towards negative positions of the last axis, or an acceleration with a number per axis.
 fn gravity(e: &Entry, dim: u8, what: &str, v: &mut Values<'_>) -> Option<[f64; 3]> {
     if let Value::List(_) = e.value {
         let list = v.position(e, Unit::ACCELERATION, what)?;

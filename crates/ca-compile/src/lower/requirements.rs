@@ -1,4 +1,4 @@
-//! What the parameter tables of the kinds cannot say: parameters that need each other, and how much a generator makes.
+//! Constraints beyond the parameter tables of the kinds: parameters that need each other, and the size of generators.
 
 use alloc::format;
 use ca_core::internal::kind::builder::{Arg, Args};
@@ -7,7 +7,7 @@ use ca_core::{Kind, Type};
 use ca_model::Item;
 use ca_model::diag::{Diag, Diags};
 
-/// False, with a finding, where the parameters of an item do not make sense together.
+/// Returns false, with a finding, if the parameters of an item are inconsistent.
 pub fn parameters(kind: &Kind, item: &Item, args: &[Arg], diags: &mut Diags) -> bool {
     let entry = |name: &str| item.args.iter().find(|e| e.key == name);
     let num = |name: &str| kind.param(name).and_then(|i| args[i].num());
@@ -62,13 +62,13 @@ pub fn parameters(kind: &Kind, item: &Item, args: &[Arg], diags: &mut Diags) -> 
     false
 }
 
-/// True where the friction of a bow would fall before it has risen.
+/// Returns whether the friction curve of a bow would fall before it has risen.
 fn falls_backwards(v0: Option<f64>, v1: Option<f64>) -> bool {
     v0.zip(v1).is_some_and(|(v0, v1)| v1 <= v0)
 }
 
-/// At most how many MATs and LIAs a generator will make, known before it makes them. Its counts multiply; each mass
-/// brings up to two links of its own, as in a mesh or a stiff string, a lone one in a row brings one.
+/// Returns an upper bound of the MATs and LIAs that a generator makes, before it makes them. Its counts multiply. Each
+/// mass adds up to two links in a mesh or a stiff string, and one in a simple row.
 pub fn modules(a: &Args<'_>) -> usize {
     if let Some(c) = a.values.iter().find_map(|v| if let Arg::Cloud(c) = v { Some(c) } else { None }) {
         return c.points.len() + c.edges.len();

@@ -1,5 +1,5 @@
-//! Resolve: rates, parameters, media, and every item's parameters in SI; MATs, ports and generators become nodes.
-//! Links wait for all names to be known (`wire.rs`).
+//! Resolves rates, parameters, media and the parameters of every item to SI, and makes MATs, ports and generators
+//! nodes. Links wait until all names are known (`wire.rs`).
 
 use crate::MOST_MODES;
 use crate::lower::crossing::crossing;
@@ -26,11 +26,11 @@ use ca_model::suggest::nearest;
 use ca_model::{Item, Model, Span};
 
 ca_core::choice! {
-    /// What `dx0` and `v` are at the start.
+    /// Meaning of `dx0` and `v` at the start.
     enum Start {
-        /// position and speed there
+        /// Position and speed at the start.
         Centred = "centred",
-        /// the positions before it
+        /// The positions before the start.
         MiLib = "mi.lib",
     }
 }
@@ -43,7 +43,7 @@ pub const START: Param = Param::new(
     "what `dx0` and `v` are at the start: position and speed there, or the positions before it, as in mi.lib",
 );
 
-/// Everything but links and outputs.
+/// Resolves everything except links and outputs.
 pub fn resolve(model: &Model, catalog: &Catalog, options: &Options, diags: &mut Diags) -> Resolved {
     let mut net = Resolved::default();
     rates::rates(model, options, &mut net, diags);
@@ -56,7 +56,7 @@ pub fn resolve(model: &Model, catalog: &Catalog, options: &Options, diags: &mut 
     v.name(named);
     rates::media(model, &mut net, &mut v);
     let mut unknown = BTreeSet::new();
-    // modules of one kind stand one behind the other
+    // Modules of one kind are adjacent.
     let mut last: Option<(&str, &'static Kind)> = None;
     net.items.reserve_exact(model.items.len());
     for (i, item) in model.items.iter().enumerate() {
@@ -65,7 +65,7 @@ pub fn resolve(model: &Model, catalog: &Catalog, options: &Options, diags: &mut 
         }
         let known = last.filter(|(code, _)| *code == item.kind).map(|(_, kind)| kind);
         let Some(kind) = known.or_else(|| catalog.get(&item.kind)) else {
-            // once for a section, however many modules stand in it
+            // One finding per section, for any number of modules in it.
             if unknown.insert((item.kind_span, item.kind.as_str())) {
                 v.diags.push(unknown_kind(item, catalog));
             }
@@ -88,7 +88,7 @@ pub fn resolve(model: &Model, catalog: &Catalog, options: &Options, diags: &mut 
     params::place(&mut v, &mut net);
     net.precision = options.precision;
     net.tables = v.tables;
-    // lists that grew hold room for as much again, which would stay until all is compiled
+    // Release spare capacity, which would otherwise last for the whole compilation.
     net.mats.shrink_to_fit();
     net.lias.shrink_to_fit();
     gesture::gestures(model, &mut net, alg, &v.named, diags);
@@ -103,7 +103,7 @@ fn unknown_kind(item: &Item, catalog: &Catalog) -> Diag {
     }
 }
 
-/// Names are unique, also between modules and parameters: `ca set`, gestures and moving points take both.
+/// Checks that names are unique, also between modules and parameters: `ca set`, gestures and moving points accept both.
 fn unique(model: &Model, diags: &mut Diags) {
     let names = model.params.iter().map(|e| e.key.as_str()).chain(model.items.iter().map(|i| i.name.as_str()));
     if all_differ(names) {
@@ -124,7 +124,6 @@ fn unique(model: &Model, diags: &mut Diags) {
     }
 }
 
-/// Checks and converts the parameters of an item.
 fn item_args(kind: &'static Kind, item: &Item, model: usize, v: &mut Values<'_>) -> Option<NetItem> {
     let mut args = alloc::vec![Arg::Absent; kind.params.len()];
     let mut follows = Vec::new();
@@ -152,7 +151,7 @@ fn item_args(kind: &'static Kind, item: &Item, model: usize, v: &mut Values<'_>)
     for (i, p) in kind.params.iter().enumerate() {
         let written = item.args.iter().any(|e| e.key == p.name);
         match p.need {
-            // a misspelt parameter is probably the one that is missing
+            // The misspelt parameter is probably the missing one.
             Need::Required if !written && misspelt => good = false,
             Need::Required if !written => {
                 let help = match p.ty {
@@ -209,7 +208,7 @@ fn one_of(kind: &Kind, item: &Item, choice: &OneOf, diags: &mut Diags) -> bool {
         }
         [] => true,
         [(set, e)] => {
-            // the first name of a set is what makes it chosen
+            // The first name of a set selects it.
             let head = item.args.iter().any(|a| a.key == set[0]);
             if !head && choice.required {
                 let d = Diag::error("E005", format!("`{}` needs `{}` beside `{}`", item.name, set[0], e.key));
@@ -229,7 +228,7 @@ fn one_of(kind: &Kind, item: &Item, choice: &OneOf, diags: &mut Diags) -> bool {
     }
 }
 
-/// Makes MATs, ports and generators; refuses what would be too large before it makes it.
+/// Makes MATs, ports and generators. A generator that would be too large is refused before it is built.
 fn nodes(mut item: NetItem, source: &Item, net: &mut Resolved, v: &mut Values<'_>) {
     let id = net.items.len() as u32;
     let kind = item.kind;
@@ -278,7 +277,7 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Resolved, v: &mut Values<'_
             };
             net.add(node);
             if item.follows.is_empty() {
-                // they are in its slots
+                // The arguments are in the slots.
                 item.args = Vec::new();
             }
             net.items.push(item);
@@ -337,8 +336,8 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Resolved, v: &mut Values<'_
     }
 }
 
-/// The same with what else would let a generator have as many masses as it is given: several ticks in a sample, or its exact
-/// modes. Both are tried.
+/// Extends the help for too many masses by settings that would allow them: several ticks per sample, or exact modes.
+/// Each is tried.
 fn with_other_ways(mut p: Problem, g: &Generator, args: &Args<'_>, oversample: u32) -> Problem {
     let counts = args.params.iter().any(|q| q.name == p.param && matches!(q.ty, Type::Count { .. }));
     let fits = |args: Args<'_>| (g.derive)(&args, &mut Vec::new()).is_ok();
@@ -356,14 +355,14 @@ fn with_other_ways(mut p: Problem, g: &Generator, args: &Args<'_>, oversample: u
     p
 }
 
-/// The same of a group whose tick is a gesture frame.
+/// Adapts a problem to a group whose tick is a gesture frame.
 fn at_gesture_rate(p: &Problem) -> Problem {
     let title = p.title.replace("this sound rate", "the gesture rate");
     let help = p.help.replace("raise `rate.sound`", "raise `rate.gesture`, or leave out `rate` of the group");
     Problem { title, help, param: p.param }
 }
 
-/// What a generator cannot do, pointed at where it was asked for.
+/// Returns the error for a generator that cannot be built, at the parameter responsible.
 pub fn does_not_fit(name: &str, source: &Item, p: Problem) -> Diag {
     let written = source.args.iter().find(|e| e.key == p.param);
     let d = Diag::error("E023", format!("`{name}`: {}", p.title));

@@ -1,17 +1,17 @@
-//! Space: how many axes things have, and what that means for places and directions.
+//! Number of axes of modules, and its meaning for positions and directions.
 //!
-//! Decides that a plane is space with a frozen axis, so that everything behind the compiler knows two cases: a place
-//! on a line and three places in a row.
+//! A plane is space with a frozen axis. After the compiler there are therefore only two cases: one number on a line,
+//! and three consecutive numbers in space.
 
 use alloc::format;
 use ca_core::internal::kind::builder::Arg;
 use ca_model::Span;
 use ca_model::diag::{Diag, Diags};
 
-/// The names of the axes.
+/// Names of the axes.
 pub const AXES: [&str; 3] = ["x", "y", "z"];
 
-/// A place along `dim` axes: a number on a line, as many numbers as axes elsewhere. Nothing written is the origin.
+/// Returns a position along `dim` axes: one number on a line, else one per axis. The default is the origin.
 pub fn position(
     arg: Option<&Arg>,
     dim: u8,
@@ -30,7 +30,7 @@ pub fn position(
     match arg {
         None | Some(Arg::Absent) => Some([0.0; 3]),
         Some(Arg::Num(v)) if dim == 1 => Some([*v, 0.0, 0.0]),
-        // what was not written
+        // Not written: the default.
         Some(Arg::Num(0.0)) if span == Span::NONE => Some([0.0; 3]),
         Some(Arg::Num(_)) => {
             diags.push(wrong("one"));
@@ -49,7 +49,7 @@ pub fn position(
     }
 }
 
-/// The unit vector a direction means.
+/// Returns the unit vector of a direction.
 pub fn direction(arg: &Arg) -> Option<[f64; 3]> {
     let Arg::List(l) = arg else { return None };
     let mut n = [0.0; 3];

@@ -1,7 +1,7 @@
-//! Values: from what is written to numbers in SI: units, ranges, named parameters, tables.
+//! Reads values as numbers in SI: units, ranges, named parameters, tables.
 //!
-//! Decides that a bare number is in the model's units and a quantity in its own, that both are checked against the
-//! dimension of the place they stand in, and that a `[param]` without a unit takes the dimension of where it is used.
+//! A bare number is in the units of the model, a quantity in its written unit. Both are checked against the dimension
+//! of their place. A `[param]` without a unit takes the dimension of the place where it is used.
 
 use crate::findings::{bad_quantity, instead, quoted, range_help, type_name, unit_span, wanted, wrong_unit};
 use crate::lower::named::{Named, Raw};
@@ -19,49 +19,49 @@ use ca_model::suggest::nearest;
 use ca_model::{Entry, Span, Value};
 use hashbrown::HashMap;
 
-/// A number and, if it follows a live parameter, which one and by what factor.
+/// A number and, if it follows a live parameter, the index of that parameter and the factor.
 pub type Followed = (f64, Option<(usize, f64)>);
 
-/// Reads values of one model.
+/// Reader of the values of one model.
 pub struct Values<'a> {
-    /// tick of the reference rate for `alg` units; `None` in SI
+    /// Tick of the reference rate for `alg` units; `None` in SI.
     pub alg: Option<f64>,
-    /// the parameters, by [`Values::name`]
+    /// Parameters, set by [`Values::name`].
     pub named: Vec<Named>,
-    /// where each stands among them
+    /// Index of each parameter by name.
     pub(super) index: HashMap<String, usize>,
-    /// what the files hold
+    /// Contents of files.
     pub clouds: Clouds,
-    /// tables met so far
+    /// Tables read so far.
     pub tables: Vec<Table>,
-    /// findings
+    /// Findings.
     pub diags: &'a mut Diags,
 }
 
 impl<'a> Values<'a> {
-    /// Without named parameters.
+    /// Creates a reader without named parameters.
     pub fn new(alg: Option<f64>, diags: &'a mut Diags) -> Values<'a> {
         Values { alg, named: Vec::new(), index: HashMap::new(), clouds: Clouds::new(), tables: Vec::new(), diags }
     }
 }
 
 impl Values<'_> {
-    /// Gives the parameters their names.
+    /// Sets the named parameters.
     pub fn name(&mut self, named: Vec<Named>) {
-        // of two of one name, which is reported, the first counts
+        // Of two parameters with the same name, which is reported, the first counts.
         self.index = named.iter().enumerate().rev().map(|(i, n)| (n.name.clone(), i)).collect();
         self.named = named;
     }
 
-    /// Factor from a bare number of dimension `dim` to SI.
+    /// Returns the factor from a bare number of dimension `dim` to SI.
     fn bare(&self, dim: Dim) -> f64 {
         self.alg.map_or(1.0, |tr| alg_to_si(dim, tr))
     }
 
-    /// A quantity in SI, if its dimension is that of `unit`; `what` names the place for the report.
+    /// Reads a quantity in SI, if it has the dimension of `unit`; `what` names the place in findings.
     fn measured(&mut self, text: &str, unit: Unit, e: &Entry, what: &str) -> Option<f64> {
         match quantity::parse(text) {
-            // nothing is nothing in every unit
+            // 0 needs no unit.
             Ok(q) if !q.has_unit && (unit.dim.same(Unit::NONE.dim) || q.value == 0.0) => Some(q.value),
             Ok(q) if !q.has_unit => {
                 let d = Diag::error("E008", format!("{what} has no unit: `{}`", text.trim()));
@@ -85,7 +85,7 @@ impl Values<'_> {
         }
     }
 
-    /// A number of dimension `unit` within `min ..= max`, or a named parameter.
+    /// Reads a number of dimension `unit` within `min ..= max`, or a named parameter.
     pub fn number(&mut self, e: &Entry, unit: Unit, range: (f64, f64), what: &str) -> Option<Followed> {
         let followed = match &e.value {
             Value::Num(v) => (*v * self.bare(unit.dim), None),
@@ -93,7 +93,7 @@ impl Values<'_> {
                 Some((factor, name)) => (self.scaled(factor, name, unit, e, what)?, None),
                 None => (self.measured(t, unit, e, what)?, None),
             },
-            // a parameter of that name comes first
+            // A parameter takes precedence over a note of the same name.
             Value::Text(t) => match quantity::note(t).filter(|_| unit.dim.same(Unit::HERTZ.dim)) {
                 Some(f) if !self.index.contains_key(t) => (f, None),
                 _ => self.named_number(t, unit, range, e, what)?,
@@ -131,7 +131,7 @@ impl Values<'_> {
         false
     }
 
-    /// The parameter `name` where a number of `unit` belongs.
+    /// Returns the value of parameter `name` for a place of unit `unit`.
     pub(super) fn named_number(
         &mut self,
         name: &str,
@@ -167,7 +167,7 @@ impl Values<'_> {
         };
         let n = &mut self.named[i];
         match &mut n.used {
-            // several places: the narrowest range of them
+            // The ranges of all places of use are intersected.
             Some((u, min, max)) if u.dim.same(unit.dim) => (*min, *max) = (min.max(range.0), max.min(range.1)),
             Some(_) => {}
             none => *none = Some((unit, range.0, range.1)),
@@ -175,7 +175,7 @@ impl Values<'_> {
         Some((n.value?.number() * factor, n.live.then_some((i, factor))))
     }
 
-    /// A plain number that cannot follow anything.
+    /// Reads a number that must not follow a live parameter.
     pub fn constant(&mut self, e: &Entry, unit: Unit, range: (f64, f64), what: &str) -> Option<f64> {
         let (v, follows) = self.number(e, unit, range, what)?;
         if let Some((i, _)) = follows {
@@ -189,8 +189,8 @@ impl Values<'_> {
         Some(v)
     }
 
-    /// The exponent `name` of a power law among the arguments of its module; `None` where it is wrong, which is said
-    /// when its own turn comes.
+    /// Returns the exponent `name` of a power law from the arguments of its module. Returns `None` if it is wrong,
+    /// which is reported when that argument itself is read.
     fn exponent(&self, kind: &Kind, name: &str, siblings: &[Entry]) -> Option<f64> {
         let p = match siblings.iter().find(|s| s.key == name).map(|s| &s.value) {
             None => match kind.param(name).map(|i| kind.params[i].need) {
@@ -208,12 +208,12 @@ impl Values<'_> {
         (quarters(p) && (1.0..=5.0).contains(&p)).then_some(p)
     }
 
-    /// A parameter of what is no module: of a group, or of the model, by its bare name.
+    /// Reads a parameter of a group or of the model by its bare name.
     pub fn word(&mut self, param: &Param, e: &Entry, owner: &str) -> Option<f64> {
         self.arg(&ca_core::internal::phi::REF, param, e, &[], owner)?.0.num()
     }
 
-    /// A plain number of the right dimension within its range; `None` for anything else, be it right or wrong.
+    /// Returns a plain number of the right dimension within its range; `None` for anything else, right or wrong.
     fn plain(&self, kind: &Kind, param: &Param, e: &Entry) -> Option<f64> {
         let Type::Number { unit, min, max } = param.ty else { return None };
         let v = match &e.value {
@@ -225,11 +225,11 @@ impl Values<'_> {
             },
             _ => return None,
         };
-        // more is asked of an exponent
+        // Exponents have further conditions.
         (v >= min && v <= max && !is_exponent(kind, param)).then_some(v)
     }
 
-    /// The argument `param` of an item.
+    /// Reads the argument `param` of an item.
     pub fn arg(
         &mut self,
         kind: &'static Kind,
@@ -238,7 +238,7 @@ impl Values<'_> {
         siblings: &[Entry],
         owner: &str,
     ) -> Option<(Arg, Option<(usize, f64)>)> {
-        // most are numbers in range, of which nothing is said
+        // Fast path: most arguments are plain numbers in range.
         if let Some(v) = self.plain(kind, param, e) {
             return Some((Arg::Num(v), None));
         }
@@ -253,7 +253,7 @@ impl Values<'_> {
                     let (v, follows) = self.number(e, unit, (min, max), &what)?;
                     return Some((Arg::Num(v), follows));
                 }
-                // the unit of the stiffness hangs on it, so it cannot move
+                // The unit of the stiffness depends on the exponent, which must therefore be constant.
                 let v = self.constant(e, unit, (min, max), &what)?;
                 if !quarters(v) {
                     let near = libm::round(v * 4.0) / 4.0;
@@ -327,7 +327,7 @@ impl Values<'_> {
             Type::Nodes => self.nodes(e, &what).map(|list| (Arg::List(list), None)),
             Type::File => self.file(e, &what).map(|a| (a, None)),
             Type::Positions { unit } => self.positions(e, unit, &what).map(|l| (Arg::List(l), None)),
-            // structure, read elsewhere
+            // Structure, read elsewhere.
             Type::Between | Type::Module | Type::Text | Type::Midi => Some((Arg::Absent, None)),
         }
     }
@@ -355,7 +355,6 @@ impl Values<'_> {
     }
 }
 
-/// Whether the unit of another parameter hangs on this one.
 fn is_exponent(kind: &Kind, param: &Param) -> bool {
     kind.params.iter().any(|p| matches!(p.ty, Type::PowerStiffness { exponent } if exponent == param.name))
 }

@@ -1,4 +1,4 @@
-//! Disjoint: which things belong together, as sets that are joined and never parted.
+//! Disjoint sets (union-find).
 
 use alloc::vec::Vec;
 
@@ -6,12 +6,12 @@ use alloc::vec::Vec;
 pub struct Sets(Vec<u32>);
 
 impl Sets {
-    /// Each number by itself.
+    /// Creates `n` sets of one number each.
     pub fn new(n: usize) -> Sets {
         Sets((0..n as u32).collect())
     }
 
-    /// The number that stands for the set of `i`: the least in it.
+    /// Returns the representative of the set of `i`: its smallest number.
     pub fn root(&mut self, i: usize) -> usize {
         let mut i = i as u32;
         while self.0[i as usize] != i {
@@ -22,7 +22,7 @@ impl Sets {
         i as usize
     }
 
-    /// Makes one set of those of `a` and `b`.
+    /// Joins the sets of `a` and `b`.
     pub fn join(&mut self, a: usize, b: usize) {
         let (a, b) = (self.root(a), self.root(b));
         self.0[a.max(b)] = a.min(b) as u32;

@@ -3,7 +3,8 @@
 use crate::net::{End, LiaNode, Measure, Wired};
 use ca_core::Role;
 
-/// The elongation of two ends at rest that the kernel does not measure, and their distance.
+/// Returns the constant part of the elongation of two ends at rest, which the kernel does not measure, and their
+/// distance.
 fn at_rest(net: &Wired, ends: [End; 2], measure: Measure) -> (f64, f64) {
     let v = net.apart(ends);
     match measure {
@@ -15,13 +16,12 @@ fn at_rest(net: &Wired, ends: [End; 2], measure: Measure) -> (f64, f64) {
             let d = n[0] * v[0] + n[1] * v[1] + n[2] * v[2];
             (d, d)
         }
-        // the kernel measures the whole distance
         Measure::Radial => (0.0, libm::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2])),
     }
 }
 
-/// Constant part of the elongation: laws with a rest length are slack at rest, contacts count from position. The
-/// second port of a quadripole is slack at rest.
+/// Returns the constant part of the elongation. At rest, laws with a rest length have the elongation 0 unless `l0` is
+/// written, and so has the second port of a quadripole. Contacts measure from the positions.
 pub fn offset(net: &Wired, l: &LiaNode) -> f64 {
     let (constant, distance) = at_rest(net, l.ends, l.measure);
     let generated = matches!(l.kind.role, Role::Lia(_)) && net.items[l.item as usize].kind.code != l.kind.code;
@@ -41,7 +41,7 @@ pub fn offset(net: &Wired, l: &LiaNode) -> f64 {
     constant - slack + second
 }
 
-/// The elongation at load \[m\]; `None` of sets and of links at moving points.
+/// Returns the elongation at load \[m\]; `None` for sets and for links at moving points.
 pub fn at_load(net: &Wired, l: &LiaNode) -> Option<f64> {
     let second = l.onto.as_ref().map(|o| (o.ends, o.measure));
     let mut e = offset(net, l);

@@ -1,8 +1,8 @@
 //! Families: the modules under each name of the network.
 //!
-//! Decides on a hash map, since a model written one by one has hundreds of thousands of names, and on one number for a name
-//! that means one module: lists are for what generators made. Who needs the names in order sorts them, which only findings
-//! do.
+//! Names are in a hash map, because a model written module by module has hundreds of thousands of them. A name of a
+//! single module is stored as one number; only generators have lists. Only findings need the names in order, and sort
+//! them.
 
 use alloc::boxed::Box;
 use alloc::sync::Arc;
@@ -10,37 +10,36 @@ use alloc::vec::Vec;
 use core::slice;
 use hashbrown::HashMap;
 
-/// What a name means.
+/// The modules that a name refers to.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Family {
-    /// MATs that `name[i]` means
+    /// MATs of `name[i]`.
     pub masses: Vec<u32>,
-    /// LIAs that `name.link[i]` means
+    /// LIAs of `name.link[i]`.
     pub links: Vec<u32>,
-    /// fixed points that `name.end[i]` means
+    /// Fixed points of `name.end[i]`.
     pub anchors: Vec<u32>,
-    /// nodes a moving point may stand between
+    /// Nodes that a moving point can be between.
     pub nodes: Vec<u32>,
-    /// their arrangement; `[n, 1]` in a row
+    /// Arrangement of the nodes; `[n, 1]` for a row.
     pub size: [u32; 2],
 }
 
-/// The same as it is read.
+/// A [`Family`] by reference.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Members<'a> {
-    /// see [`Family::masses`]
+    /// See [`Family::masses`].
     pub masses: &'a [u32],
-    /// see [`Family::links`]
+    /// See [`Family::links`].
     pub links: &'a [u32],
-    /// see [`Family::anchors`]
+    /// See [`Family::anchors`].
     pub anchors: &'a [u32],
-    /// see [`Family::nodes`]
+    /// See [`Family::nodes`].
     pub nodes: &'a [u32],
-    /// see [`Family::size`]
+    /// See [`Family::size`].
     pub size: [u32; 2],
 }
 
-/// The same as it is kept.
 enum Kept {
     Mat(u32),
     Link(u32),
@@ -65,17 +64,17 @@ impl Kept {
 pub struct Families(HashMap<Arc<str>, Kept>);
 
 impl Families {
-    /// A name for what a generator made.
+    /// Adds a name for the modules of a generator.
     pub fn insert(&mut self, name: &Arc<str>, family: Family) {
         self.0.insert(name.clone(), Kept::Many(Box::new(family)));
     }
 
-    /// A name for one MAT.
+    /// Adds a name for one MAT.
     pub fn insert_mat(&mut self, name: &Arc<str>, mat: u32) {
         self.0.insert(name.clone(), Kept::Mat(mat));
     }
 
-    /// The links that a name means too.
+    /// Adds links to a name.
     pub fn insert_links(&mut self, name: &Arc<str>, links: Vec<u32>) {
         match (self.0.get_mut(name), &links[..]) {
             (Some(Kept::Many(f)), _) => f.links = links,
@@ -90,24 +89,24 @@ impl Families {
         }
     }
 
-    /// What a name means.
+    /// Returns the modules of a name.
     pub fn get(&self, name: &str) -> Option<Members<'_>> {
         self.0.get(name).map(Kept::members)
     }
 
-    /// What a name means that is known to be there.
+    /// Returns the modules of a name that is known to exist.
     pub fn of(&self, name: &str) -> Members<'_> {
         self.get(name).unwrap_or_default()
     }
 
-    /// All names, sorted.
+    /// Returns all names, sorted.
     pub fn names(&self) -> Vec<&str> {
         let mut all: Vec<&str> = self.0.keys().map(|name| &**name).collect();
         all.sort_unstable();
         all
     }
 
-    /// Gives links their new numbers; `u32::MAX` for those that are no more.
+    /// Replaces link numbers by `new`; `u32::MAX` marks removed links.
     pub fn renumber(&mut self, new: &[u32]) {
         for kept in self.0.values_mut() {
             match kept {

@@ -1,7 +1,7 @@
-//! From the network to matrices: which dofs move, and how each link pulls at them at the pose of load.
+//! Builds matrices from the network: the degrees of freedom (dofs), and the row of each link at the pose of load.
 //!
-//! Decides that a link at a moving point is as many links as there are nodes under it: its row is a mean of theirs, so
-//! whatever holds for each of them holds wherever the point stands.
+//! A link at a moving point becomes one link per node under the point. Its row is a mean of their rows, so a bound that
+//! holds for each of them holds wherever the point is.
 
 use crate::analysis::{Dof, Linear, MovingLink, Network, Port};
 use crate::net::linearisation;
@@ -16,19 +16,17 @@ use ca_core::internal::io::Hear;
 use ca_core::internal::op::pass;
 use ca_core::internal::tuning::Scheme;
 
-/// Where moving points are taken to be.
+/// Assumed positions of moving points: at load, or any.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Points {
-    /// where they are at load
     AtLoad,
-    /// anywhere they may come
     Anywhere,
 }
 
-/// Where the dofs of each MAT begin in the linear network; `None` for what does not move.
+/// First dof of each MAT in the linear network; `None` for a MAT that does not move.
 pub struct Numbers(Vec<Option<u32>>);
 
-/// The dofs of a network, without links.
+/// Returns the dofs of a network, without links.
 pub fn dofs(net: &Wired, own: &[Own]) -> (Linear, Numbers) {
     let mut linear = Linear::default();
     let mut numbers = Vec::with_capacity(net.mats.len());
@@ -48,11 +46,11 @@ pub fn dofs(net: &Wired, own: &[Own]) -> (Linear, Numbers) {
     (linear, Numbers(numbers))
 }
 
-/// As many dofs as the points of one link may come to, together.
+/// Largest number of combinations of nodes that the points of one link may have.
 const SPOTS: usize = 10_000;
 
-/// The links of the network that `counts`, with their slopes. False where one that counts cannot be taken in: a set of
-/// pairs, or one with points that may come to too many dofs.
+/// Adds the links for which `counts` holds, with their slopes. Returns false if such a link cannot be added: a set of
+/// pairs, or one with points that have more than `SPOTS` combinations of nodes.
 pub fn links(
     net: &Wired,
     bounds: &[Bound],
@@ -81,16 +79,16 @@ pub fn links(
     all
 }
 
-/// What a linear network is for, and so whose numbers it has.
+/// Purpose of a linear network, which decides its coefficients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
-    /// to know its modes: of what is tuned in a modal group, those that are meant
+    /// Modes: cells tuned in a modal group have the coefficients of the mode itself.
     Modes,
-    /// to compute what a tick does: the coefficients as stored; position ports have numbers too, behind all that moves
+    /// The tick: coefficients as stored. Position ports have numbers too, after all that moves.
     Tick,
 }
 
-/// The linear part of a network at load, and where it is driven and heard.
+/// Returns the linear part of a network at load, with its inputs and outputs.
 pub fn network(net: &Pruned, purpose: Purpose) -> Network {
     let of = match purpose {
         Purpose::Modes => linearisation::own,
@@ -98,7 +96,7 @@ pub fn network(net: &Pruned, purpose: Purpose) -> Network {
     };
     let mats = net.mats.iter().zip(&net.alive);
     let mut own: Vec<Own> = mats.map(|(m, alive)| if *alive { of(net, m) } else { Own::default() }).collect();
-    // delays are no matrix: what hangs on a waveguide is reported as if that stood still
+    // Delays are not a matrix: links at a waveguide are reported as if it stood still.
     net.lines.iter().flat_map(LineNode::junctions).for_each(|m| own[m as usize] = Own::default());
     let slopes: Vec<Bound> = net.lias.iter().map(|l| linearisation::slopes(net, l)).collect();
     let (mut linear, mut numbers) = dofs(net, &own);
@@ -119,12 +117,12 @@ pub fn network(net: &Pruned, purpose: Purpose) -> Network {
     let whole = links(net, &slopes, &numbers, Points::AtLoad, &mut linear, counts);
     debug_assert!(whole, "the laws of sets are not linear");
     let (mut ports, mut derivatives, mut force_outputs): (Vec<Port>, Vec<Port>, Vec<String>) = Default::default();
-    // the last port and its channel: a probe may have the name of an output
+    // Last port and channel: a probe may have the name of an output.
     let mut last: Option<(&str, u32)> = None;
     for OutNode { name, tap, hear, axis, share, channel, .. } in &net.outs {
         let (axis, share, channel) = (*axis, *share, *channel);
         let still = *hear == Hear::Position;
-        // once, however many modules and axes it hears
+        // Once per output, for any number of modules and axes.
         if !(still && matches!(tap, OutputTap::Position(_))) && force_outputs.last() != Some(name) {
             force_outputs.push(name.clone());
         }
@@ -133,7 +131,7 @@ pub fn network(net: &Pruned, purpose: Purpose) -> Network {
         };
         let here = at_end(net, end, &numbers, Points::AtLoad, |first, _| alloc::vec![(first + u32::from(axis), share)]);
         let here = here.into_iter().flatten();
-        // a direction is heard axis by axis
+        // A direction has one output node per axis; they become one port.
         let same = last.replace((name, channel)) == Some((name, channel));
         let of = if still { &mut ports } else { &mut derivatives };
         match of.last_mut().filter(|_| same) {
@@ -194,7 +192,7 @@ pub fn network(net: &Pruned, purpose: Purpose) -> Network {
     }
 }
 
-/// Force on each dof that nothing changes \[N\].
+/// Returns the constant force on each dof \[N\].
 fn constant(net: &Pruned, slopes: &[Bound], linear: &Linear) -> Vec<f64> {
     let mat = |p: &Dof| &net.mats[p.mat as usize];
     let weight = |p: &Dof| match net.medium(mat(p)).gravity[p.axis as usize] {
@@ -204,7 +202,7 @@ fn constant(net: &Pruned, slopes: &[Bound], linear: &Linear) -> Vec<f64> {
     let mut all: Vec<f64> = linear.dofs.iter().map(weight).collect();
     for row in linear.rows.chunk_by(|a, b| a.lia == b.lia).filter_map(<[_]>::first) {
         let l = &net.lias[row.lia as usize];
-        // what measures along a line, and no length is written for, pulls at nothing at rest
+        // A link measured along a line, without a written length, exerts no force at rest.
         if l.l0.is_none() && !l.is_radial() {
             continue;
         }
@@ -223,7 +221,7 @@ fn constant(net: &Pruned, slopes: &[Bound], linear: &Linear) -> Vec<f64> {
     all
 }
 
-/// What of the dofs does not move by forces at a place.
+/// Returns the setting, if any, by which some dofs do not move by forces at their own positions.
 fn other_scheme(net: &Pruned, linear: &Linear) -> Option<&'static str> {
     let group = |i: u32| linear.dofs.get(i as usize).and_then(|p| net.mats[p.mat as usize].group);
     let linked = || linear.rows.iter().flat_map(|r| linear.entries(r)).map(|e| e.0);
@@ -232,13 +230,13 @@ fn other_scheme(net: &Pruned, linear: &Linear) -> Option<&'static str> {
         () if linear.dofs.iter().any(|p| net.medium_of(net.mats[p.mat as usize].group).slow) => {
             Some("rate = \"gesture\"")
         }
-        // what no link holds is a mode by itself, and moves as any other
+        // A mass without links is a mode by itself and moves like any other.
         () if linked().any(|i| net.scheme(group(i)) == Scheme::Modal) => Some("method = \"modal\""),
         () => None,
     }
 }
 
-/// Modules that nothing hears; of one that is heard in part, its members.
+/// Returns the names of modules that no output depends on; for an item kept in part, the names of its members.
 fn unheard(net: &Pruned) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     let mut all = alloc::vec![0_usize; net.items.len()];
@@ -254,19 +252,19 @@ fn unheard(net: &Pruned) -> Vec<String> {
     names
 }
 
-/// One row of a link, as a share of its slopes, or one for each node a point may stand at.
+/// One row of a link as a share of its slopes, or all rows that its moving points make possible.
 pub enum Pull {
-    /// here, with these shares of its stiffness and of its viscosity
+    /// Shares of stiffness and of viscosity, and the row.
     At(f64, f64, Vec<(u32, f64)>),
-    /// at any of these
+    /// One row for each combination of nodes.
     Anywhere(Vec<Vec<(u32, f64)>>),
 }
 
-/// The rows of a link: its own, and for one under tension in space those across it.
+/// Returns the rows of a link: its own and, for a link in space under tension, those across it.
 pub fn rows(net: &Wired, l: &LiaNode, b: &Bound, numbers: &Numbers, points: Points) -> Vec<Pull> {
     let ports: Vec<_> =
         core::iter::once((l.ends, l.measure)).chain(l.onto.iter().map(|o| (o.ends, o.measure))).collect();
-    // of each port, its direction; of each end, the nodes it may be at
+    // Per port its direction, per end the nodes it may be at.
     let mut choices: Vec<Vec<(u32, f64)>> = alloc::vec![Vec::new()];
     for (ends, measure) in &ports {
         for (side, end) in ends.iter().enumerate() {
@@ -286,7 +284,7 @@ pub fn rows(net: &Wired, l: &LiaNode, b: &Bound, numbers: &Numbers, points: Poin
     if !(b.k > 0.0 && b.linear) {
         return rows;
     }
-    // across a link under tension there is stiffness too, F/l, and no viscosity
+    // Tension adds the stiffness F/l across the link, and no viscosity.
     let pulled: f64 = ports.iter().enumerate().map(|(i, (ends, m))| stretch(net, l, *ends, *m, i == 0)).sum();
     for (ends, _) in ports.iter().filter(|(_, m)| *m == Measure::Radial) {
         let (u, length) = unit(net, *ends, l.soften);
@@ -295,7 +293,7 @@ pub fn rows(net: &Wired, l: &LiaNode, b: &Bound, numbers: &Numbers, points: Poin
             continue;
         }
         for k in 0..3_u8 {
-            // I − uuᵀ, row by row: its rows' squares sum to itself
+            // I − uuᵀ row by row: it is a projection, so the outer products of its rows sum to itself.
             let across: [f64; 3] =
                 core::array::from_fn(|j| f64::from(u8::from(j == k as usize)) - u[k as usize] * u[j]);
             let mut entries = Vec::new();
@@ -311,7 +309,7 @@ pub fn rows(net: &Wired, l: &LiaNode, b: &Bound, numbers: &Numbers, points: Poin
     rows
 }
 
-/// How far a port is pulled out at load \[m\]: nothing where no end was moved and no length is written.
+/// Returns the extension of a port at load \[m\]: 0 if no end is displaced and no length is written.
 fn stretch(net: &Wired, l: &LiaNode, ends: [End; 2], measure: Measure, first: bool) -> f64 {
     let rest = net.apart(ends);
     let (from, to) = (moved(net, ends[0]), moved(net, ends[1]));
@@ -334,7 +332,7 @@ fn stretch(net: &Wired, l: &LiaNode, ends: [End; 2], measure: Measure, first: bo
     }
 }
 
-/// What a pull on an end is on the dofs under it, one list for each node it may be at.
+/// Returns how a pull on an end acts on the dofs under it: one list for each node that it may be at.
 fn at_end(
     net: &Wired,
     end: End,
@@ -379,7 +377,7 @@ fn at_end(
     alloc::vec![here]
 }
 
-/// Axes and weights by which a port feels one of its ends.
+/// Returns the axes, with weights, by which a port measures one of its ends.
 fn direction(
     net: &Wired,
     ends: [End; 2],
@@ -396,12 +394,12 @@ fn direction(
     (0..axes).map(move |k| (k, u[k as usize])).filter(|(_, u)| *u != 0.0)
 }
 
-/// How far an end stands from its rest position at load.
+/// Returns the displacement of an end from its rest position at load.
 fn moved(net: &Wired, e: End) -> [f64; 3] {
     if let End::Mat(m) = e { net.mats[m as usize].dx0 } else { [0.0; 3] }
 }
 
-/// Direction and length from the first to the second end, where they are at load.
+/// Returns the direction and length from the first to the second end at load.
 fn unit(net: &Wired, ends: [End; 2], soften: f64) -> ([f64; 3], f64) {
     let (rest, from, to) = (net.apart(ends), moved(net, ends[0]), moved(net, ends[1]));
     let v: [f64; 3] = core::array::from_fn(|k| rest[k] + to[k] - from[k]);

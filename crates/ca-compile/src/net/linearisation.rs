@@ -1,4 +1,4 @@
-//! What modules are at load to small motions: slopes of links, mobility and own stiffness of MATs.
+//! Linear coefficients of modules for small motions at load: slopes of links, mobility and own stiffness of MATs.
 
 use crate::net::{LiaNode, MatNode, MatRole, Resolved};
 use alloc::vec::Vec;
@@ -7,20 +7,21 @@ use ca_core::internal::live::Loader;
 use ca_core::internal::op::loaded;
 use ca_core::internal::tuning::Scheme;
 
-/// What a MAT is to the linear network: mobility \[m/N\], own stiffness \[N/m\], own viscosity \[N per m/tick\].
+/// Coefficients of a MAT in the linear network.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Own {
-    /// T²/m; 0 for what does not move
+    /// Mobility T²/m \[m/N\]; 0 for a MAT that does not move.
     pub c: f64,
-    /// stiffness to the ground
+    /// Stiffness to ground \[N/m\].
     pub k: f64,
-    /// viscosity to the ground
+    /// Viscosity to ground \[N per m/tick\].
     pub z: f64,
-    /// inertia beyond its mass, of an implicit cell \[N per m/tick²\]
+    /// Inertia of an implicit cell beyond its mass \[N per m/tick²\].
     pub implicit: f64,
 }
 
-/// A MAT at load: of a cell that is tuned in a modal group the mode itself, not what the explicit scheme needs to sound like it.
+/// Returns the coefficients of a MAT at load. For a cell tuned in a modal group they describe the mode itself, while
+/// the stored ones give the explicit scheme the same pitch.
 pub fn own(net: &Resolved, m: &MatNode) -> Own {
     let stored = stored(net, m);
     let tuned =
@@ -33,7 +34,7 @@ pub fn own(net: &Resolved, m: &MatNode) -> Own {
     }
 }
 
-/// A MAT at load, as its coefficients have it.
+/// Returns the coefficients of a MAT at load as stored in the scene.
 pub fn stored(net: &Resolved, m: &MatNode) -> Own {
     let MatRole::Mat(spec) = m.role else { return Own::default() };
     let mut out = Vec::new();
@@ -58,7 +59,7 @@ pub fn stored(net: &Resolved, m: &MatNode) -> Own {
     Own { c: out[2], implicit: 1.0 / c - 1.0 / out[2], ..own }
 }
 
-/// Pitch \[Hz\] and decay time \[s\] of a cell that is given by them.
+/// Returns pitch \[Hz\] and decay time \[s\] of a cell that is given by them.
 fn pitch(m: &MatNode, values: &[Option<f64>]) -> Option<(f64, f64)> {
     let cell = &ca_core::internal::mat::CEL;
     let at = |name: &str| values.get(cell.param(name)?).copied().flatten();
@@ -66,7 +67,7 @@ fn pitch(m: &MatNode, values: &[Option<f64>]) -> Option<(f64, f64)> {
     Some((f, at("t60").unwrap_or(f64::INFINITY)))
 }
 
-/// The slopes of a link at load.
+/// Returns the slopes of a link at load.
 pub fn slopes(net: &Resolved, l: &LiaNode) -> Bound {
     (l.law.at_load.bound)(&loaded(l.law, &net.values(l.item, &l.values), net.tick_dt), &net.tables)
 }

@@ -1,4 +1,4 @@
-//! The network between model and scene: its records, and the [states](stage) it goes through.
+//! The network between model and scene: its records, and its [states](stage).
 
 pub mod disjoint;
 pub mod elongation;
@@ -28,62 +28,62 @@ use ca_core::{Kind, Law, Name};
 /// An item of the model, resolved.
 #[derive(Clone)]
 pub struct NetItem {
-    /// its full name
+    /// Full name.
     pub name: Arc<str>,
-    /// its kind
+    /// Kind.
     pub kind: &'static Kind,
-    /// its index in [`ca_model::Model::items`]
+    /// Index in [`ca_model::Model::items`].
     pub model: usize,
-    /// its group, an index into [`Resolved::media`]
+    /// Group, an index into [`Resolved::media`].
     pub group: Option<u32>,
-    /// axes along which its MATs move
+    /// Number of axes along which its MATs move.
     pub dim: u8,
-    /// its parameters in SI
+    /// Parameters in SI.
     pub args: Vec<Arg>,
-    /// which arguments follow which live parameter: (argument, parameter, factor)
+    /// Arguments that follow a live parameter: (argument, parameter, factor).
     pub follows: Vec<(usize, usize, f64)>,
-    /// the numbers its modules point at
+    /// Numbers that its modules refer to.
     pub slots: Vec<Option<f64>>,
 }
 
-/// What a MAT is.
+/// Role of a MAT.
 #[derive(Clone, Copy)]
 pub enum MatRole {
-    /// moved by forces, or fixed
+    /// A mass moved by forces, or a fixed point.
     Mat(&'static MatSpec),
-    /// moved from outside, each axis through its index in [`Resolved::inputs`]; axes without one are fixed
+    /// A port moved from outside: per axis its index in [`Resolved::inputs`]. An axis without an input is fixed.
     Port(PortRole, [Option<u32>; 3]),
-    /// moved by its group at the gesture rate: what the sound side sees of a mass there
+    /// A mass of a group at the gesture rate, as seen from the sound side: moved by its group.
     Slow,
 }
 
 /// A MAT.
 #[derive(Clone)]
 pub struct MatNode {
-    /// full name
+    /// Full name.
     pub name: Name,
-    /// code of its kind
+    /// Code of its kind.
     pub code: &'static str,
-    /// what it is
+    /// Role.
     pub role: MatRole,
-    /// where its parameters come from
+    /// Sources of its parameters.
     pub values: Arc<[Source]>,
-    /// axes it moves along: 1 on a line, 2 in a plane (which is space with z frozen), 3 in space
+    /// Number of axes: 1 on a line, 2 in a plane (space with z frozen), 3 in space.
     pub axes: u8,
-    /// rest position \[m\]; on a line only the first number counts
+    /// Rest position \[m\]; on a line only the first number is used.
     pub rest: [f64; 3],
-    /// initial displacement \[m\]
+    /// Initial displacement \[m\].
     pub dx0: [f64; 3],
-    /// initial velocity \[m/s\]
+    /// Initial velocity \[m/s\].
     pub v: [f64; 3],
-    /// medium
+    /// Group, which gives its medium.
     pub group: Option<u32>,
-    /// item it was made from
+    /// Item it was made from.
     pub item: u32,
 }
 
 impl MatNode {
-    /// True for what no force moves.
+    /// Returns whether no force moves it.
     pub fn is_fixed(&self) -> bool {
         match self.role {
             MatRole::Mat(s) => s.fixed,
@@ -91,30 +91,30 @@ impl MatNode {
         }
     }
 
-    /// True in a plane or in space.
+    /// Returns whether it is in a plane or in space.
     pub fn in_space(&self) -> bool {
         self.axes > 1
     }
 
-    /// Slots it takes in the state: one on a line, three in a row in space.
+    /// Number of slots in the state: one on a line, three consecutive ones in space.
     pub fn slots(&self) -> u32 {
         if self.in_space() { 3 } else { 1 }
     }
 }
 
-/// How a port of a link measures its two ends.
+/// Measure of a port of a link between its two ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
-    /// a difference: on a line, or of these axes of the first and the second end
+    /// Difference on a line, or along these axes of the first and the second end.
     Line([u8; 2]),
-    /// a difference along this unit vector
+    /// Difference along this unit vector.
     Along([f64; 3]),
-    /// the distance in space
+    /// Distance in space.
     Radial,
 }
 
 impl Measure {
-    /// The measure a kernel measures by.
+    /// Returns the kind of measure that a kernel uses.
     pub fn measure(self) -> MeasureKind {
         match self {
             Measure::Line(_) => MeasureKind::Line,
@@ -124,56 +124,54 @@ impl Measure {
     }
 }
 
-/// A second pair of ends, for quadripoles.
+/// Second pair of ends, of a quadripole.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SecondPort {
-    /// its ends
+    /// Ends.
     pub ends: [End; 2],
-    /// how it measures
+    /// Measure between them.
     pub measure: Measure,
 }
 
-/// An end of a link, or what an output hears.
+/// An end of a link, or the source of an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
-    /// a MAT
     Mat(u32),
-    /// a moving point
     Point(u32),
 }
 
 /// A LIA.
 #[derive(Clone)]
 pub struct LiaNode {
-    /// full name
+    /// Full name.
     pub name: Name,
-    /// its kind as written
+    /// Kind as written.
     pub kind: &'static Kind,
-    /// the law that runs
+    /// Law that runs.
     pub law: &'static Law,
-    /// where its parameters come from
+    /// Sources of its parameters.
     pub values: Arc<[Source]>,
-    /// its ends
+    /// Ends.
     pub ends: [End; 2],
-    /// how it measures them
+    /// Measure between its ends.
     pub measure: Measure,
-    /// its other ends, if it is a quadripole
+    /// Second port, if it is a quadripole.
     pub onto: Option<Box<SecondPort>>,
-    /// the first and the second ends, where it joins every pair of two sets of MATs in space; without second ends,
-    /// every pair of the first
+    /// First and second ends, if it joins all pairs of two sets of MATs in space. Without second ends it joins all
+    /// pairs of the first.
     pub sets: Option<Arc<[Vec<u32>; 2]>>,
-    /// rest length \[m\] if written
+    /// Rest length \[m\], if written.
     pub l0: Option<f64>,
-    /// softening length \[m\]
+    /// Softening length \[m\].
     pub soften: f64,
-    /// item it was made from
+    /// Item it was made from.
     pub item: u32,
 }
 
 impl LiaNode {
-    /// All its ends.
+    /// Returns all its ends.
     pub fn all_ends(&self) -> AllEnds<'_> {
-        // of a set, the ends are those of one pair
+        // `ends` of a set hold one pair only.
         if let Some(sets) = &self.sets {
             let none = End::Mat(u32::MAX);
             return AllEnds { own: [none; 4], at: 0, n: 0, sets: [&sets[0], &sets[1]] };
@@ -182,13 +180,13 @@ impl LiaNode {
         AllEnds { own: [a, b, c, d], at: 0, n: if self.onto.is_some() { 4 } else { 2 }, sets: [&[], &[]] }
     }
 
-    /// True where it measures a distance in space.
+    /// Returns whether it measures a distance in space.
     pub fn is_radial(&self) -> bool {
         self.measure == Measure::Radial || self.onto.as_ref().is_some_and(|o| o.measure == Measure::Radial)
     }
 }
 
-/// The ends of a link. By hand, since many passes ask for those of every link.
+/// Iterator over the ends of a link, written by hand because many passes use it for every link.
 #[derive(Clone)]
 pub struct AllEnds<'a> {
     own: [End; 4],
@@ -215,77 +213,75 @@ impl Iterator for AllEnds<'_> {
 /// A coordinate of a moving point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Coordinate {
-    /// for good
     At(f64),
-    /// follows a live parameter
     Live(u32),
-    /// follows the position of a MAT (an ENX or TGR), in metres read as a plain number
+    /// Position of a MAT (an ENX or TGR), in metres taken as a plain number.
     Port(u32),
 }
 
 /// A moving point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointNode {
-    /// as written
+    /// Name as written.
     pub name: String,
-    /// the family it moves on
+    /// Family it moves on.
     pub family: String,
-    /// coordinates; one on a string, two on a mesh
+    /// Coordinates: one on a string, two on a mesh.
     pub at: Vec<Coordinate>,
-    /// of a mass in a group that goes by its modes, its share in each of them, and where it rests \[m\]
+    /// For a mass of a modal group: its share in each mode, and its rest position \[m\].
     pub shape: Option<(Vec<f64>, [f64; 3])>,
 }
 
-/// What an output hears.
+/// Quantity of an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputTap {
-    /// displacement, or what [`OutNode::hear`] says of it
+    /// Displacement, or the derivative of it that [`OutNode::hear`] names.
     Position(End),
-    /// summed force
+    /// Sum of the forces on an end.
     ForceOn(End),
-    /// force of a LIA
+    /// Force of a LIA.
     ForceOf(u32),
 }
 
 /// An output or a probe.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OutNode {
-    /// its name
+    /// Name.
     pub name: String,
-    /// what it hears
+    /// Quantity it outputs.
     pub tap: OutputTap,
-    /// what of a position
+    /// Quantity derived from a position.
     pub hear: Hear,
-    /// of something in space, the axis it hears
+    /// Axis, for an end in space.
     pub axis: u8,
-    /// factor, beside the gain: the share of this axis in the direction it hears
+    /// Factor besides the gain: the share of this axis in the direction of the output.
     pub share: f64,
-    /// sound channel; probes come after all of them
+    /// Sound channel; probes come after all channels.
     pub channel: u32,
-    /// where the gain comes from
+    /// Source of the gain.
     pub gain: Source,
-    /// the item; `None` for probes
+    /// Item; `None` for probes.
     pub item: Option<u32>,
-    /// of a probe, its index in [`crate::Options::probes`]
+    /// For a probe, its index in [`crate::Options::probes`].
     pub asked: u32,
 }
 
-/// What surrounds the modules of a group.
+/// Medium of the modules of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Medium {
-    /// axes along which its MATs move: 1, 2 or 3
+    /// Number of axes along which its MATs move: 1, 2 or 3.
     pub dim: u8,
-    /// acceleration of weight \[m/s²\]
+    /// Acceleration of gravity \[m/s²\].
     pub gravity: [f64; 3],
-    /// viscosity of each MAT to ground \[N s/m\]
+    /// Viscosity of each MAT to ground \[N s/m\].
     pub friction: f64,
-    /// method of linear links and cells
+    /// Method of linear links and cells.
     pub method: Method,
-    /// its θ, if written
+    /// θ of the method, if written.
     pub theta: Option<f64>,
-    /// whether it is computed once a gesture frame
+    /// True if the group is at the gesture rate.
     pub slow: bool,
-    /// what a frame of the links across does need not be known as it begins
+    /// True if the border is compensated, i.e. forces of links across need not be known as a frame begins.
     pub compensated: bool,
 }
 
@@ -303,13 +299,13 @@ impl Default for Medium {
     }
 }
 
-/// A force from outside on one axis of an end.
+/// An external force on one axis of an end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Push {
-    /// index into [`Resolved::inputs`]
+    /// Index into [`Resolved::inputs`].
     pub input: u32,
-    /// what it pushes
+    /// End that it acts on.
     pub end: End,
-    /// along which axis
+    /// Axis.
     pub axis: u8,
 }

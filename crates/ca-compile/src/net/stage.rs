@@ -1,5 +1,7 @@
-//! The network between model and scene, in the three states it goes through. What a state adds is not there before it:
-//! each state holds the one before and reads as it. Links of generators are made with their MATs; `connect` adds the others.
+//! The three states of the network between model and scene.
+//!
+//! Each state holds the one before and dereferences to it, so that nothing can use data before it is known. Links of
+//! generators are made with their MATs; `connect` adds the others.
 //!
 //! ```text
 //! lower ─ Resolved ─ connect ─ Wired ─ passes: prune ─ Pruned ─ certify, emit
@@ -23,119 +25,117 @@ use ca_core::{Input, LiveParam, Precision, Table};
 use ca_model::Span;
 use core::ops::{Deref, DerefMut};
 
-/// A parameter that a port drives.
+/// A parameter driven by a port.
 pub struct NetDriven {
-    /// its number
+    /// Index of the parameter.
     pub param: usize,
-    /// the port: a place in [`Resolved::inputs`]
+    /// Port, an index into [`Resolved::inputs`].
     pub input: u32,
-    /// where the port is at the smallest and at the largest value \[m\] or \[N\]
+    /// Port values at the smallest and at the largest parameter value \[m\] or \[N\].
     pub span: [f64; 2],
-    /// where it is declared
+    /// Place of the declaration.
     pub at: Span,
 }
 
-/// Every module by itself, its numbers in SI: MATs, and what generators made.
+/// First state: MATs and the modules of generators, with their numbers in SI.
 #[derive(Default)]
 pub struct Resolved {
-    /// sound rate \[Hz\]
+    /// Sound rate \[Hz\].
     pub rate: f64,
-    /// tick \[s\], 1/(rate · oversample)
+    /// Tick \[s\], 1/(rate · oversample).
     pub tick_dt: f64,
-    /// ticks in a sample
+    /// Ticks per sample.
     pub oversample: u32,
-    /// sound samples per gesture frame
+    /// Sound samples per gesture frame.
     pub ratio: u32,
-    /// how device ports cross the border
+    /// Behaviour of device ports at the rate boundary.
     pub crossing: Crossing,
-    /// how large and heavy the model is in the hand
+    /// Scales between the device and the model.
     pub equivalence: Equivalence,
-    /// low-pass of the sound channels, as in the layout
+    /// Low-pass of the sound channels, as in the layout.
     pub lowpass: Vec<f64>,
-    /// the items the modules were made from
+    /// Items that the modules were made from.
     pub items: Vec<NetItem>,
-    /// MATs in document order
+    /// MATs in document order.
     pub mats: Vec<MatNode>,
-    /// LIAs in document order
+    /// LIAs in document order.
     pub lias: Vec<LiaNode>,
-    /// strings of waves
+    /// Waveguides.
     pub lines: Vec<LineNode>,
-    /// names
+    /// Modules by name.
     pub families: Families,
-    /// the values of a module whose numbers are those of its item, by how many there are: most share them
+    /// Shared value lists of modules whose numbers are the slots of their item, by length. Most modules share one.
     pub own_values: BTreeMap<usize, Arc<[Source]>>,
-    /// ports that take something
+    /// Input ports.
     pub inputs: Vec<Input>,
-    /// live parameters
+    /// Live parameters.
     pub params: Vec<LiveParam>,
-    /// those of them that ports drive
+    /// Live parameters driven by ports.
     pub driven: Vec<NetDriven>,
-    /// parameters that nothing has used so far, and where they are declared
+    /// Parameters unused so far, with the places of their declarations.
     pub unused: Vec<(String, Span)>,
-    /// a name that is there but broken, to which something refers
+    /// A name that exists but is broken, and to which something refers.
     pub incomplete: Option<String>,
-    /// values of the parameters that are not live, for coordinates and gestures
+    /// Values of the parameters that are not live, for coordinates and gestures.
     pub constants: BTreeMap<String, f64>,
-    /// tables
+    /// Tables of laws.
     pub tables: Vec<Table>,
-    /// media of the groups; the last is that of modules without group
+    /// Media of the groups; the last is for modules without a group.
     pub media: Vec<Medium>,
-    /// built-in gestures
+    /// Built-in gestures.
     pub gestures: Vec<(String, Vec<[f64; 2]>)>,
-    /// how long it sounds \[s\], if said
+    /// Duration \[s\], if written.
     pub seconds: Option<f64>,
-    /// whether this is the network of groups at the gesture rate, whose ticks are frames
+    /// True for the network of the groups at the gesture rate, whose tick is a frame.
     pub slow: bool,
-    /// whether the first two samples are those of mi.lib
+    /// True if the first two samples follow mi.lib.
     pub as_milib: bool,
-    /// the number that the scene is bound to
+    /// Number type that the scene is bound to.
     pub precision: Precision,
-    /// what was left out, in words
+    /// Descriptions of what was left out.
     pub left_out: Vec<String>,
 }
 
 impl Resolved {
-    /// Adds a MAT, under its name.
+    /// Adds a MAT under its name.
     pub fn add(&mut self, node: MatNode) {
         self.families.insert_mat(&node.name.of, self.mats.len() as u32);
         self.mats.push(node);
     }
 }
 
-/// What modules refer to is found: links between ends, moving points, what is heard and pushed.
+/// Second state: references are resolved to ends of links, moving points, outputs and force ports.
 #[derive(Default)]
 pub struct Wired {
-    /// the modules
+    /// First state.
     pub resolved: Resolved,
-    /// moving points
+    /// Moving points.
     pub points: Vec<PointNode>,
-    /// force ports
+    /// Force ports.
     pub pushes: Vec<Push>,
-    /// outputs, then probes
+    /// Outputs, then probes.
     pub outs: Vec<OutNode>,
-    /// names of the sound channels
+    /// Names of the sound channels.
     pub channels: Vec<String>,
 }
 
-/// Which modules stay, since an output or a hand hears them.
+/// Third state: which modules stay, because an output or a device depends on them.
 #[derive(Default)]
 pub struct Pruned {
-    /// the modules, connected
+    /// Second state.
     pub wired: Wired,
-    /// MATs that stay, by document number
+    /// True for each MAT that stays, by document number.
     pub alive: Vec<bool>,
-    /// MATs that could move and that nothing hears, by document number
+    /// MATs that can move and on which no output depends, by document number.
     pub unheard: Vec<u32>,
-    /// MATs that hang on the line port of a quadripole, by document number; empty where there is none
+    /// True for each MAT that hangs on the line port of a quadripole, by document number; empty without quadripoles.
     pub from_lpr: Vec<bool>,
 }
 
-/// The MATs an end can act on, as a list: that of every link is asked for in many passes, so that none is made.
+/// MATs that an end can act on, as a list without allocation, since many passes need it for every link.
 #[derive(Clone, Copy)]
 pub enum EndMats<'a> {
-    /// a MAT
     One([u32; 1]),
-    /// what a moving point moves along
     Along(&'a [u32]),
 }
 
@@ -167,7 +167,6 @@ impl From<Resolved> for Wired {
     }
 }
 
-/// Each state reads as the one before.
 macro_rules! reads_as {
     ($state:ty: $before:ty, $field:ident) => {
         impl Deref for $state {
@@ -188,73 +187,74 @@ reads_as!(Wired: Resolved, resolved);
 reads_as!(Pruned: Wired, wired);
 
 impl Resolved {
-    /// The values of a module whose `n` numbers are those of its item.
+    /// Returns the values of a module whose `n` numbers are the slots of its item.
     pub fn own_values(&mut self, n: usize) -> Arc<[Source]> {
         self.own_values.entry(n).or_insert_with(|| (0..n as u32).map(Source::Slot).collect()).clone()
     }
 
-    /// Parameter values of a module, in SI.
+    /// Returns the parameter values of a module in SI.
     pub fn values(&self, item: u32, values: &[Source]) -> Vec<Option<f64>> {
         let slots = &self.items[item as usize].slots;
         values.iter().map(|s| s.get(slots)).collect()
     }
 
-    /// True where the module's parameters may change while playing.
+    /// Returns whether parameters of the item may change while playing.
     pub fn is_live(&self, item: u32) -> bool {
         !self.items[item as usize].follows.is_empty()
     }
 
-    /// The medium of a MAT.
+    /// Returns the medium of a MAT.
     pub fn medium(&self, m: &MatNode) -> Medium {
         self.medium_of(m.group)
     }
 
-    /// True for a force from outside on a mass that is on a line, in the sound. (What pushes masses of groups at the gesture rate is there
-    /// before any pass.)
+    /// Returns whether this is an external force on a mass on a line, on the sound side. Groups at the gesture rate
+    /// have their external forces before any pass.
     pub fn pushes_line(&self, p: &Push) -> bool {
         let in_space = |m: u32| self.mats[m as usize].in_space();
         !self.slow && !matches!(p.end, End::Mat(m) if in_space(m))
     }
 
-    /// The medium of a group; that of the model without one.
+    /// Returns the medium of a group; without a group, the medium of the model.
     pub fn medium_of(&self, group: Option<u32>) -> Medium {
         group.and_then(|g| self.media.get(g as usize)).or(self.media.last()).copied().unwrap_or_default()
     }
 
-    /// The tick of a group \[s\]: that of the sound, or a gesture frame.
+    /// Returns the tick of a group \[s\]: a sound tick or a gesture frame.
     pub fn tick_of(&self, group: Option<u32>) -> f64 {
         if self.medium_of(group).slow { self.frame_dt() } else { self.tick_dt }
     }
 
-    /// What its ticks are of, for people.
+    /// Name of its clock, for findings.
     pub fn clock(&self) -> &'static str {
         if self.slow { "gesture" } else { "sound" }
     }
 
-    /// A gesture frame \[s\].
+    /// Returns the duration of a gesture frame \[s\].
     pub fn frame_dt(&self) -> f64 {
         f64::from(self.ratio) / self.rate
     }
 
-    /// How what is linear in a group is computed.
+    /// Returns the scheme of the linear part of a group.
     pub fn scheme(&self, group: Option<u32>) -> Scheme {
         let medium = self.medium_of(group);
         Scheme::of(medium.method, medium.theta)
     }
 
-    /// True where the model goes by PEFRL.
+    /// Returns whether the model uses PEFRL.
     pub fn is_composed(&self) -> bool {
         self.media.last().is_some_and(|m| m.method == Method::Pefrl)
     }
 
-    /// The limit of the explicit scheme as a share of that of the method: what the certificate counts stiffness by.
+    /// Returns the limit of the explicit scheme over the limit of the method, by which the certificate scales
+    /// stiffness.
     pub fn limit_ratio(&self) -> f64 {
         if self.is_composed() { 4.0 / LIMIT } else { 1.0 }
     }
 }
 
 impl Wired {
-    /// Rest position of an end.
+    /// Returns the rest position of an end.
     pub fn rest(&self, end: End) -> [f64; 3] {
         match end {
             End::Mat(m) => self.mats[m as usize].rest,
@@ -267,13 +267,13 @@ impl Wired {
         }
     }
 
-    /// The vector from the first to the second end, at rest.
+    /// Returns the vector from the first to the second end at rest.
     pub fn apart(&self, [a, b]: [End; 2]) -> [f64; 3] {
         let (a, b) = (self.rest(a), self.rest(b));
         core::array::from_fn(|k| b[k] - a[k])
     }
 
-    /// Axes along which an end moves; moving points are on a line.
+    /// Returns the number of axes along which an end moves; a moving point is on a line.
     pub fn axes(&self, end: End) -> u8 {
         match end {
             End::Mat(m) => self.mats[m as usize].axes,
@@ -281,7 +281,7 @@ impl Wired {
         }
     }
 
-    /// The MATs an end can act on.
+    /// Returns the MATs that an end can act on.
     pub fn under(&self, end: End) -> EndMats<'_> {
         match end {
             End::Mat(m) => EndMats::One([m]),
@@ -289,20 +289,20 @@ impl Wired {
         }
     }
 
-    /// How many places an end may stand at.
+    /// Returns the number of nodes that an end can be at.
     pub fn spots(&self, end: End) -> usize {
         let shaped = matches!(end, End::Point(p) if self.points[p as usize].shape.is_some());
         if shaped { 1 } else { self.under(end).len() }
     }
 
-    /// How much of a motion under an end reaches it at the most: 1 of what it is or moves along, the sum of its shares of a
-    /// mass in modes.
+    /// Returns the largest share of a motion under an end that reaches it: 1 for a MAT and for a moving point, and the
+    /// sum of the shares for a mass given by modes.
     pub fn reach(&self, end: End) -> f64 {
         let End::Point(p) = end else { return 1.0 };
         self.points[p as usize].shape.as_ref().map_or(1.0, |s| s.0.iter().map(|w| w.abs()).sum())
     }
 
-    /// Name of an end, for reports.
+    /// Returns the name of an end, for reports.
     pub fn end_name(&self, end: End) -> String {
         match end {
             End::Mat(m) => self.mats[m as usize].name.to_string(),

@@ -1,5 +1,4 @@
-//! The worst of what may change: for each mass and each link, its numbers at the ends of the ranges of all live
-//! parameters it follows.
+//! Worst-case numbers of each mass and each link over the ranges of all live parameters it follows.
 
 use crate::net::{MatNode, MatRole, Resolved};
 use alloc::sync::Arc;
@@ -9,18 +8,19 @@ use ca_core::internal::live::{Loader, Source};
 use ca_core::internal::op::loaded;
 use ca_core::{Bound, Role};
 
-/// A MAT at the worst corner of what may change; nothing of what is fixed.
+/// Worst-case numbers of a MAT; all 0 for a fixed one.
 #[derive(Clone, Copy, Default)]
 pub struct WorstMat {
-    /// mobility T²/m \[m/N\]
+    /// Mobility T²/m \[m/N\].
     pub c: f64,
-    /// stiffness of its own \[N/m\], as of a CEL
+    /// Own stiffness of a CEL \[N/m\].
     pub k: f64,
-    /// viscosity of its own and of its medium \[N per m/tick\]
+    /// Own viscosity plus the viscosity of its medium \[N per m/tick\].
     pub z: f64,
 }
 
-/// Each MAT; generators make thousands with the same values, and each corner may solve for a pitch.
+/// Returns the worst case of each MAT. Consecutive MATs with equal values share the result: generators make thousands
+/// of them, and each corner may solve for a pitch.
 pub fn worst_mats(net: &Resolved) -> Vec<WorstMat> {
     let mut last: Option<(&MatNode, WorstMat)> = None;
     let mut rows = Vec::with_capacity(net.mats.len());
@@ -39,7 +39,7 @@ fn worst_mat(net: &Resolved, m: &MatNode) -> WorstMat {
     let MatRole::Mat(spec) = m.role else { return WorstMat::default() };
     let mut out = Vec::new();
     let (mut k, mut z, mut c): (f64, f64, f64) = (0.0, 0.0, 0.0);
-    // worst corner of what may change: lightest, stiffest, most damped
+    // Worst of all corners: lightest, stiffest, most damped.
     for values in corners(net, m.item, &m.values) {
         Loader::Mat(spec, net.medium(m).friction).load(&values, net.tick_dt, &mut out);
         if out[2] != 0.0 {
@@ -52,7 +52,7 @@ fn worst_mat(net: &Resolved, m: &MatNode) -> WorstMat {
     WorstMat { c, k, z }
 }
 
-/// The parameter values of a module at load and at every corner of the ranges of the live parameters it follows.
+/// Returns the parameter values of a module at load and at every corner of the ranges of its live parameters.
 fn corners(net: &Resolved, item: u32, values: &[Source]) -> Vec<Vec<Option<f64>>> {
     let it = &net.items[item as usize];
     let mut all = alloc::vec![net.values(item, values)];
@@ -62,7 +62,7 @@ fn corners(net: &Resolved, item: u32, values: &[Source]) -> Vec<Vec<Option<f64>>
     if live.is_empty() {
         return all;
     }
-    // no kind has so many parameters that this were a number to fear
+    // At most 2^16 corners; no kind has that many parameters.
     for corner in 0_u32..1 << live.len().min(16) {
         let mut args = it.args.clone();
         for (arg, p, factor) in &it.follows {
@@ -82,7 +82,7 @@ fn corners(net: &Resolved, item: u32, values: &[Source]) -> Vec<Vec<Option<f64>>
                     scheme: net.scheme(it.group),
                 }) {
                     Ok(s) => s,
-                    // out of reach, so a change to it is refused
+                    // Out of reach of the generator: a change to this corner is refused while playing.
                     Err(_) => continue,
                 }
             }
@@ -93,7 +93,7 @@ fn corners(net: &Resolved, item: u32, values: &[Source]) -> Vec<Vec<Option<f64>>
     all
 }
 
-/// The bound of each link, at the worst corner of what may change.
+/// Returns the worst-case bound of each link.
 pub fn worst_bounds(net: &Resolved) -> Vec<Bound> {
     let mut last: Option<(u32, Arc<[Source]>, Bound)> = None;
     let mut bounds = Vec::with_capacity(net.lias.len());
@@ -107,7 +107,7 @@ pub fn worst_bounds(net: &Resolved) -> Vec<Bound> {
         let mut worst = Bound::default();
         for (i, values) in corners(net, l.item, &l.values).into_iter().enumerate() {
             let b = (l.law.at_load.bound)(&loaded(l.law, &values, net.tick_dt), &net.tables);
-            // what counts is k − lift, whose worst is not that of k
+            // k − lift is what counts; its largest value need not be at the largest k.
             let most = (worst.k - worst.lift).max(b.k - b.lift);
             let k = worst.k.max(b.k);
             let power = if b.power.0 > worst.power.0 { b.power } else { worst.power };

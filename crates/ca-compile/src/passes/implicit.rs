@@ -1,10 +1,10 @@
-//! Implicit: which linear links and cells go by the methods `centred` and `implicit`; their matrix is laid out in
+//! Chooses the linear links and cells of the methods `centred` and `implicit`. Their matrix is in
 //! `emit/methods/implicit.rs`.
 //!
-//! Decides that a method is chosen before the laws are specialised, by a word of the link, of its group or of the model,
-//! and that a cell needs no matrix: its own spring and damper only make it heavier ([`ca_core::internal::mat::cel`]). Refused where
-//! the matrix would change from tick to tick (distances in space, quadripoles, moving points), and where a contact that
-//! counts on the motion to come shares a mass with such a link.
+//! The method comes from the link, its group or the model, and is chosen before laws are specialised. A cell needs no
+//! matrix: its spring and damper only add to its inertia ([`ca_core::internal::mat::cel`]). The pass refuses links
+//! whose matrix would change from tick to tick (distances in space, quadripoles, moving points), and links that share a
+//! mass with a link which is solved with the coming motion.
 
 use crate::findings::no_method;
 use crate::net::lines::LineNode;
@@ -18,7 +18,7 @@ use ca_core::internal::tuning::Method;
 use ca_model::Model;
 use ca_model::diag::Diags;
 
-/// Gives links and cells the method that they, their group or the model ask for.
+/// Sets the method of links and cells, as written for them, their group or the model.
 pub fn choose(net: &mut Wired) {
     let asked = |net: &Wired, item: u32, kind: &ca_core::Kind, values: &[Source]| {
         let at = |name: &str| {
@@ -28,16 +28,16 @@ pub fn choose(net: &mut Wired) {
         let medium = net.medium_of(net.items[item as usize].group);
         at("method").map_or(medium.method, Method::of).theta(at("theta").or(medium.theta))
     };
-    // item, its values as written, and as the law takes them: most links of a generator share theirs
+    // Item, values as written, and values for the implicit law: most links of a generator share them.
     let mut last: Option<(u32, [Arc<[Source]>; 2])> = None;
-    // the same of what has no such method, by far the most links
+    // The same for the previous explicit link, the most frequent case.
     let mut explicit: Option<(u32, Arc<[Source]>)> = None;
     for i in 0..net.lias.len() {
         let l = &net.lias[i];
         if explicit.as_ref().is_some_and(|(item, values)| *item == l.item && Arc::ptr_eq(values, &l.values)) {
             continue;
         }
-        // the law before it is specialised; what has no method of this kind has no such parameters
+        // Parameters of the law before specialisation; only these kinds have such a method.
         let (k, z) = match l.kind.code {
             "REF" => (Some(1), Some(2)),
             "RES" => (Some(1), None),
@@ -48,7 +48,7 @@ pub fn choose(net: &mut Wired) {
             explicit = Some((l.item, l.values.clone()));
             continue;
         };
-        // with neither viscosity nor θ there is nothing to be implicit for: it is the explicit link
+        // With θ = 0 and without viscosity the implicit link equals the explicit one.
         let z_of = z.and_then(|z| l.values.get(z)).copied().unwrap_or(Source::Absent);
         let live = matches!(z_of, Source::Slot(_)) && net.is_live(l.item);
         if theta == 0.0 && !live && z_of.get(&net.items[l.item as usize].slots).unwrap_or(0.0) == 0.0 {
@@ -68,7 +68,7 @@ pub fn choose(net: &mut Wired) {
     }
     let cell = &ca_core::internal::mat::CEL;
     let Some((method, theta)) = cell.param("method").zip(cell.param("theta")) else { return };
-    // a junction of waves is exact as it is: what would be its damper is what waves take along
+    // A waveguide junction stays explicit: its damper represents the waves that leave it.
     let junctions: BTreeSet<u32> = net.lines.iter().flat_map(LineNode::junctions).collect();
     for i in (0..net.mats.len()).filter(|i| !junctions.contains(&(*i as u32))) {
         let m = &net.mats[i];
@@ -77,13 +77,13 @@ pub fn choose(net: &mut Wired) {
         }
         let Some(share) = asked(net, m.item, cell, &m.values) else { continue };
         let mut values = m.values.to_vec();
-        // θ = 0 by the method `implicit` is the method `centred`
+        // The method `implicit` with θ = 0 is `centred`.
         (values[method], values[theta]) = (Source::Const(2.0), Source::Const(share));
         net.mats[i].values = Arc::from(values);
     }
 }
 
-/// True where some link or cell goes by θ = 1/12, whose tick is of the fourth order without viscosity.
+/// Returns whether some link or cell has θ = 1/12, for which the tick is of fourth order without viscosity.
 pub fn is_fourth(net: &Wired) -> bool {
     let twelfth = |theta: Option<f64>| theta.is_some_and(|t| (t - 1.0 / 12.0).abs() < 1e-6);
     let links = net.lias.iter().filter(|l| l.law.implicit).filter_map(|l| l.values.get(2).map(|v| (l.item, *v)));
@@ -94,7 +94,7 @@ pub fn is_fourth(net: &Wired) -> bool {
     links.chain(cells).any(|(item, theta)| twelfth(theta.get(&net.items[item as usize].slots)))
 }
 
-/// Refuses links whose matrix would not stay as it is.
+/// Refuses links whose matrix would change.
 pub fn check(model: &Model, net: &Wired, diags: &mut Diags) {
     let mut reported = BTreeSet::new();
     let mut late: BTreeMap<u32, &LiaNode> = BTreeMap::new();

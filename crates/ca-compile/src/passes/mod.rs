@@ -1,5 +1,5 @@
-//! Third: the network made cheaper and complete, one pass a file: methods chosen, laws specialised, what nobody hears
-//! left out, the order in which implicit links are solved, strings of waves tuned, modes in place of masses.
+//! Third step: passes that simplify and complete the network, one per file: choice of methods, specialised laws,
+//! pruning, solve order of implicit links, waveguides, modes.
 
 pub mod implicit;
 #[cfg_attr(not(feature = "analysis"), path = "no_modal.rs")]

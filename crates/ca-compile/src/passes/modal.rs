@@ -1,14 +1,14 @@
 //! Modal: the linear part of a group by its exact modes (docs/numerics.md §3.1).
 //!
-//! The masses, cells and linear links of a group with `method = "modal"` become one oscillator for each mode, retuned so
-//! that its poles are the exact ones (docs/numerics.md §1.5); every mass that something else holds, hears or pushes
-//! becomes a port, a sum over modes, and forces on it go back by the same weights, so no energy is made. The modes are
-//! cells like any other: the certificate and the energy ledger know nothing new.
+//! The masses, cells and linear links of a group with `method = "modal"` become one oscillator per mode, tuned to its
+//! exact poles (docs/numerics.md §1.5). Each mass with another link, output or force port becomes a port, i.e. a sum
+//! over modes. Forces on the port act on the modes by the same weights, so that no energy is made. The modes are
+//! ordinary cells for the certificate and the energy ledger.
 //!
-//! Decides that a mode keeps its mass, so that a stroke moves it as much as it should, rather than its static stiffness;
-//! that damping belongs to the modes, each its own share, with a warning where it would tie them (W115); and that modes
-//! beyond half the sound rate are left out, as nobody could hear them. Eigenvectors come from faer, whose last bits hang on
-//! the vector instructions of the machine: of all methods this one alone gives other last bits on another kind of machine.
+//! A mode keeps its mass rather than its static stiffness, so that a blow moves it by the right amount. Damping is
+//! assigned to each mode separately, with a warning if it couples them (W115). Modes above half the sound rate are left
+//! out. Eigenvectors come from faer, whose last bits depend on the vector instructions of the machine. Other methods
+//! have the same bits on all machines.
 
 use crate::analysis::modes::{LARGEST, Mode, modes};
 use crate::analysis::{Linear, Network};
@@ -32,7 +32,7 @@ use ca_core::{Name, Precision, Role};
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, Span};
 
-/// A mode: persistence, pull and mobility as they are.
+/// Kind of a mode: its parameters are the coefficients P, Q and C.
 static MODE: MatSpec = MatSpec {
     code: symbols::MODE,
     coefs: |p, _| {
@@ -42,12 +42,12 @@ static MODE: MatSpec = MatSpec {
     fixed: false,
 };
 
-/// From where on damping couples modes more than rounding does.
+/// Coupling by damping above this is more than rounding.
 const COUPLED: f64 = 1e-9;
 
-/// Replaces the linear part of each group that asks for it.
+/// Replaces the linear part of each modal group.
 pub fn modal(model: &Model, net: &mut Pruned, diags: &mut Diags) {
-    // the medium of modes is put before the last, that of the model, which is therefore looked for anew
+    // Each group inserts a medium of modes before the last, the medium of the model, whose index therefore changes.
     for group in 0..net.media.len() {
         let group = if group < model.groups.len() { group } else { net.media.len() - 1 };
         if net.media[group].method == Method::Modal {
@@ -56,12 +56,12 @@ pub fn modal(model: &Model, net: &mut Pruned, diags: &mut Diags) {
     }
 }
 
-/// Whether a module belongs to the group; the last medium is that of modules without group.
+/// Returns whether a module belongs to the group; the last medium is for modules without a group.
 fn belongs(net: &Pruned, of: Option<u32>, group: usize) -> bool {
     of.map_or(net.media.len() - 1, |g| g as usize) == group
 }
 
-/// True for a link that becomes part of the modes.
+/// Returns whether a link becomes part of the modes.
 fn inside(net: &Pruned, l: &LiaNode, within: &[bool], group: usize) -> bool {
     let mut ends = l.ends.iter();
     let held = ends.all(|e| matches!(e, End::Mat(m) if within[*m as usize] || net.mats[*m as usize].is_still()));
@@ -73,13 +73,12 @@ fn inside(net: &Pruned, l: &LiaNode, within: &[bool], group: usize) -> bool {
 }
 
 impl MatNode {
-    /// True for what neither forces nor hands move.
+    /// Returns whether neither forces nor inputs move it.
     fn is_still(&self) -> bool {
         matches!(self.role, MatRole::Mat(s) if s.fixed)
     }
 }
 
-/// A finding about the group as a whole, at its first module.
 fn refuse(model: &Model, net: &Pruned, item: u32, code: &'static str, title: String, help: &str) -> Diag {
     let span: Span = model.items[net.items[item as usize].model].name_span;
     Diag::error(code, title).at(span, "by its modes").help(help)
@@ -92,7 +91,7 @@ fn one(model: &Model, net: &mut Pruned, group: usize, diags: &mut Diags) {
         .zip(&net.alive)
         .map(|(m, alive)| *alive && !m.is_fixed() && !m.in_space() && belongs(net, m.group, group))
         .collect();
-    // what waves run through is exact as it is
+    // Waveguide junctions are exact without modes.
     for m in net.lines.iter().flat_map(LineNode::junctions) {
         within[m as usize] = false;
     }
@@ -104,7 +103,6 @@ fn one(model: &Model, net: &mut Pruned, group: usize, diags: &mut Diags) {
         return;
     }
     let keep: Vec<bool> = net.lias.iter().map(|l| !inside(net, l, &within, group)).collect();
-    // its matrices, and their modes
     let own: Vec<Own> = net
         .mats
         .iter()
@@ -132,7 +130,7 @@ fn one(model: &Model, net: &mut Pruned, group: usize, diags: &mut Diags) {
     }
     let most = network.linear.dofs.iter().map(|p| p.c).fold(0.0, f64::max);
     let modes = oscillators(net, &network.linear, &kept, most, item);
-    // what else touches, hears or pushes a mass of it does so at a port
+    // Other links, outputs and force ports act on its masses at ports.
     let mut ports: BTreeMap<u32, u32> = BTreeMap::new();
     let row: BTreeMap<u32, usize> = network.linear.dofs.iter().enumerate().map(|(i, p)| (p.mat, i)).collect();
     let family = format!("{name} modes");
@@ -168,8 +166,9 @@ fn one(model: &Model, net: &mut Pruned, group: usize, diags: &mut Diags) {
     net.drop_links(lias, &keep);
 }
 
-/// Turns a shape so that its sign does not hang on rounding: scenes compiled around a value of a parameter are differenced. What
-/// sounds is the same to the bit. By a sum with weights of no symmetry, which is nothing for no shape that has any.
+/// Fixes the sign of a shape, so that it does not depend on rounding: derivatives use differences of scenes compiled
+/// around a parameter value. The sound keeps its bits. The sign comes from a sum whose weights are asymmetric, so that
+/// it does not vanish for symmetric shapes.
 fn oriented(mode: &mut Mode) {
     let weights = (0..mode.shape.len()).map(|i| 1.0 + 0.618_033_988_749_895 * i as f64 % 1.0);
     if weights.zip(&mode.shape).map(|(w, v)| w * v).sum::<f64>() < 0.0 {
@@ -177,7 +176,6 @@ fn oriented(mode: &mut Mode) {
     }
 }
 
-/// What stands in the way, with what to do about it.
 fn obstacle(model: &Model, net: &Pruned, within: &[bool], name: &str, item: u32, group: usize) -> Option<Diag> {
     let refuse = |item, code, title, help| Some(refuse(model, net, item, code, title, help));
     let touches = |l: &LiaNode| l.all_ends().any(|e| net.under(e).iter().any(|m| within[*m as usize]));
@@ -212,7 +210,6 @@ fn obstacle(model: &Model, net: &Pruned, within: &[bool], name: &str, item: u32,
     refuse(item, "E028", title, "use a mass such as `low[8]`, or `method = \"ca\"`")
 }
 
-/// Says where damping would couple modes that are now apart.
 fn warn(model: &Model, net: &Pruned, item: u32, list: &[Mode], name: &str, diags: &mut Diags) {
     let most = list.iter().map(|m| m.coupled).fold(0.0, f64::max);
     if most > COUPLED {
@@ -223,17 +220,17 @@ fn warn(model: &Model, net: &Pruned, item: u32, list: &[Mode], name: &str, diags
     }
 }
 
-/// The modes as MATs, with the start of the masses they stand for; returns their numbers.
+/// Adds the modes as MATs with the initial state of their masses, and returns their numbers.
 fn oscillators(net: &mut Pruned, linear: &Linear, kept: &[&Mode], most: f64, item: u32) -> Vec<u32> {
     let tick_dt = net.tick_dt;
-    // a medium without friction: what the masses had is in the modes
+    // A medium without friction: the modes contain the friction of the masses.
     let medium = net.media.len() as u32 - 1;
     net.media.insert(medium as usize, Medium::default());
     let from_lpr = linear.dofs.iter().any(|p| net.from_lpr.get(p.mat as usize) == Some(&true));
     let group = Arc::from(model_name(net, item));
     let mut numbers = Vec::with_capacity(kept.len());
     for (j, mode) in kept.iter().enumerate() {
-        // mass-normalised: q = Σ φ m x
+        // Mass-normalised: q = Σ φ m x.
         let project = |of: &dyn Fn(&MatNode) -> f64| -> f64 {
             let sum: f64 =
                 linear.dofs.iter().zip(&mode.shape).map(|(p, u)| u / p.c * of(&net.mats[p.mat as usize])).sum();
@@ -241,7 +238,7 @@ fn oscillators(net: &mut Pruned, linear: &Linear, kept: &[&Mode], most: f64, ite
         };
         let (x, v) = (project(&|m| m.dx0[0]), project(&|m| m.v[0]));
         let (a, b, before) = exact(mode, x, v * tick_dt);
-        // the start takes half a tick of spring and damper off it again
+        // The start of a scene subtracts half a tick of spring and damper again.
         let d = (x - before + 0.5 * -a * x) / (1.0 + 0.5 * b);
         let d = if d.is_finite() { d } else { v * tick_dt };
         numbers.push(net.mats.len() as u32);
@@ -265,7 +262,6 @@ fn oscillators(net: &mut Pruned, linear: &Linear, kept: &[&Mode], most: f64, ite
     numbers
 }
 
-/// The name that modes go by.
 fn model_name(net: &Pruned, item: u32) -> String {
     let name = &net.items[item as usize].name;
     match (name.split_once('.'), net.items[item as usize].kind.role) {
@@ -275,8 +271,8 @@ fn model_name(net: &Pruned, item: u32) -> String {
     }
 }
 
-/// Stiffness a and viscosity b with which the scheme has the exact poles of a mode, and where it was one tick before, from
-/// where it is and how fast [per tick].
+/// Returns stiffness a and viscosity b for which the scheme has the exact poles of a mode, and its displacement one
+/// tick earlier, from displacement `x` and speed `v` per tick.
 fn exact(mode: &Mode, x: f64, v: f64) -> (f64, f64, f64) {
     let s = 0.5 * mode.b;
     let square = mode.a - s * s;
@@ -288,11 +284,11 @@ fn exact(mode: &Mode, x: f64, v: f64) -> (f64, f64, f64) {
         let (sin, cos) = libm::sincos(theta);
         return (a, -libm::expm1(-2.0 * s), libm::exp(s) * (x * cos - (v + s * x) / theta * sin));
     }
-    // two real poles, e^(−s ± g)
+    // Two real poles, e^(−s ± g).
     let g = libm::sqrt(-square);
     let (slow, fast) = (mode.a / (s + g).max(f64::MIN_POSITIVE), s + g);
     let (p, q) = (-libm::expm1(-slow), -libm::expm1(-fast));
-    // a free mode moves evenly; one with a single pole twice is the limit
+    // sinh(g)/g tends to 1 for a double pole; a free mode moves uniformly.
     let shape = if g > 0.0 { libm::sinh(g) / g } else { 1.0 };
     (p * q, p + q - p * q, libm::exp(s) * (x * libm::cosh(g) - (v + s * x) * shape))
 }

@@ -1,4 +1,4 @@
-//! A build without `analysis` has no modes to offer.
+//! Replacement of `modal` for builds without the feature `analysis`, which cannot compute modes.
 
 use crate::net::Pruned;
 use alloc::format;
@@ -6,7 +6,7 @@ use ca_core::internal::tuning::Method;
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 
-/// Says so, for each group that asks for them.
+/// Reports an error for each modal group.
 pub fn modal(model: &Model, net: &mut Pruned, diags: &mut Diags) {
     for (i, _) in net.media.iter().enumerate().filter(|(_, m)| m.method == Method::Modal) {
         let name = model.groups.get(i).map_or_else(|| "the model".into(), |g| format!("`{}`", g.name));

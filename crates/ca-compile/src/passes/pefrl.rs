@@ -1,9 +1,9 @@
-//! PEFRL: whether a model may go by it, what its tick runs, and what it does to the limit ([`ca_core::internal::method::pefrl`]).
+//! PEFRL: checks whether a model can use the method ([`ca_core::internal::method::pefrl`]).
 //!
-//! Decides for the whole model or none of it: what is inside a tick and what is at its ends cannot be mixed. Refused
-//! is what hangs on motion (viscosity, friction), remembers, is implicit, is moved from outside, or is tuned to the
-//! pitch of another scheme. The force passes of the scene run again at each kick; those at the beginning of the tick
-//! are there for who hears forces.
+//! The method applies to the whole model, since the inside of a tick cannot be mixed with other schemes. Refused are
+//! laws that depend on motion (viscosity, friction) or have memory, implicit laws, ports that move, and modules tuned
+//! to the pitch of another scheme. The force passes of the scene run again at each kick. Those at the beginning of the
+//! tick serve outputs of forces.
 
 use crate::net::worst::worst_mats;
 use crate::net::{LiaNode, MatRole, Pruned};
@@ -15,7 +15,7 @@ use ca_core::internal::tuning::Method;
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, Span};
 
-/// Refuses what the method cannot do.
+/// Refuses models that the method cannot compute.
 pub fn check(model: &Model, net: &Pruned, options: &Options, diags: &mut Diags) {
     if !net.is_composed() {
         return;
@@ -75,7 +75,7 @@ pub fn check(model: &Model, net: &Pruned, options: &Options, diags: &mut Diags) 
     }
 }
 
-/// True of a Hertz contact that loses energy at a blow, which is no slope, or may come to.
+/// Returns whether a Hertz contact loses energy, or may by a live change. Its bound does not show this as a slope.
 fn loses(net: &Pruned, l: &LiaNode) -> bool {
     let Some(from) = l.kind.param("h").and_then(|h| l.values.get(h)) else { return false };
     let live = net.is_live(l.item) && matches!(from, Source::Slot(_));

@@ -1,5 +1,5 @@
-//! Prune: what no output and no hand can hear is not computed. Motion does not pass through a fixed point or a port,
-//! so those do not join what hangs on them.
+//! Prune: drops modules that no output and no device depends on. Motion does not pass through a fixed point or a port,
+//! so they do not connect the modules linked to them.
 
 use crate::net::disjoint::Sets;
 use crate::net::{End, MatRole, OutputTap, Pruned, Wired};
@@ -36,7 +36,7 @@ pub fn prune(model: &Model, mut net: Wired, options: &Options, diags: &mut Diags
     let n = net.mats.len();
     let fixed: Vec<bool> = net.mats.iter().map(crate::net::MatNode::is_fixed).collect();
     let mut sets = Sets::new(n + net.points.len());
-    // a moving point joins what it may touch, as far as that moves
+    // A moving point joins all moving nodes that it may touch.
     let place = |e: End| match e {
         End::Mat(m) => m as usize,
         End::Point(p) => n + p as usize,
@@ -72,7 +72,7 @@ pub fn prune(model: &Model, mut net: Wired, options: &Options, diags: &mut Diags
     }
     let listened: Vec<End> =
         net.outs.iter().filter_map(|o| if let OutputTap::ForceOn(e) = o.tap { Some(e) } else { None }).collect();
-    // whoever pulls on a device, or on a fixed point whose force is heard, is felt
+    // Links at a device, or at a fixed point whose force is an output, are needed.
     for l in &net.lias {
         if l.all_ends().any(|e| tgr(e) || listened.contains(&e)) {
             l.all_ends().filter(|e| moves(*e)).for_each(|e| hear(&mut sets, e));
@@ -92,7 +92,7 @@ pub fn prune(model: &Model, mut net: Wired, options: &Options, diags: &mut Diags
             if moving { l.all_ends().all(|e| !moves(e) || audible[place(e)]) } else { is_read() }
         })
         .collect();
-    // fixed points and ports stay where something holds them
+    // Fixed points and ports stay if a link that stays refers to them.
     let hold = |alive: &mut Vec<bool>, e: End| net.under(e).iter().for_each(|m| alive[*m as usize] = true);
     for (l, k) in net.lias.iter().zip(&keep) {
         if *k {
@@ -125,12 +125,11 @@ pub fn prune(model: &Model, mut net: Wired, options: &Options, diags: &mut Diags
     Pruned { wired: net, alive, unheard, from_lpr: Vec::new() }
 }
 
-/// All of it stays.
 fn whole(net: Wired) -> Pruned {
     Pruned { alive: alloc::vec![true; net.mats.len()], wired: net, ..Pruned::default() }
 }
 
-/// Names items of which nothing is left.
+/// Reports items without any remaining module.
 fn report(model: &Model, net: &mut Wired, alive: &[bool], keep: &[bool], diags: &mut Diags) {
     let mut all = alloc::vec![(0usize, 0usize); net.items.len()];
     let modules = net.mats.iter().map(|m| m.item).zip(alive).chain(net.lias.iter().map(|l| l.item).zip(keep));
@@ -144,7 +143,7 @@ fn report(model: &Model, net: &mut Wired, alive: &[bool], keep: &[bool], diags: 
     if n > 0 {
         net.left_out.push(format!("{n} modules that nothing hears"));
     }
-    // what hung on a link that does nothing has been said with that link
+    // A fixed point without links is not reported if W106 reported its link.
     let zero = diags.list.iter().any(|d| d.code == "W106");
     let fixed = |i: usize| matches!(net.items[i].kind.role, Role::Mat(s) if s.fixed);
     let gone = |i: &usize| all[*i].0 > 0 && all[*i].1 == 0 && !(zero && fixed(*i));

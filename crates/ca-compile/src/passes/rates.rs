@@ -1,4 +1,4 @@
-//! Rates: the network of what is computed once a gesture frame, and that of the sound, from that of the whole.
+//! Splits the network into the groups at the gesture rate and the sound side.
 
 use crate::net::{End, MatRole, Pruned, Push};
 use crate::passes::slow::SlowPart;
@@ -8,7 +8,7 @@ use ca_core::equivalence::Gains;
 use ca_core::internal::op::layout::Crossing;
 use ca_core::{Input, InputRole};
 
-/// Leaves the sound: masses of the group are moved from outside.
+/// Reduces the network to the sound side, where masses of the groups are moved from outside.
 pub fn sound(net: &mut Pruned, part: &SlowPart) {
     for (m, _) in net.mats.iter_mut().zip(&part.slow).filter(|(_, slow)| **slow) {
         (m.role, m.values) = (MatRole::Slow, Arc::from([]));
@@ -18,7 +18,7 @@ pub fn sound(net: &mut Pruned, part: &SlowPart) {
     net.drop_links(lias, &stays);
 }
 
-/// Leaves the group, whose tick is a frame: what links across do is a force from outside.
+/// Reduces the network to the groups, whose tick is a frame; forces of links across are external forces.
 pub fn group(net: &mut Pruned, part: &SlowPart) {
     for (alive, slow) in net.alive.iter_mut().zip(&part.slow) {
         *alive &= *slow;

@@ -1,13 +1,13 @@
-//! Reach: which MATs hear what a body in space does as a whole.
+//! Reach: marks MATs that receive the motion of a body in space as a whole.
 //!
-//! Decides by reach alone: through its port on a line a quadripole passes on whatever changes a distance in space, the
-//! slow stretch of a spinning body included (docs/numerics.md §4.3), and everything that hangs on that port gets it.
-//! Outputs there take a high pass unless one is written (see `emit/cutoff.rs`).
+//! A quadripole transmits any change of a distance in space to its line port, including the slow stretch of a spinning
+//! body (docs/numerics.md §4.3), and so to everything linked to that port. Outputs there have a high-pass unless one is
+//! written (see `emit/cutoff.rs`).
 
 use crate::net::{End, Measure, OutNode, OutputTap, Pruned};
 use alloc::vec::Vec;
 
-/// Marks the MATs that hang on the line port of a quadripole whose other port is in space.
+/// Marks the MATs linked to the line port of a quadripole whose other port is in space.
 pub fn mark(net: &mut Pruned) {
     let line = |m: Measure| matches!(m, Measure::Line(_));
     let second = |l: &crate::net::LiaNode| {
@@ -17,7 +17,7 @@ pub fn mark(net: &mut Pruned) {
     if seeds.is_empty() {
         return;
     }
-    // which links pass motion on between which MATs: those on lines, and the line ports themselves
+    // Links that transmit motion between MATs: links on lines, and line ports.
     let mut at: Vec<Vec<u32>> = alloc::vec![Vec::new(); net.mats.len()];
     let mut joins: Vec<Vec<u32>> = Vec::new();
     let moving = |ends: &[End]| -> Vec<u32> {
@@ -47,7 +47,7 @@ pub fn mark(net: &mut Pruned) {
 }
 
 impl Pruned {
-    /// True where an output hears a MAT that hangs on the line port of a quadripole.
+    /// Returns whether an output reads a MAT that hangs on the line port of a quadripole.
     pub fn hears_lpr(&self, out: &OutNode) -> bool {
         let reached = |m: u32| self.from_lpr.get(m as usize).copied().unwrap_or(false);
         if self.from_lpr.is_empty() {

@@ -1,13 +1,13 @@
-//! What single precision does not keep: refused before anything sounds, rather than heard as noise, drift or silence.
+//! Refuses models that lose too much in single precision, before they sound as noise, drift or silence.
 //!
-//! Decides by what was measured against double precision (tests/suite/compiler/single.rs). Strings, meshes, cells, modes,
-//! friction and contacts by any method keep 1e-3 and better over a second, so nothing is said of them. Four do not:
-//! - a **distance in space** is known to 1e-7 of where its ends are, and the deformation by which a
-//!   body sounds is that small;
-//! - an **implicit** link with much more than the inertia of its ends multiplies rounding by as much;
-//! - **friction that sticks exactly** to what is moved from outside: a step of its place is known to 1e-7 of the place, and
-//!   m/T² times that is more than friction holds;
-//! - a **number** of a module may be too large or too small, or so near to 1 that a long decay is lost in it.
+//! The limits were measured against double precision (tests/suite/compiler/single.rs). Strings, meshes, cells, modes,
+//! friction and contacts by any method are accurate to 1e-3 or better over a second. Four things are not:
+//! - a **distance in space** is accurate to 1e-7 of the positions of its ends, which is as much as the deformation by
+//!   which a body sounds;
+//! - an **implicit** link with a multiple of the inertia of its ends multiplies rounding by as much;
+//! - **friction that sticks exactly** to something moved from outside: a step of the position is accurate to 1e-7 of
+//!   the position, and m/T² times this error is more than friction can hold;
+//! - a **number** of a module may be too large or too small, or so near to 1 that a long decay is lost.
 
 use crate::net::{End, MatRole, Pruned};
 use alloc::collections::BTreeSet;
@@ -21,18 +21,18 @@ use ca_core::internal::phi::bow::SET_VALUED;
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 
-/// How much more than the inertia of its ends the inertia of an implicit link may be.
+/// Largest ratio of the inertia of an implicit link to the inertia of its ends.
 const STIFFEST: f64 = 100.0;
-/// By how much the decay of a mass may be off, relative.
+/// Largest relative error of the decay of a mass.
 const FADES: f64 = 0.01;
 
-/// True where a number becomes nothing, or infinite.
+/// Returns whether a number underflows or overflows.
 fn is_lost(v: f64, least: f32) -> bool {
     let kept = v as f32;
     v != 0.0 && v != NONE && !(kept.abs() >= least && kept.is_finite())
 }
 
-/// Says of each item what is not kept of it, once.
+/// Reports each item at most once.
 pub fn check(model: &Model, net: &Pruned, diags: &mut Diags) {
     let mut reported = BTreeSet::new();
     let mut tell = |id: u32, d: Diag, label: &str, help: &str| {

@@ -1,12 +1,13 @@
-//! Slow: which modules are computed once a gesture frame, which links cross to the sound, and how far in the sound that
-//! counts within one frame.
+//! Slow: finds the modules computed once per gesture frame, the links across to the sound, and the modules of the sound
+//! that respond within one frame (docs/numerics.md §5.4).
 //!
-//! Decides that a link is of the group where it joins masses of the group with each other and with fixed points; any other
-//! with a mass of the group crosses. A force reaches one link further in each tick, so of the sound only what is fewer
-//! links away than a frame has ticks can answer within the frame: that, and nothing beyond it, has to be linear and the
-//! same at all times (docs/numerics.md §5.4). With `border = "compensated"` it need not be; the border goes without a forecast of
-//! what is not, and only where there is something of the kind. The word stands in the group, since it is the link across
-//! that may be anything for it, and in all groups at the gesture rate, since they are computed as one.
+//! A link belongs to the group if it joins masses of the group with each other or with fixed points. Any other link of
+//! such a mass crosses. A force travels one link per tick, so that only modules fewer links away than a frame has ticks
+//! respond within the frame. These modules must be linear and constant in time.
+//!
+//! With `border = "compensated"` they need not be: the forecast of the border then omits those that are not. The
+//! setting belongs to a group, because any link may cross to it, and must be the same in all groups at the gesture
+//! rate, because they are computed as one.
 
 use crate::net::linearisation::{own, slopes};
 use crate::net::{End, LiaNode, MatRole, Measure, OutputTap, Pruned};
@@ -22,36 +23,36 @@ use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::Plain;
 use ca_model::{Model, Span};
 
-/// Most axes of masses that links across may hold.
+/// Largest number of axes of masses that links across may hold.
 pub const MOST: usize = 48;
-/// Most MATs within reach of a frame, times the ticks of it: each is a number in every frame, and two frames at load.
+/// Largest product of MATs within reach and ticks per frame. Each MAT costs a number per frame, and two frames at load.
 pub const REACH: usize = 65_536;
-/// Largest T²K/M of a mass M behind a compensated border that is stable on a spring K to what stands still
-/// (docs/numerics.md §5.4, eq. 5).
+/// Largest stable T²K/M of a mass M behind a compensated border, on a spring K to a fixed point (docs/numerics.md §5.4,
+/// eq. 5).
 const LIGHT: f64 = 0.65;
 
-/// What is computed once a gesture frame.
+/// Modules computed once per gesture frame, and their links to the sound.
 pub struct SlowPart {
-    /// masses, by document number
+    /// Masses, by document number.
     pub slow: Vec<bool>,
-    /// links among them, by document number
+    /// Links among them, by document number.
     pub inner: Vec<bool>,
-    /// axes of masses that links across hold
+    /// Axes of masses that links across hold.
     pub coupled: Vec<(u32, u8)>,
-    /// MATs of the sound that answer within a frame
+    /// MATs of the sound that respond within a frame.
     pub reach: Vec<u32>,
-    /// something among them, or across, is not known as a frame begins, and need not be
+    /// True if some response is unknown as a frame begins, which the border compensates.
     pub compensated: bool,
 }
 
-/// Finds it, and says what may not be; `None` where nothing is at the gesture rate.
+/// Finds the modules at the gesture rate and reports what they cannot have; `None` if there are none.
 pub fn find(model: &Model, net: &Pruned, diags: &mut Diags) -> Option<SlowPart> {
     let compensated = net.media.iter().any(|m| m.slow && m.compensated);
     let mut say =
         Findings { model, net, diags, said: BTreeSet::new(), compensated, unknown: false, held: BTreeMap::new() };
     say.borders();
     let in_slow = |group: Option<u32>| net.medium_of(group).slow;
-    // of a group that nothing hears nothing is left
+    // A group on which no output depends is empty.
     let mats = net.mats.iter().zip(&net.alive).filter(|(_, alive)| **alive).map(|(m, _)| m.group);
     let items = mats.chain(net.lines.iter().map(|l| net.items[l.item as usize].group));
     if !items.into_iter().any(in_slow) {
@@ -119,7 +120,7 @@ pub fn find(model: &Model, net: &Pruned, diags: &mut Diags) -> Option<SlowPart> 
         }
         if let Some(why) = varies(net, l) {
             say.varies(l, &why, None);
-            // by its force on all axes; what is at its other ends answers beside what is known
+            // It may act on all axes. The modules at its other ends respond outside the forecast.
             let held = l.all_ends().filter_map(|e| if let End::Mat(m) = e { Some(m) } else { None });
             let held =
                 held.filter(|m| slow[*m as usize]).inspect(|m| *say.held.entry(*m).or_default() += slopes(net, l).k);
@@ -163,7 +164,7 @@ pub fn find(model: &Model, net: &Pruned, diags: &mut Diags) -> Option<SlowPart> 
 
 const LIVE: &str = "give it a number, or let the group go at the sound rate";
 
-/// Why the force of a link is no linear function of places and motion, the same at all times, if it is none.
+/// Returns the reason why the force of a link is not a constant linear function of positions and motion, if it is not.
 fn varies(net: &Pruned, l: &LiaNode) -> Option<String> {
     let radial = l.measure == Measure::Radial || l.onto.as_ref().is_some_and(|o| o.measure == Measure::Radial);
     Some(match () {
@@ -181,7 +182,6 @@ fn varies(net: &Pruned, l: &LiaNode) -> Option<String> {
     })
 }
 
-/// The axes by which a link holds each of its ends.
 fn axes(net: &Pruned, l: &LiaNode) -> [Vec<u8>; 2] {
     [0, 1].map(|side| match l.measure {
         Measure::Line(axis) => alloc::vec![axis[side]],
@@ -190,7 +190,7 @@ fn axes(net: &Pruned, l: &LiaNode) -> [Vec<u8>; 2] {
     })
 }
 
-/// MATs of the sound that answer within a frame, walking along links from those at the `edge`.
+/// Returns the MATs of the sound that respond within a frame, following links from those at the `edge`.
 fn reach(net: &Pruned, part: &SlowPart, edge: BTreeSet<u32>, say: &mut Findings) -> Vec<u32> {
     let mut at: Vec<Vec<u32>> = alloc::vec![Vec::new(); net.mats.len()];
     for (i, l) in (0..).zip(&net.lias).filter(|(i, _)| !part.inner[*i as usize]) {
@@ -241,7 +241,7 @@ fn reach(net: &Pruned, part: &SlowPart, edge: BTreeSet<u32>, say: &mut Findings)
         seen.extend(&next);
         (now, distance) = (next, distance + 1);
     }
-    // what does not move answers nothing, what is of the group is a port, and the state of modes and waves is no place
+    // Fixed points do not respond, group masses act as ports, and modes and waves have other states than positions.
     let counts = |m: &u32| {
         let mat = &net.mats[*m as usize];
         let place = net.scheme(mat.group) != Scheme::Modal && !waves.contains(m);
@@ -250,34 +250,31 @@ fn reach(net: &Pruned, part: &SlowPart, edge: BTreeSet<u32>, say: &mut Findings)
     seen.into_iter().filter(counts).collect()
 }
 
-/// What answers within a frame, in words.
 fn within(why: &str, distance: u32) -> String {
     let links = if distance == 1 { "1 link".into() } else { format!("{distance} links") };
     format!("{why}, and answers a group at the gesture rate within a frame, {links} from it")
 }
 
-/// What is said, once of each item.
+/// Reports findings, at most one per item.
 struct Findings<'a> {
     model: &'a Model,
     net: &'a Pruned,
     diags: &'a mut Diags,
     said: BTreeSet<u32>,
-    /// what is not known as a frame begins is no error
+    /// True if a response may be unknown as a frame begins.
     compensated: bool,
-    /// there is something of the kind
+    /// True if there is such a response.
     unknown: bool,
-    /// masses of the group that links across hold which are not known, with the sum of their stiffness \[N/m\]
+    /// Masses of the group at unknown links across, with the sum of their stiffnesses \[N/m\].
     held: BTreeMap<u32, f64>,
 }
 
 impl Findings<'_> {
-    /// Where the first group says its rate.
     fn group(&self) -> Span {
         let slow = self.model.groups.iter().zip(&self.net.media).find(|(_, m)| m.slow);
         slow.and_then(|(g, _)| g.props.iter().find(|e| e.key == "rate")).map_or(Span::NONE, |e| e.span)
     }
 
-    /// What mends an answer that is not known.
     fn farther(&self) -> String {
         let frame = self.net.ratio * self.net.oversample;
         format!(
@@ -294,7 +291,7 @@ impl Findings<'_> {
         }
     }
 
-    /// Something whose answer cannot be known as a frame begins: an error, unless the border is compensated.
+    /// Records a response that is unknown as a frame begins; an error unless the border is compensated.
     fn unknown(&mut self, item: u32, title: String) {
         self.unknown = true;
         if !self.compensated && self.said.insert(item) {
@@ -305,12 +302,11 @@ impl Findings<'_> {
         }
     }
 
-    /// A module of the sound of that kind.
     fn reached(&mut self, item: u32, why: &str, distance: u32) {
         self.unknown(item, within(why, distance));
     }
 
-    /// A key that jumps, which no straight line through the frames before expects.
+    /// Reports a held key, whose jumps differ from the straight line that the forecast assumes.
     fn held_key(&mut self, item: u32, why: &str, distance: u32) {
         if self.said.insert(item) {
             let at = self.model.items[self.net.items[item as usize].model].name_span;
@@ -327,7 +323,7 @@ impl Findings<'_> {
         }
     }
 
-    /// Borders that are none, or not one.
+    /// Reports `border` without a group at the gesture rate, and groups with different borders.
     fn borders(&mut self) {
         for (g, m) in self.model.groups.iter().zip(&self.net.media) {
             let at = |key: &str| g.props.iter().find(|e| e.key == key).map_or(Span::NONE, |e| e.span);
@@ -349,7 +345,7 @@ impl Findings<'_> {
         }
     }
 
-    /// What of a border that is in use is not proven.
+    /// Warns that stability with a compensated border is not proven.
     fn compensated(&mut self, part: &SlowPart) {
         if part.compensated && !self.diags.has_errors() {
             let title = "stability is not proven: `border = \"compensated\"` expects what links across do from the frames before";
@@ -369,14 +365,14 @@ impl Findings<'_> {
         }
     }
 
-    /// The mass with the largest T²K/M, T being a frame, and that.
+    /// Returns the mass with the largest T²K/M, where T is a frame, and this ratio.
     fn lightest(&self) -> Option<(u32, f64)> {
         let frame = f64::from(self.net.ratio * self.net.oversample);
         let all = self.held.iter().map(|(m, k)| (*m, own(self.net, &self.net.mats[*m as usize]).c * frame * frame * k));
         all.max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// Methods and starts that are of one rate.
+    /// Reports methods and starts that need a single rate.
     fn groups(&mut self) {
         for (g, m) in self.model.groups.iter().zip(&self.net.media).filter(|(_, m)| m.slow) {
             let at = |key: &str| g.props.iter().find(|e| e.key == key).map_or(Span::NONE, |e| e.span);
@@ -393,7 +389,7 @@ impl Findings<'_> {
         }
     }
 
-    /// Forces that no state of the sound holds.
+    /// Reports outputs of forces and points within the groups, which the state of the sound does not contain.
     fn outputs(&mut self, part: &SlowPart) {
         let net = self.net;
         for o in &net.outs {

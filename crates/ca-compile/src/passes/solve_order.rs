@@ -1,8 +1,8 @@
-//! Solve order: which of the implicit links may be solved by themselves, and which are computed together.
+//! Solve order: which implicit links are solved alone, and which together.
 //!
-//! A link that counts on the motion all other forces would cause is right only if no other link of its kind changes
-//! that motion. Decides by counting at every place that moves, so a row of contacts between separate pairs stays a row
-//! of closed forms, and only those that share a mass, or a group that goes by its modes, pay for a solver.
+//! A link that uses the motion due to all other forces is correct only if no other such link changes this motion. The
+//! pass counts such links at every axis that moves. Contacts between separate pairs keep their closed forms; only those
+//! that share a mass or a modal group need a solver.
 
 use crate::findings::no_method;
 use crate::net::worst::{worst_bounds, worst_mats};
@@ -15,12 +15,11 @@ use ca_core::internal::op::SolveStage;
 use ca_model::Model;
 use ca_model::diag::Diags;
 
-/// A contact of more than this kT²/m at a mass that goes by its modes loses its closed form: its depth is the difference of two
-/// places, each rounded, and k times that is more than 1e-13 of its energy (docs/numerics.md §3.3).
+/// Largest kT²/m of a contact in closed form at a modal mass. Beyond it the error of the depth, a difference of two
+/// rounded positions, times k is more than 1e-13 of the energy (docs/numerics.md §3.3).
 const STIFFEST: f64 = 1e3;
 
-/// Gives links that may not act alone the law that acts together; refuses those at moving points, whose motion is that
-/// of several masses.
+/// Sets the law for links that must be solved together. Refuses such links at moving points, which move several masses.
 pub fn choose(model: &Model, net: &mut Pruned, arithmetic: Option<u32>, diags: &mut Diags) {
     let mut count: Vec<[u32; 3]> = alloc::vec![[0; 3]; net.mats.len()];
     let mut reported = BTreeSet::new();
@@ -40,7 +39,7 @@ pub fn choose(model: &Model, net: &mut Pruned, arithmetic: Option<u32>, diags: &
     }
     let twice = |l: &LiaNode| places(net, l).into_iter().find(|(m, k)| count[*m as usize][*k as usize] > 1);
     for l in net.lias.iter().filter(|l| !l.law.stage.is_explicit() && l.onto.is_some()) {
-        // no method solves four ends together with others
+        // No method solves four ends together with other links.
         if let Some((m, _)) = twice(l).filter(|_| reported.insert(l.item)) {
             let title =
                 format!("`{}` shares `{}` with another link by such a method", l.name, net.mats[m as usize].name);
@@ -56,19 +55,19 @@ pub fn choose(model: &Model, net: &mut Pruned, arithmetic: Option<u32>, diags: &
     let shared = |l: &LiaNode| !matches!(l.measure, Measure::Line(_)) || twice(l).is_some();
     let shared: Vec<bool> = net.lias.iter().map(|l| !l.law.stage.is_explicit() && shared(l)).collect();
     refuse_shared(model, net, &shared, &mut reported, diags);
-    // friction at shared masses is solved with the contacts of §3.4, whose system is linear as its own
+    // Friction at shared masses is solved with the method of §3.4, whose system is linear like its own.
     let rubs = |(l, shared): (&LiaNode, &bool)| *shared && !l.law.contact && !on_lines_alone(l);
     let curves = arithmetic.is_none_or(|a| a >= 6) && !net.lias.iter().zip(&shared).any(rubs);
     together(net, &shared, |l| curves && !matches!(l.measure, Measure::Radial));
 }
 
-/// True of a law whose method is for lines alone.
+/// Returns whether the method of a law works on lines only.
 fn on_lines_alone(l: &LiaNode) -> bool {
     matches!(l.law.stage, SolveStage::Single(laws) if laws.space.is_none())
 }
 
-/// Refuses laws whose method is for lines alone in space, and where they share a mass though their force falls: such a step may have
-/// several solutions.
+/// Refuses laws whose method works on lines only: in space, and at shared masses if their force falls, since a step may
+/// then have several solutions.
 fn refuse_shared(model: &Model, net: &Pruned, shared: &[bool], reported: &mut BTreeSet<u32>, diags: &mut Diags) {
     let links = || net.lias.iter().zip(shared).zip(0usize..).filter(|((l, shared), _)| **shared && on_lines_alone(l));
     if links().next().is_none() {
@@ -92,8 +91,10 @@ fn refuse_shared(model: &Model, net: &Pruned, shared: &[bool], reported: &mut BT
     }
 }
 
-/// The same for links at masses of groups that have become modes: a force on one of them moves all of its group. Contacts beyond
-/// [`STIFFEST`] too are solved as one of several would be, since that carries their energy instead of having it from places.
+/// Sets the laws of links at modal masses, where a force on one mass moves the whole group.
+///
+/// Contacts beyond [`STIFFEST`] use the law for several links too, because it carries their energy in a variable
+/// instead of computing it from positions.
 pub fn choose_modes(net: &mut Pruned) {
     let mut count: BTreeMap<String, u32> = BTreeMap::new();
     for l in net.lias.iter().filter(|l| !l.law.stage.is_explicit()) {
@@ -127,7 +128,7 @@ pub fn choose_modes(net: &mut Pruned) {
     }
 }
 
-/// Gives links that are `shared` the law that acts together.
+/// Sets the law for solving together for all `shared` links.
 fn together(net: &mut Pruned, shared: &[bool], on_line: impl Fn(&LiaNode) -> bool) {
     for (l, shared) in net.lias.iter_mut().zip(shared) {
         if let (SolveStage::Single(laws), true) = (l.law.stage, shared) {
@@ -137,12 +138,11 @@ fn together(net: &mut Pruned, shared: &[bool], on_line: impl Fn(&LiaNode) -> boo
     }
 }
 
-/// The groups of the points that a link holds, end by end.
 fn families<'n>(net: &'n Pruned, l: &LiaNode) -> impl Iterator<Item = &'n str> {
     l.ends.into_iter().filter_map(|e| if let End::Point(p) = e { Some(&*net.points[p as usize].family) } else { None })
 }
 
-/// The places that a link moves: MATs and axes.
+/// Returns the MATs and axes that a link moves.
 fn places(net: &Pruned, l: &LiaNode) -> Vec<(u32, u8)> {
     let mut all = Vec::new();
     let second = l.onto.iter().map(|o| (o.ends, o.measure));

@@ -1,5 +1,5 @@
-//! Specialise: the cheapest law that does what the parameters say, and no law for what does nothing. Never for a
-//! parameter that may change while playing.
+//! Specialise: replaces each law by the cheapest one for its parameters, and drops links without effect. Parameters
+//! that may change while playing are never specialised.
 
 use crate::net::Wired;
 use alloc::format;
@@ -10,9 +10,9 @@ use ca_core::internal::op::loaded;
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 
-/// Rewrites the laws of the links and drops those that are nothing.
+/// Specialises the laws of all links and drops links without effect.
 pub fn specialise(model: &Model, net: &mut Wired, diags: &mut Diags) {
-    // generators make thousands of links with the same values: the answer of the last one serves
+    // Result for the previous link: generators make thousands of links with the same values.
     let mut last: Option<(u32, alloc::sync::Arc<[Source]>, &'static ca_core::Law, bool)> = None;
     let mut lias = core::mem::take(&mut net.lias);
     let mut reported = None;
@@ -28,7 +28,7 @@ pub fn specialise(model: &Model, net: &mut Wired, diags: &mut Diags) {
             }
         }
         let item = &net.items[l.item as usize];
-        // which of its values may move: for a generator any, since one slot may depend on every argument
+        // Any value of a generator may be live, since a slot may depend on every argument.
         let generated = matches!(item.kind.role, ca_core::Role::Generator(_));
         let fixed: Vec<ParamBinding> = l
             .values
@@ -68,7 +68,7 @@ pub fn specialise(model: &Model, net: &mut Wired, diags: &mut Diags) {
 }
 
 impl Wired {
-    /// Keeps the links marked, renumbering what refers to them.
+    /// Keeps the links marked in `keep` and renumbers references to them.
     pub fn drop_links(&mut self, lias: Vec<crate::net::LiaNode>, keep: &[bool]) {
         let mut renumber = alloc::vec![u32::MAX; lias.len()];
         let mut n = 0;
@@ -85,9 +85,9 @@ impl Wired {
                 *l = renumber[*l as usize];
             }
         }
-        // an output that hears a link that is nothing hears nothing; its channel stays
+        // Outputs of dropped links are dropped; their channels stay.
         self.outs.retain(|o| o.tap != crate::net::OutputTap::ForceOf(u32::MAX));
-        // a probe that does leaves no gap
+        // Probes of dropped links leave no gap in the numbering.
         let (mut was, mut next) = (None, self.channels.len() as u32);
         for o in self.outs.iter_mut().filter(|o| o.item.is_none()) {
             next += u32::from(was.is_some_and(|w| w != o.channel));

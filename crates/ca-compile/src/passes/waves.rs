@@ -1,8 +1,8 @@
-//! Waves: the strings of the network, from what was asked for to delays and filters, once their links are known.
+//! Waves: tunes waveguides to delays and filters once their links are known.
 //!
-//! Decides that a junction without a written mass takes the one its links need: ½(kT² + 2zT) for each linear link,
-//! twice that where both its ends move, and 2(kT² + 2zT) for a contact (docs/numerics.md §7.2, §3.2), and at least a
-//! 16th of that of a sample of the string. The mass is there before the string is tuned, so it costs no pitch.
+//! A junction without a written mass takes the mass that its links need: ½(kT² + 2zT) for each linear link, twice that
+//! if both ends move, and 2(kT² + 2zT) for a contact (docs/numerics.md §7.2, §3.2). The minimum is a 16th of the mass
+//! of the string per sample. The mass is set before tuning, so that it does not change the pitch.
 
 use crate::findings::round_up;
 use crate::lower::resolve::does_not_fit;
@@ -17,10 +17,10 @@ use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::{self, Plain};
 use core::f64::consts::PI;
 
-/// Share of the sound rate below which the corner of a junction is reported.
+/// Share of the sound rate below which the corner frequency of a junction is reported.
 const LOW_CORNER: f64 = 0.25;
 
-/// Gives the junctions that stay their masses and tunes the strings.
+/// Sets the masses of the junctions that stay, and tunes the waveguides.
 pub fn settle(model: &Model, net: &mut Pruned, diags: &mut Diags) {
     let mut lines = core::mem::take(&mut net.lines);
     lines.retain(|l| net.alive[l.first as usize]);
@@ -73,7 +73,7 @@ pub fn settle(model: &Model, net: &mut Pruned, diags: &mut Diags) {
     net.lines = lines;
 }
 
-/// What the links of each MAT need of its mass, if it is a junction \[kg\].
+/// Returns the mass that the links of each MAT need if it is a junction \[kg\].
 fn needs(net: &Pruned) -> Vec<f64> {
     let mut needs = alloc::vec![0.0; net.mats.len()];
     for (l, b) in net.lias.iter().zip(worst_bounds(net)).filter(|(l, _)| l.law.stage.is_explicit()) {

@@ -1,9 +1,8 @@
-//! How late a scene answers, and what that asks of a device.
+//! Response delays of a scene, and the demands that they make on a device.
 //!
-//! Decides to state what follows from the scene alone: the time to compute a frame, buffers of sound and the loop of a
-//! host come on top. A frame is computed when its last position is known, so an answer is one frame late (the 0.33 ms
-//! of the rattle); a spring on a key is felt with the delay κ·T of its mean force, held by the device
-//! (docs/numerics.md §5.2), and that is what limits its stiffness.
+//! The delays follow from the scene alone; the time to compute a frame, sound buffers and the host loop add to them. A
+//! frame is computed when its last position is known, so the response is one frame late (0.33 ms for the rattle). A
+//! spring on a key acts with the delay κ·T of its mean force, which limits its stiffness (docs/numerics.md §5.2).
 
 use crate::numeric::Real;
 use crate::op::layout::Layout;
@@ -11,20 +10,20 @@ use crate::op::layout::Layout;
 /// Delays of a scene, all in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Delays {
-    /// a gesture frame, T
+    /// duration of a gesture frame, T
     pub frame: f64,
-    /// from the position of the hand to the force that answers it
+    /// delay from the position of the device to the force that responds to it
     pub force: f64,
-    /// from the position of the hand to the sound
+    /// delay from the position of the device to the sound
     pub sound: f64,
-    /// the part of `sound` that the filter of the outputs takes
+    /// part of `sound` due to the low-pass of the outputs
     pub filter: f64,
-    /// mean delay of a spring on a key, κ·T: half a frame held by the device, half a frame more for a mean over two
-    /// positions, and the frames of `latency`
+    /// mean delay of a spring on a key, κ·T: half a frame of hold, half a frame for a mean of two positions, and
+    /// `latency`
     pub spring: f64,
 }
 
-/// The delays of a scene.
+/// Returns the delays of a scene.
 pub fn delays<R: Real>(layout: &Layout<R>) -> Delays {
     let frame = f64::from(layout.rates.ratio) * layout.rates.sample_dt;
     let late = f64::from(layout.ports.crossing.latency);
@@ -38,12 +37,12 @@ pub fn delays<R: Real>(layout: &Layout<R>) -> Delays {
 }
 
 impl Delays {
-    /// The friction of its own \[N s/m\] with which a device stays passive on springs that sum to `k` \[N/m\].
+    /// Returns the friction \[N s/m\] that a device needs to stay passive on springs that sum to `k` \[N/m\].
     pub fn friction(&self, k: f64) -> f64 {
         k * self.spring
     }
 
-    /// The largest sum of springs \[N/m\] on which a device of friction `b` \[N s/m\] stays passive.
+    /// Returns the largest sum of springs \[N/m\] on which a device with friction `b` \[N s/m\] stays passive.
     pub fn stiffest(&self, b: f64) -> f64 {
         b / self.spring
     }

@@ -1,22 +1,16 @@
-//! Groups at the gesture rate: the step of a frame, and what the sound side sees of it (docs/numerics.md §5.4).
+//! Groups at the gesture rate: their step per frame, and their motion towards the sound side (docs/numerics.md §5.4).
 //!
-//! Decides where such a group stands in time. Its own scheme knows positions X_n, a frame apart; through frame n the sound
-//! side sees it move on a straight line between the means ½(X_{n−1} + X_n) and ½(X_n + X_{n+1}). So the motion of the
-//! border in a frame is the one by which the scheme of the group counts the work of a force from outside, and the mean
-//! force of the frame carries the energy across exactly, whatever law it is of and whatever holds the group together. A
-//! border that goes through the X_n themselves would be half a frame late, which is a negative damper.
+//! The scheme of a group has positions X_n, one frame apart. During frame n the sound side sees the group move on a
+//! straight line from ½(X_{n−1} + X_n) to ½(X_n + X_{n+1}). The scheme counts work by this same motion, so the mean
+//! force of the frame transfers energy exactly, for any law. A border through the X_n would be half a frame late, which
+//! is a negative damper. One matrix, made by the compiler, gives the response of the sound side, which is linear in the
+//! state at the start of the frame and in the motion of the border.
 //!
-//! That mean force hangs on the motion it drives. What the sound side answers in a frame is linear in what is known as the
-//! frame begins and in the motion of the border, so both are had at once from a matrix that the compiler made, and no
-//! tick of sound is run twice.
-//!
-//! Where a model asks for it (`border = "compensated"`), links across may do what no matrix knows: a contact, a number that
-//! is turned. What they did beside the forecast is found as their frame ends, and expected of the next frame on the parabola
-//! through those of the last three. Changes from frame to frame are the stiffness across times the motion, so they make up
-//! for the delay as slopes would, with no slope of any law, and by the stiffness that all of the sound side has together.
-//! What is added to one frame is taken from the next two, so momentum is kept. A straight line would be enough for the delay,
-//! and made a spring across a negative damper of higher order; by the parabola it is a positive one. Energy is not kept:
-//! the ledger has an account of it.
+//! With `border = "compensated"`, links across may do what a matrix does not describe, such as a contact or a live
+//! parameter. Their deviation is measured when a frame ends, and extrapolated to the next on the parabola through the
+//! last three. This compensates for the delay with the stiffness of the whole sound side, without the slope of any law;
+//! on a straight line a spring across would be a negative damper of higher order. Force added to one frame is
+//! subtracted from the next two, so momentum is conserved. Energy is not, and has an account in the ledger.
 
 use crate::numeric::Real;
 use crate::op::Op;
@@ -24,15 +18,14 @@ use crate::op::layout::{Copied, Layout, SlowGroup};
 use crate::op::substep::phase;
 use crate::state::{Between, SlowState, State, Unknown};
 
-/// Steps the group as a frame begins, and moves the copies of its places in every tick. Whether its border is
-/// compensated was chosen at load.
+/// Steps the group when a frame begins, and moves the copies of its MATs in every tick.
 pub fn advance<R: Real, const COMPENSATED: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some(group) = layout.rates.slow.as_deref() else { return };
     let Some(mut slow) = s.slow.take() else { return };
     let j = phase(layout.rates.frame, s.tick);
     if j == 0 {
         placed(group, &mut slow);
-        // its ledger looks at what it holds
+        // its ledger enters the energy at load
         run(&group.reads, group, &mut slow.state);
     } else if j == 1 {
         if COMPENSATED {
@@ -52,7 +45,7 @@ pub fn advance<R: Real, const COMPENSATED: bool>(_op: &Op<R>, layout: &Layout<R>
     for (k, (p, b)) in group.ports.iter().zip(&slow.ports).enumerate() {
         let (m, at) = (p.at as usize, if whole { b.to } else { b.from + part * (b.to - b.from) });
         let x = R::of(at);
-        // as far as anyone can tell, it came to where it is at load as it goes on
+        // the first motion is unknown: assume that the copy arrives as it goes on
         s.d[m] =
             if j == 0 { slow.state.d[p.own as usize] * R::of(1.0 / f64::from(layout.rates.frame)) } else { x - s.x[m] };
         s.x[m] = x;
@@ -63,7 +56,7 @@ pub fn advance<R: Real, const COMPENSATED: bool>(_op: &Op<R>, layout: &Layout<R>
     s.slow = Some(slow);
 }
 
-/// Keeps the forces on what links across hold, after the forces of a tick; of a compensated border, their sum over the frame too.
+/// Stores the forces on MATs that links across join. For a compensated border it also sums them over the frame.
 pub fn collect<R: Real, const COMPENSATED: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let (Some(group), Some(slow)) = (layout.rates.slow.as_deref(), s.slow.as_mut()) else { return };
     for (p, b) in group.ports.iter().zip(&mut slow.ports).take(group.coupled) {
@@ -79,8 +72,8 @@ pub fn collect<R: Real, const COMPENSATED: bool>(_op: &Op<R>, layout: &Layout<R>
     }
 }
 
-/// As a frame ends: what links across did in it that was not known, and what of it is expected in the next. Returns the
-/// energy that the frame made, what the group was given beyond what was taken from the sound \[J\].
+/// Measures the unknown forces of the frame that ends and extrapolates them to the next. Returns the energy that the
+/// border made in the frame: energy given to the group less energy taken from the sound side \[J\].
 fn expect<R: Real>(layout: &Layout<R>, slow: &mut SlowState<R>) -> f64 {
     let mut made = 0.0;
     for (u, b) in slow.unknown.iter_mut().zip(&slow.ports) {
@@ -88,19 +81,20 @@ fn expect<R: Real>(layout: &Layout<R>, slow: &mut SlowState<R>) -> f64 {
         made -= missed * (b.to - b.from);
         let was = u.expected + missed;
         let [one, two] = u.last;
-        // the last force of a frame is the first of the next
+        // the last force of a frame also counts as the first of the next
         *u = Unknown { sum: 0.5 * b.force, given: 0.0, expected: 3.0 * (was - one) + two, last: [was, one] };
     }
     made
 }
 
-/// Where a place of the group is at the end of the frame.
+/// Returns the position of a MAT of the group at the end of the frame.
 fn end<R: Real>(slow: &SlowState<R>, p: Copied) -> f64 {
     let m = p.own as usize;
     slow.state.x[m].wide() - 0.5 * slow.state.d[m].wide()
 }
 
-/// Its places were written: the copies begin the next frame where it is now, held by nothing across.
+/// Restarts the copies at the present positions, without forces across. To be called after writing positions of the
+/// group.
 pub fn placed<R: Real>(group: &SlowGroup<R>, slow: &mut SlowState<R>) {
     slow.state.placed();
     for (k, p) in group.ports.iter().enumerate() {
@@ -110,7 +104,6 @@ pub fn placed<R: Real>(group: &SlowGroup<R>, slow: &mut SlowState<R>) {
     slow.unknown.fill(Unknown::default());
 }
 
-/// The copies that are only looked at.
 fn show<R: Real>(group: &SlowGroup<R>, slow: &SlowState<R>, s: &mut State<R>) {
     for p in &group.shown {
         s.x[p.at as usize] = R::of(end(slow, *p));
@@ -123,7 +116,6 @@ fn run<R: Real>(list: &[Op<R>], group: &SlowGroup<R>, s: &mut State<R>) {
     }
 }
 
-/// One frame of the group: its own forces, those of the links across, integration.
 fn step<R: Real, const COMPENSATED: bool>(
     group: &SlowGroup<R>,
     layout: &Layout<R>,
@@ -143,7 +135,7 @@ fn step<R: Real, const COMPENSATED: bool>(
     }
 }
 
-/// The mean force of the frame on each port, as a force from outside.
+/// Adds the mean force of the frame on each port, as a force from outside.
 fn couple<R: Real, const COMPENSATED: bool>(
     group: &SlowGroup<R>,
     layout: &Layout<R>,
@@ -167,7 +159,7 @@ fn couple<R: Real, const COMPENSATED: bool>(
         let m = p.own as usize;
         let [x, d, f] = [state.x[m], state.d[m], state.f[m]].map(R::wide);
         let [p, q, c] = [0, n, 2 * n].map(|first| state.coef[first + m].wide());
-        // half of it is the motion before, half that which the scheme makes of all these forces
+        // half of the motion before, and half of the motion that the scheme makes of all these forces
         free[i] = 0.5 * (d + p * d + q * x + c * (f + force));
         state.input[i] = force;
     }

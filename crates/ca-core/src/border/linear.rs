@@ -1,4 +1,4 @@
-//! Linear position, trapezoid mean force: the default border.
+//! The default border: linear position, trapezoid mean force.
 
 use super::{begin, phase, place};
 use crate::numeric::Real;
@@ -6,7 +6,7 @@ use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::state::State;
 
-/// Position of device ports at this tick, on the straight line through the frame.
+/// Sets the position of device ports at this tick, on a straight line through the frame.
 pub(super) fn position<R: Real, const LATE: bool>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let (j, ports) = (phase(layout.rates.frame, s.tick), &layout.ports.tgr[..op.n]);
     if j <= 1 {
@@ -20,7 +20,7 @@ pub(super) fn position<R: Real, const LATE: bool>(op: &Op<R>, layout: &Layout<R>
     }
 }
 
-/// The mean over the frame, its first and last force counted half.
+/// Takes the mean over the frame, with half weight for its first and last force.
 pub(super) fn collect<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let j = phase(layout.rates.frame, s.tick);
     let f = &s.f[..];

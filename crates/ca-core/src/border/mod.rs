@@ -1,15 +1,15 @@
-//! The border between two rates: a device that speaks R times slower than the sound.
+//! The border between two rates: a device whose frames are R ticks apart.
 //!
-//! Decides on pairs of position in and force out that conserve power for any link behind them (docs/numerics.md §5.1):
-//! the force of a frame times the motion of its port, summed over frames, is the sum of f·(X_{j+1} − X_{j−1})/2 over
-//! ticks. `linear.rs` is the default, since it does not print a 3 kHz staircase on the sound; `hold.rs` is the other
-//! such pair, for comparison; `synchronous.rs` is both where R = 1. Which of them runs is chosen once, at load, and
-//! what a scene does not ask for (delay, ledger, silence towards the hand) is no branch of theirs but a pass or a
-//! kernel of its own.
+//! Each border is a pair of position in and force out that conserves power for any link behind it (docs/numerics.md
+//! §5.1): the force of a frame times the motion of its port, summed over frames, equals the sum of f·(X_{j+1} −
+//! X_{j−1})/2 over ticks. `linear.rs` is the default, since it adds no 3 kHz staircase to the sound. `hold.rs` is the
+//! other such pair, for comparison. `synchronous.rs` replaces both if R = 1.
 //!
-//! Frame n covers the ticks (n−1)R+1 … nR. The caller writes X_n to [`State::input`] before tick (n−1)R+1; after the
-//! forces of tick nR, before the masses move, [`Border::force`](crate::state::Border::force) is the force of the frame, to be
-//! held by the device until the next.
+//! The border is chosen once, at load. Delay, ledger and missing force feedback are separate passes or kernels.
+//!
+//! Frame n covers the ticks (n−1)R+1 … nR. The caller writes X_n to [`State::input`] before tick (n−1)R+1. After the
+//! forces of tick nR, [`Border::force`](crate::state::Border::force) is the force that the device holds in the next
+//! frame.
 
 use crate::numeric::Real;
 use crate::op::layout::{Enx, Layout, Way};
@@ -26,12 +26,12 @@ mod synchronous;
 
 pub use delays::{Delays, delays};
 
-/// True where the next sample, number `sample`, begins a gesture frame, so that new device positions are due.
+/// Returns true if the next sample, number `sample`, begins a gesture frame, so that new device positions are due.
 pub fn frame_due<R: Real>(layout: &Layout<R>, sample: u64) -> bool {
     phase(layout.rates.ratio, sample) <= 1
 }
 
-/// The pass that moves device ports.
+/// Returns the pass that moves device ports.
 pub fn position<R: Real>(way: Way, late: bool) -> Kernel<R> {
     match (way, late) {
         (Way::Synchronous, false) => synchronous::position::<R, false>,
@@ -43,7 +43,7 @@ pub fn position<R: Real>(way: Way, late: bool) -> Kernel<R> {
     }
 }
 
-/// The pass that takes the force on device ports after the forces of a tick.
+/// Returns the pass that reads the force on device ports after the forces of a tick.
 pub fn collect<R: Real>(way: Way) -> Kernel<R> {
     match way {
         Way::Synchronous => synchronous::collect,
@@ -52,13 +52,13 @@ pub fn collect<R: Real>(way: Way) -> Kernel<R> {
     }
 }
 
-/// The pass that keeps the ledger of the border.
+/// Returns the pass of the ledger of the border.
 pub fn ledger<R: Real>(way: Way) -> Kernel<R> {
     if way == Way::Synchronous { ledger::ledger::<R, true> } else { ledger::ledger::<R, false> }
 }
 
-/// Where no force goes to the hand: it is taken for the ledger, and never given. Runs before and after that, so that
-/// what was collected lies with the ledger between ticks, and the state is that of a scene without one.
+/// Keeps the force on devices for the ledger without sending it. It runs before and after `collect`. The sum is stored
+/// in the ledger between ticks, so the state is the same as without a ledger.
 pub fn mute<R: Real>(op: &Op<R>, _layout: &Layout<R>, s: &mut State<R>) {
     let Some(l) = &mut s.ledger else { return };
     for (b, e) in s.ports.border[..op.n].iter_mut().zip(&mut l.hands) {
@@ -67,8 +67,8 @@ pub fn mute<R: Real>(op: &Op<R>, _layout: &Layout<R>, s: &mut State<R>) {
     }
 }
 
-/// The device position that reaches the scene with this frame \[m\], absolute: the one just read, or that of
-/// `latency` frames ago. The very first stands for all before it.
+/// Returns the device position that reaches the scene with this frame \[m\], absolute: the one just read, or the one of
+/// `latency` frames ago. Positions before the first count as equal to it.
 fn arrive<R: Real, const LATE: bool>(layout: &Layout<R>, s: &mut State<R>, k: usize, p: &Enx<R>) -> f64 {
     let x = s.valid_input(p.input);
     if !LATE {
@@ -85,7 +85,6 @@ fn arrive<R: Real, const LATE: bool>(layout: &Layout<R>, s: &mut State<R>, k: us
     core::mem::replace(&mut s.ports.late[at], x)
 }
 
-/// Takes in the positions of all ports for the frame that begins.
 fn begin<R: Real, const LATE: bool>(layout: &Layout<R>, s: &mut State<R>, ports: &[Enx<R>]) {
     for (k, p) in ports.iter().enumerate() {
         let x = arrive::<R, LATE>(layout, s, k, p) - p.rest.wide();
@@ -95,12 +94,12 @@ fn begin<R: Real, const LATE: bool>(layout: &Layout<R>, s: &mut State<R>, ports:
     }
 }
 
-/// Puts ports where their frame says, `at` of it from `from` to `to`, relative to their rest.
+/// Sets the positions of ports: `at` returns the position within the frame, relative to rest.
 #[inline(always)]
 fn place<R: Real>(s: &mut State<R>, ports: &[Enx<R>], at: impl Fn(&Border) -> f64) {
     let first = s.tick == 0;
     let x = &mut s.x[..];
-    // of one length, so that a port is looked up once in all
+    // of equal length, so that one bounds check serves for all
     let (d, f) = (&mut s.d[..x.len()], &mut s.f[..x.len()]);
     for (p, b) in ports.iter().zip(&s.ports.border) {
         let (m, to) = (p.mat as usize, R::of(at(b)));

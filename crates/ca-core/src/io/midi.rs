@@ -1,9 +1,9 @@
-//! How a MIDI note or controller moves a port: the meaning of `midi = { … }` in a model file.
+//! Mapping of a MIDI note or controller to a port: the meaning of `midi = { … }` in a model file.
 //!
-//! Decides that the mapping is a plain record in the model, so that a Standard MIDI File is a gesture like any other:
-//! it becomes breakpoints of position or force, never a hidden "note on" in the engine.
+//! The mapping is a plain record in the model, so that a Standard MIDI File is a gesture like any other. It becomes
+//! breakpoints of position or force, never a hidden "note on" in the engine.
 
-/// What moves the port.
+/// MIDI event that moves the port.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum MidiSource {
@@ -22,16 +22,16 @@ pub enum MidiSource {
     Pressure,
 }
 
-/// What the velocity of a note says.
+/// Meaning of the velocity of a note.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Velocity {
-    /// how far the port goes: `to` at 127
+    /// distance: the port moves to `to` at velocity 127
     #[default]
     Depth,
-    /// how fast it goes, all the way to `to`: in `attack` at 127, with a fifth of that speed at the softest touch
+    /// speed: the port always moves to `to`, in `attack` at velocity 127 and at a fifth of that speed at the softest
     Speed,
-    /// nothing: it goes all the way to `to` in `attack` at any
+    /// none: the port moves to `to` in `attack` at any velocity
     None,
 }
 
@@ -39,9 +39,9 @@ pub enum Velocity {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct MidiMap {
-    /// what moves it
+    /// event that moves it
     pub source: MidiSource,
-    /// 1 to 16; all channels if `None`
+    /// channel, 1 to 16; all channels if `None`
     pub channel: Option<u8>,
     /// value at rest (controller 0, note off), in the unit of the port \[m\] or \[N\]
     pub from: f64,
@@ -51,15 +51,14 @@ pub struct MidiMap {
     pub attack: f64,
     /// time to fall back after note off \[s\]; the way is linear
     pub release: f64,
-    /// what the velocity of a note says
+    /// meaning of the velocity of a note
     pub velocity: Velocity,
-    /// whether the port falls back after note off; where it does not, each note goes to the other side: a plectrum, which
-    /// would pluck again on its way back
+    /// whether the port returns after note off; if not, each note moves it to the other side, as a plectrum
     pub back: bool,
 }
 
 impl MidiMap {
-    /// A port that is moved by `source` on any channel, from 0 to 0, as fast as where nothing else is written.
+    /// Makes a port moved by `source` on any channel, from 0 to 0, with the default attack and release.
     pub const fn new(source: MidiSource) -> MidiMap {
         let (attack, release) = (0.005, 0.03);
         MidiMap { source, channel: None, from: 0.0, to: 0.0, attack, release, velocity: Velocity::Depth, back: true }

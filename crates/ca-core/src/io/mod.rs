@@ -1,35 +1,34 @@
-//! Ports: the doors between a scene and the outside.
+//! Ports: the connections between a scene and the outside.
 //!
-//! Decides that a position port *is* a MAT (moved from outside, feeling the force of its links), and a force port is a
-//! force added to a MAT, so that links need to know nothing of ports. What is heard are displacements from rest and
-//! forces, never absolute positions: a resting instrument is silent wherever it stands.
+//! A position port *is* a MAT, moved from outside and subject to the force of its links. A force port is a force added
+//! to a MAT. Links therefore do not need to know about ports. Outputs are displacements from rest and forces, never
+//! absolute positions, so an instrument at rest is silent at any position.
 
 use crate::kind::{ANY, Kind, Need, POSITIVE, Param, PortRole, Role, Type, Unit};
 
 pub mod midi;
 
 crate::choice::choice! {
-    /// What an output hears of a MAT.
+    /// Quantity of a MAT that an output reads.
     pub enum Hear {
         /// displacement from rest \[m\]
         Position = "position",
-        /// its change in a tick over the tick \[m/s\]
+        /// speed: change of position in a tick, over the tick \[m/s\]
         Speed = "speed",
-        /// the change of that in a tick over the tick \[m/s²\]
+        /// acceleration: change of speed in a tick, over the tick \[m/s²\]
         Acceleration = "acceleration",
-        /// summed force on it \[N\]
+        /// sum of the forces on it \[N\]
         Force = "force",
     }
 }
 
-/// `hear` of SOX.
+/// Parameter `hear` of SOX.
 pub const HEAR: Param = Param::new(
     "hear",
     Type::Choice(Hear::WORDS),
     Need::Default(0.0),
     "what of it: its position, its speed as a coil does [m/s], its acceleration [m/s^2], or the force on it [N]",
 );
-/// `minus` of SOX.
 const MINUS: Param =
     Param::new("minus", Type::Module, Need::Optional, "the MAT of which the same is taken away, as of two coils");
 
@@ -165,7 +164,7 @@ out = { from = "string", gain = 5 }
     role: Role::Port(PortRole::Sof),
 };
 
-/// Device degree of freedom.
+/// Degree of freedom of a device.
 pub static TGR: Kind = Kind {
     code: "TGR",
     title: "device key",

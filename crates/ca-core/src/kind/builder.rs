@@ -1,8 +1,8 @@
-//! Builder: what a generator makes before the compiler gives it names and kinds.
+//! The builder: what a generator makes before the compiler assigns names and kinds.
 //!
-//! Decides that a generator knows neither the network nor the kinds of its modules: it adds masses, fixed points and
-//! links that point at derived numbers, and the compiler expands what was built. `derive` is the function a live change
-//! calls too, so a string retuned while playing is exactly the string that would have been compiled.
+//! A generator knows neither the network nor the kinds of its modules. It adds masses, fixed points and links that
+//! refer to derived numbers, and the compiler expands them. A live change calls the same function `derive`, so a string
+//! retuned while playing equals the string that would have been compiled.
 
 use crate::kind::Param;
 use crate::kind::cloud::Cloud;
@@ -17,18 +17,18 @@ use alloc::vec::Vec;
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Arg {
-    /// not written and without default
+    /// not written, and without a default
     Absent,
-    /// a number, a choice by index, a flag as 0 or 1, the number of a table
+    /// a number, the index of a choice, a flag as 0 or 1, or the index of a table
     Num(f64),
-    /// numbers
+    /// list of numbers
     List(Vec<f64>),
-    /// what a file holds
+    /// content of a file
     Cloud(Arc<Cloud>),
 }
 
 impl Arg {
-    /// The number, if it is one.
+    /// Returns the number, if it is one.
     pub fn num(&self) -> Option<f64> {
         match self {
             Arg::Num(v) => Some(*v),
@@ -40,17 +40,17 @@ impl Arg {
 /// The resolved parameters of a generator.
 #[derive(Clone, Copy)]
 pub struct Args<'a> {
-    /// code of its kind
+    /// code of the kind
     pub code: &'static str,
-    /// the parameters of its kind, which name them
+    /// parameters of the kind, with their names
     pub params: &'static [Param],
-    /// in the same order
+    /// values in the same order
     pub values: &'a [Arg],
-    /// the tick \[s\]
+    /// duration of a tick \[s\]
     pub tick_dt: f64,
     /// axes along which its MATs move
     pub dim: u8,
-    /// how what is linear in it is computed
+    /// scheme for the linear parts
     pub scheme: Scheme,
 }
 
@@ -58,27 +58,27 @@ impl Args<'_> {
     fn arg(&self, name: &str) -> &Arg {
         self.params.iter().position(|p| p.name == name).map_or(&Arg::Absent, |i| &self.values[i])
     }
-    /// Whether `name` is written or defaulted.
+    /// Returns true if `name` is written or has a default.
     pub fn is_written(&self, name: &str) -> bool {
         *self.arg(name) != Arg::Absent
     }
-    /// The number `name`, if written or defaulted.
+    /// Returns the number `name`, if it is written or has a default.
     pub fn num(&self, name: &str) -> Option<f64> {
         self.arg(name).num()
     }
-    /// The number `name`, or 0.
+    /// Returns the number `name`, or 0.
     pub fn or0(&self, name: &str) -> f64 {
         self.num(name).unwrap_or(0.0)
     }
-    /// The count `name`, or 0.
+    /// Returns the count `name`, or 0.
     pub fn count(&self, name: &str) -> usize {
         self.or0(name) as usize
     }
-    /// The numbers `name`; a single number stands for `n` of them.
+    /// Returns `n` numbers of `name`; a single number is repeated.
     pub fn list(&self, name: &str, n: usize) -> Vec<Option<f64>> {
         (0..n).map(|i| self.nth(name, i)).collect()
     }
-    /// Number `i` of the list `name`; one number stands for all.
+    /// Returns number `i` of the list `name`; a single number is the same for all.
     pub fn nth(&self, name: &str, i: usize) -> Option<f64> {
         match self.arg(name) {
             Arg::Absent | Arg::Cloud(_) => None,
@@ -86,14 +86,14 @@ impl Args<'_> {
             Arg::List(l) => l.get(i).copied(),
         }
     }
-    /// What the file `name` holds.
+    /// Returns the content of the file `name`.
     pub fn cloud(&self, name: &str) -> Option<&Cloud> {
         match self.arg(name) {
             Arg::Cloud(c) => Some(c),
             _ => None,
         }
     }
-    /// How many numbers `name` has; `None` for a single number or none.
+    /// Returns the length of the list `name`, or `None` for a single number or an absent parameter.
     pub fn len(&self, name: &str) -> Option<usize> {
         match self.arg(name) {
             Arg::List(l) => Some(l.len()),
@@ -102,24 +102,22 @@ impl Args<'_> {
     }
 }
 
-/// A kind that expands.
+/// A kind that expands to many modules.
 #[derive(Clone, Copy)]
 pub struct Generator {
-    /// in how many dimensions it can be built, e.g. `&[1]` for what lives on a line
+    /// dimensions in which it can be built, e.g. `&[1]` for a line only
     pub dims: &'static [u8],
-    /// the numbers its modules use, from its parameters, behind those of a list; called at load and at live changes,
-    /// which reuse the list
+    /// computes the numbers of its modules and appends them to a list; called at load and at live changes
     pub derive: fn(&Args<'_>, &mut Vec<Option<f64>>) -> Result<(), Problem>,
-    /// names and connects the modules, or says why they cannot be; called once, so whatever no live change can alter is
-    /// refused here
+    /// names and connects the modules, or refuses; called once, so it checks everything that a live change cannot alter
     pub build: fn(&Args<'_>, &mut Builder<'_>) -> Result<(), Problem>,
 }
 
 impl Generator {
-    /// The numbers its modules use, as a list of their own.
+    /// Returns the numbers of its modules as a new list.
     ///
     /// # Errors
-    /// Where the parameters do not go together.
+    /// If the parameters cannot be combined.
     pub fn derived(&self, args: &Args<'_>) -> Result<Vec<Option<f64>>, Problem> {
         let mut slots = Vec::new();
         (self.derive)(args, &mut slots)?;
@@ -127,54 +125,54 @@ impl Generator {
     }
 }
 
-/// What a MAT is; numbers are slots of the derived list.
+/// Type of a MAT. The numbers are slots of the derived list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Built {
-    /// a mass of slot 0, damped to ground by slot 1 where that holds something
+    /// a mass with the mass in slot 0, damped to ground by slot 1 if that is used
     Mass(u32, u32),
-    /// a cell of mass, frequency and decay slots
+    /// a cell with mass, frequency and decay time in these slots
     Cell(u32, u32, u32),
-    /// a fixed point in the place of a mass
+    /// a fixed point in place of a mass
     Fixed,
-    /// a fixed point beyond the end, `name.end[i]`
+    /// a fixed point beyond an end, `name.end[i]`
     Anchor,
 }
 
 /// A link: ends, stiffness slot, viscosity slot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinkSpec {
-    /// first and second end, by number of the MAT
+    /// first and second end, by index of the MAT
     pub ends: [u32; 2],
     /// slot of the stiffness
     pub k: u32,
-    /// slot of the viscosity; one that does not exist means none
+    /// slot of the viscosity; a slot that does not exist means no viscosity
     pub z: u32,
-    /// rest length \[m\]; slack where its ends are at rest if `None`
+    /// rest length \[m\]; `None` means slack with the ends at rest
     pub l0: Option<f64>,
 }
 
-/// What a generator makes, before it has names and kinds.
+/// The modules that a generator makes, before they have names and kinds.
 pub struct Builder<'a> {
     slots: &'a [Option<f64>],
     live: bool,
-    /// MATs with the index they are called by, in order
+    /// MATs with their indices, in order
     pub mats: Vec<(Built, Index)>,
     /// links, in order
     pub links: Vec<LinkSpec>,
-    /// rest positions of the MATs, from that of the item \[m\]; none on a line
+    /// rest positions of the MATs relative to the item \[m\]; empty on a line
     pub places: Vec<[f64; 3]>,
-    /// initial velocities of the MATs \[m/s\]; none where all are at rest
+    /// initial velocities of the MATs \[m/s\]; empty if all are at rest
     pub speeds: Vec<[f64; 3]>,
-    /// nodes a moving point may stand between
+    /// nodes between which a moving point may be
     pub nodes: Vec<u32>,
-    /// their arrangement, `[n, 1]` in a row
+    /// arrangement of these nodes, `[n, 1]` in a row
     pub size: [u32; 2],
-    /// the string of waves whose junctions the MATs are, if they are
+    /// the waveguide whose junctions the MATs are, if any
     pub line: Option<WaveguideSpec>,
 }
 
 impl<'a> Builder<'a> {
-    /// Nothing yet, over the derived numbers; `live` where they may change while playing.
+    /// Makes an empty builder over the derived numbers. `live` is true if they may change while the scene plays.
     pub fn new(slots: &'a [Option<f64>], live: bool) -> Builder<'a> {
         Builder {
             slots,
@@ -189,7 +187,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// True where slot `i` is nothing and stays so.
+    /// Returns true if slot `i` is zero and stays so.
     pub fn nothing(&self, i: u32) -> bool {
         self.slots.get(i as usize).is_none_or(|v| !self.live && v.unwrap_or(0.0) == 0.0)
     }
@@ -199,17 +197,17 @@ impl<'a> Builder<'a> {
         self.mats.len() as u32 - 1
     }
 
-    /// Adds a mass `name[index]` of mass slot `m`, damped to ground by slot `z`.
+    /// Adds a mass `name[index]` with the mass in slot `m`, damped to ground by slot `z`.
     pub fn mass(&mut self, index: impl Into<Index>, m: u32, z: u32) -> u32 {
         self.mat(Built::Mass(m, z), index.into())
     }
 
-    /// Adds a cell `name[index]` of mass slot `m`, frequency slot `f`, decay slot `t60`.
+    /// Adds a cell `name[index]` with mass, frequency and decay time in the slots `m`, `f` and `t60`.
     pub fn cell(&mut self, index: impl Into<Index>, m: u32, f: u32, t60: u32) -> u32 {
         self.mat(Built::Cell(m, f, t60), index.into())
     }
 
-    /// Adds a fixed point `name[index]` where a mass would be.
+    /// Adds a fixed point `name[index]` in place of a mass.
     pub fn fixed(&mut self, index: impl Into<Index>) -> u32 {
         self.mat(Built::Fixed, index.into())
     }
@@ -219,17 +217,17 @@ impl<'a> Builder<'a> {
         self.mat(Built::Anchor, Index::None)
     }
 
-    /// Adds a link `name.link[i]` of stiffness slot `k` and viscosity slot `z`.
+    /// Adds a link `name.link[i]` with stiffness slot `k` and viscosity slot `z`.
     pub fn link(&mut self, a: u32, b: u32, k: u32, z: u32) {
         self.links.push(LinkSpec { ends: [a, b], k, z, l0: None });
     }
 
-    /// Adds a link of rest length `l0` \[m\].
+    /// Adds a link with the rest length `l0` \[m\].
     pub fn stretched(&mut self, a: u32, b: u32, k: u32, z: u32, l0: f64) {
         self.links.push(LinkSpec { ends: [a, b], k, z, l0: Some(l0) });
     }
 
-    /// Declares the points a moving point `name@s` may stand between, as `size[0] × size[1]` nodes.
+    /// Declares the nodes of a moving point `name@s`, as `size[0] × size[1]` nodes.
     pub fn set_path(&mut self, nodes: Vec<u32>, size: [u32; 2]) {
         self.nodes = nodes;
         self.size = size;

@@ -1,44 +1,43 @@
-//! Cloud: points in space and which of them are joined, as a file of a body holds them.
+//! Clouds: points in space and the pairs of them that are joined, as read from the file of a body.
 //!
-//! Decides that the compiler never opens a file: whoever compiles hands over what the files named in a model hold, or
-//! why they could not be read, and the compiler says so where the name stands. So a model compiles the same on a disk,
-//! in a browser and in a test.
+//! The compiler never opens a file. Its caller passes the contents of the files named in a model, or why they could not
+//! be read. So a model compiles the same way from a disk, in a browser and in a test.
 
 use alloc::collections::BTreeMap;
 use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-/// Points and the pairs of them that are joined.
+/// Points, and the pairs of them that are joined.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Cloud {
-    /// the points, in units of the file
+    /// points, in units of the file
     pub points: Vec<[f64; 3]>,
     /// indices into `points`, the smaller first, each pair once
     pub edges: Vec<[u32; 2]>,
-    /// points left out because another stood in the very same place
+    /// number of points left out because another has the same position
     pub merged: usize,
-    /// faces left out because they have less than three different corners, or one corner twice
+    /// number of faces left out because they have fewer than three different corners, or one corner twice
     pub flat: usize,
 }
 
-/// Why a file has no content.
+/// Why a file could not be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unread {
-    /// what is wrong, and where in it
+    /// what is wrong, and where in the file
     pub what: String,
-    /// what to do
+    /// suggested remedy
     pub help: String,
 }
 
-/// What the files named in a model hold, by the name as written there.
+/// Contents of the files named in a model, by the name as written there.
 pub type Clouds = BTreeMap<String, Result<Arc<Cloud>, Unread>>;
 
 impl Cloud {
-    /// All pairs at most `reach` apart, in order; `None` where there would be more than `most`.
+    /// Returns all pairs at most `reach` apart, in order, or `None` if there are more than `most`.
     pub fn within(&self, reach: f64, most: usize) -> Option<Vec<[u32; 2]>> {
-        // along the axis of largest extent few points lie beside any one
+        // sort along the axis of largest extent, where each point has few neighbours
         let extent = |k: &usize| {
             let (low, high) =
                 self.points.iter().fold((f64::MAX, f64::MIN), |(a, b), p| (f64::min(a, p[*k]), f64::max(b, p[*k])));

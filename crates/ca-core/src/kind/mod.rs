@@ -1,9 +1,8 @@
-//! What a module *is*, as data: code, parameters with unit, range and doc, and the functions that make it run.
+//! Kinds: a module as data, with its code, its parameters with unit, range and doc, and the functions that make it run.
 //!
-//! Decides that everything a build knows about a module stands in one [`Kind`] record. Syntax, unit checks,
-//! did-you-mean, `ca list`, the JSON Schema, live slots and the conformance suite all walk these records, so adding a
-//! module is one file and one line in the list of its folder. The alternative, an enum with a match in every layer, spreads
-//! one idea over ten files.
+//! One [`Kind`] record holds everything a build knows about a module. The syntax, unit checks, did-you-mean, `ca list`,
+//! the JSON Schema, live slots and the conformance suite all walk these records. So adding a module takes one file and
+//! one line in the list of its folder. An enum with a match in every layer would spread one module over ten files.
 
 pub mod builder;
 pub mod cloud;
@@ -21,22 +20,22 @@ pub struct Coefs {
     pub p: f64,
     /// pull towards rest (−kT²/m)
     pub q: f64,
-    /// mobility T²/m \[m/N\]; 0 for what cannot move
+    /// mobility T²/m \[m/N\]; 0 for a MAT that forces do not move
     pub c: f64,
 }
 
-/// How a kind of MAT gets its coefficients.
+/// Rule by which a kind of MAT gets its coefficients.
 #[derive(Clone, Copy)]
 pub struct MatSpec {
     /// code of the kind
     pub code: &'static str,
-    /// from parameters in SI (in the order of [`Kind::params`]) and the tick, `tick_dt` \[s\]
+    /// computes them from parameters in SI (in the order of [`Kind::params`]) and the tick, `tick_dt` \[s\]
     pub coefs: fn(params: &[Option<f64>], tick_dt: f64) -> Coefs,
-    /// true for what never moves
+    /// true for a MAT that never moves
     pub fixed: bool,
 }
 
-/// What a port does each tick.
+/// Task of a port in each tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PortRole {
     /// position in: a MAT moved from outside, once per sound sample
@@ -51,16 +50,16 @@ pub enum PortRole {
     Tgr,
 }
 
-/// What a kind does once compiled.
+/// Role of a kind once compiled.
 #[derive(Clone, Copy)]
 pub enum Role {
     /// material element: three coefficients
     Mat(&'static MatSpec),
     /// interaction between two MATs
     Lia(&'static Law),
-    /// a door to the outside
+    /// connection to the outside
     Port(PortRole),
-    /// expands to many modules
+    /// generator that expands to many modules
     Generator(&'static Generator),
 }
 
@@ -69,34 +68,34 @@ pub enum Role {
 pub struct Kind {
     /// upper-case code, the section name in a model file
     pub code: &'static str,
-    /// a few words
+    /// title of a few words
     pub title: &'static str,
     /// the law in one line of text
     pub equation: &'static str,
-    /// a paragraph for people
+    /// one paragraph of documentation
     pub doc: &'static str,
     /// keys into [`crate::SOURCES`]
     pub source: &'static [&'static str],
-    /// parameters, in the order the documentation shows them
+    /// parameters, in the order of the documentation
     pub params: &'static [Param],
     /// alternatives among the parameters
     pub one_of: &'static [OneOf],
-    /// a complete model file that uses it and gives sound
+    /// a complete model file that uses the kind and sounds
     pub example: &'static str,
-    /// what it does once compiled
+    /// role once compiled
     pub role: Role,
 }
 
 impl Kind {
-    /// Position of the parameter `name` in [`Kind::params`].
+    /// Returns the position of the parameter `name` in [`Kind::params`].
     pub fn param(&self, name: &str) -> Option<usize> {
         self.params.iter().position(|p| p.name == name)
     }
 
-    /// Position of the parameter `name`, for [`positions!`](crate::positions): known when the crate is built.
+    /// Returns the position of the parameter `name`, for [`positions!`](crate::positions), at compile time.
     ///
     /// # Panics
-    /// While building, where there is no such parameter.
+    /// At compile time, if the parameter does not exist.
     pub const fn position(&self, name: &str) -> usize {
         let mut i = 0;
         while i < self.params.len() && !same(self.params[i].name.as_bytes(), name.as_bytes()) {
@@ -115,8 +114,8 @@ const fn same(a: &[u8], b: &[u8]) -> bool {
     i == a.len() && i == b.len()
 }
 
-/// A module `at` with the position of each named parameter of a record, as `p[at::K]` for the parameter `k`: a law reads its
-/// parameters by their names, and a name that the record lacks does not build.
+/// Makes a module `at` with the position of each named parameter of a record, such as `p[at::K]` for the parameter `k`.
+/// A law thus reads its parameters by name, and a name that the record lacks does not compile.
 #[macro_export]
 macro_rules! positions {
     ($kind:ident: $($name:ident = $text:literal),+ $(,)?) => {

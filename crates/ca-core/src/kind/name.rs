@@ -1,26 +1,25 @@
-//! Name: what a module is called by, written out only when somebody asks.
+//! Names of modules, written out as text only on request.
 //!
-//! Decides that a name is the one of its item and where in it the module stands: a generator makes a hundred thousand of
-//! them, of which few are ever read. The text of the item is shared by all its modules.
+//! A name is the name of its item and the index of the module in it. A generator makes a hundred thousand names, of
+//! which few are read. All modules of an item share its text.
 
 use alloc::sync::Arc;
 use core::fmt::{self, Write as _};
 
-/// Where in an item a module stands, e.g. `[3]` or `[3,4]`.
+/// Index of a module in an item, e.g. `[3]` or `[3,4]`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Index {
-    /// it is all of it
+    /// the whole item
     #[default]
     None,
-    /// in a row
+    /// index in a row
     One(u32),
-    /// on a grid
+    /// index in a grid
     Two(u32, u32),
 }
 
 impl Index {
-    /// The one `n` places behind it, in a row of a grid.
     fn plus(self, n: u32) -> Index {
         match self {
             Index::None => Index::None,
@@ -42,11 +41,11 @@ impl From<[usize; 2]> for Index {
     }
 }
 
-/// Which list of an item a module stands in.
+/// List of an item that contains a module.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Part {
-    /// its own
+    /// the item itself
     #[default]
     Own,
     /// `name.link`
@@ -61,36 +60,34 @@ pub enum Part {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Name {
-    /// the item
+    /// name of the item
     pub of: Arc<str>,
-    /// the list
+    /// list within the item
     pub part: Part,
-    /// its place in it
+    /// index in the list
     pub index: Index,
-    /// of a link that became one along each axis, which that is
+    /// axis of a link that was split into one link per axis
     pub axis: Option<u8>,
 }
 
 impl Name {
-    /// Place `index` of a list of the item `of`.
+    /// Makes the name of module `index` in a list of the item `of`.
     pub fn new(of: &Arc<str>, part: Part, index: Index) -> Name {
         Name { of: of.clone(), part, index, axis: None }
     }
 
-    /// True where `other` is the module `n` places behind this one.
+    /// Returns true if `other` is the module `n` after this one.
     pub(crate) fn continues(&self, n: u32, other: &Name) -> bool {
         let same = Arc::ptr_eq(&self.of, &other.of) && (self.part, self.axis) == (other.part, other.axis);
         same && self.index != Index::None && self.index.plus(n) == other.index
     }
 
-    /// The name of the module `n` places behind it.
     #[must_use]
     pub(crate) fn plus(&self, n: u32) -> Name {
         Name { index: self.index.plus(n), ..self.clone() }
     }
 }
 
-/// An item as a whole.
 impl From<&Arc<str>> for Name {
     fn from(of: &Arc<str>) -> Name {
         Name::new(of, Part::Own, Index::None)
@@ -121,7 +118,7 @@ impl fmt::Display for Name {
     }
 }
 
-/// What is left of a text when a name has been taken off its beginning.
+/// Rest of a text after removing the parts of a name from its start.
 struct Rest<'a>(&'a str);
 
 impl fmt::Write for Rest<'_> {

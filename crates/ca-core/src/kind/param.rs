@@ -1,10 +1,8 @@
 //! Parameters as data: dimension, unit, range, need and doc of what an author can write.
 //!
-//! Decides that these records know nothing of modules, so that quantities, kinds, generators and the schema can all
-//! stand on them.
+//! These records do not depend on modules, so that quantities, kinds, generators and the schema can all use them.
 
-/// Exponents of metre, kilogram and second: `Dim { m: 0.0, kg: 1.0, s: -2.0 }` is N/m. Rational exponents occur
-/// (Hertz stiffness is N/m^1.5), hence `f64`.
+/// Exponents of metre, kilogram and second: N/m is `Dim { m: 0.0, kg: 1.0, s: -2.0 }`; Hertz stiffness is N/m^1.5.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Dim {
@@ -17,31 +15,32 @@ pub struct Dim {
 }
 
 impl Dim {
-    /// A dimension from its three exponents.
+    /// Makes a dimension from its three exponents.
     pub const fn new(m: f64, kg: f64, s: f64) -> Dim {
         Dim { m, kg, s }
     }
 
-    /// True where both are the same to 1e-9, which absorbs the rounding of rational exponents.
+    /// Returns true if both are equal to 1e-9, which absorbs the rounding of rational exponents.
     pub fn same(self, other: Dim) -> bool {
         let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
         near(self.m, other.m) && near(self.kg, other.kg) && near(self.s, other.s)
     }
 }
 
-/// Factor from `alg` units of a dimension to SI. Algorithmic units keep the metre and the newton and take one sample of the
-/// reference rate, `tr` \[s\], as unit of time, so a mass unit is tr² kg and a viscosity unit tr N s/m
-/// (GENESIS and mi.lib: M = m/T², Z = z/T, K = k).
+/// Returns the factor from `alg` units of a dimension to SI.
+///
+/// Algorithmic units keep the metre and the newton. Their unit of time is one sample of the reference rate, `tr` \[s\],
+/// so a mass unit is tr² kg and a viscosity unit tr N s/m (GENESIS and mi.lib: M = m/T², Z = z/T, K = k).
 pub fn alg_to_si(dim: Dim, tr: f64) -> f64 {
     libm::pow(tr, 2.0 * dim.kg + dim.s)
 }
 
-/// A unit as authors read it, with its dimension.
+/// A unit as authors write it, with its dimension.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unit {
-    /// e.g. `N s/m`; empty for a plain number
+    /// symbol, e.g. `N s/m`; empty for a plain number
     pub symbol: &'static str,
-    /// its dimension
+    /// dimension
     pub dim: Dim,
 }
 
@@ -50,7 +49,6 @@ macro_rules! units {
         impl Unit {
             $($(#[$doc])* pub const $name: Unit = Unit { symbol: $symbol, dim: $dim };)*
 
-            /// All units that have a name here.
             #[cfg(feature = "bytes")]
             pub(crate) const NAMED: &[Unit] = &[$(Unit::$name),*];
         }
@@ -92,15 +90,14 @@ units! {
 }
 
 impl Unit {
-    /// Symbols of the stiffness of power laws of exponents 1, 1.25 … 5.
+    /// Symbols of power-law stiffness for the exponents 1, 1.25 … 5.
     pub(crate) const POWERS: [&str; 17] = [
         "N/m", "N/m^1.25", "N/m^1.5", "N/m^1.75", "N/m^2", "N/m^2.25", "N/m^2.5", "N/m^2.75", "N/m^3", "N/m^3.25",
         "N/m^3.5", "N/m^3.75", "N/m^4", "N/m^4.25", "N/m^4.5", "N/m^4.75", "N/m^5",
     ];
-    /// Symbol of the stiffness of a power law of any other exponent.
     pub(crate) const ANY_POWER: &str = "N/m^p";
 
-    /// Stiffness of a power law of exponent `p`, a multiple of 1/4 from 1 to 5.
+    /// Returns the unit of power-law stiffness for the exponent `p`, a multiple of 1/4 from 1 to 5.
     pub fn power_stiffness(p: f64) -> Unit {
         let place = libm::round(4.0 * (p - 1.0)).max(0.0) as usize;
         let symbol = Unit::POWERS.get(place).copied().unwrap_or(Unit::ANY_POWER);
@@ -108,18 +105,18 @@ impl Unit {
     }
 }
 
-/// Whether a number must be written.
+/// Requirement for a parameter in a model file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Need {
-    /// must be written
+    /// required
     Required,
-    /// may be left out; this value then holds (in SI)
+    /// has a default, in SI
     Default(f64),
-    /// may be left out, and its absence means something (see [`OneOf`] and the doc of the parameter)
+    /// optional without a default; its absence has a meaning (see [`OneOf`] and the doc of the parameter)
     Optional,
 }
 
-/// What a parameter accepts. `Number` to `Flag` resolve to one `f64` in SI; the others are structure.
+/// Values that a parameter accepts. `Number` to `Flag` resolve to one `f64` in SI; the others are structured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Type {
     /// a number with a unit, `min ..= max` in SI; may name a `[param]`
@@ -131,23 +128,23 @@ pub enum Type {
         /// largest value accepted, in SI
         max: f64,
     },
-    /// as `Number`, in N/m^p where p is the value of the sibling parameter named here
+    /// like `Number`, in N/m^p, where p is the value of the sibling parameter named here
     PowerStiffness {
         /// name of the parameter that holds the exponent
         exponent: &'static str,
     },
-    /// a whole number, `min ..= max`
+    /// an integer, `min ..= max`
     Count {
-        /// smallest
+        /// smallest value
         min: u32,
-        /// largest
+        /// largest value
         max: u32,
     },
     /// one of these words; resolves to its index
     Choice(&'static [&'static str]),
     /// `true` or `false`; resolves to 1 or 0
     Flag,
-    /// a list of numbers with a unit, or one number that stands for all
+    /// a list of numbers with a unit, or one number for all
     Numbers {
         /// unit and dimension
         unit: Unit,
@@ -163,21 +160,21 @@ pub enum Type {
         /// unit of the second column
         y: Unit,
     },
-    /// a place, or a velocity: a number on a line, two in a plane, three in space
+    /// a position or a velocity: one number on a line, two in a plane, three in space
     Position {
         /// unit and dimension
         unit: Unit,
     },
-    /// a direction in space: `"x"`, `"y"`, `"z"`, or a list of two or three numbers, of any length but 0
+    /// a direction in space: `"x"`, `"y"`, `"z"`, or a list of two or three numbers that are not all 0
     Direction,
-    /// a whole number, or a list of them, each `min ..= max`
+    /// an integer or a list of integers, each `min ..= max`
     Counts {
-        /// smallest
+        /// smallest value
         min: u32,
-        /// largest
+        /// largest value
         max: u32,
     },
-    /// a list of `[i, j]` nodes of a grid, counted from 0, or from −1 backwards
+    /// a list of `[i, j]` nodes of a grid, counted from 0, or backwards from −1
     Nodes,
     /// the two ends of a link: a list of two selectors, or of two lists that pair one to one
     Between,
@@ -185,44 +182,44 @@ pub enum Type {
     Module,
     /// a file of points, see [`crate::kind::cloud`]
     File,
-    /// a list of places
+    /// a list of positions
     Positions {
         /// unit and dimension
         unit: Unit,
     },
     /// free text
     Text,
-    /// the mapping of a MIDI note or controller onto a port (an inline table, see [`crate::io::midi`])
+    /// mapping of a MIDI note or controller to a port (an inline table, see [`crate::io::midi`])
     Midi,
 }
 
 /// One parameter of a kind.
 #[derive(Clone, Copy, Debug)]
 pub struct Param {
-    /// the key in a model file
+    /// key in a model file
     pub name: &'static str,
     /// what it accepts
     pub ty: Type,
     /// whether it must be written
     pub need: Need,
-    /// one line for people
+    /// documentation in one line
     pub doc: &'static str,
-    /// whether a number may follow a live parameter; not where it decides what is built rather than a coefficient
+    /// whether it may follow a live parameter; false if it determines the structure and not a coefficient
     pub live: bool,
 }
 
 impl Param {
-    /// A number with unit and range.
+    /// Makes a number with unit and range.
     pub const fn number(name: &'static str, unit: Unit, range: (f64, f64), need: Need, doc: &'static str) -> Param {
         Param { name, ty: Type::Number { unit, min: range.0, max: range.1 }, need, doc, live: true }
     }
 
-    /// A parameter of any other type.
+    /// Makes a parameter of any other type.
     pub const fn new(name: &'static str, ty: Type, need: Need, doc: &'static str) -> Param {
         Param { name, ty, need, doc, live: true }
     }
 
-    /// The same, but for good: a length or a filter, of which nothing would follow a change.
+    /// Makes the parameter fixed, such as a length or a filter, where a change would have no effect.
     #[must_use]
     pub const fn for_good(self) -> Param {
         Param { live: false, ..self }
@@ -236,12 +233,11 @@ pub const ABOVE_ZERO: (f64, f64) = (f64::MIN_POSITIVE, f64::MAX);
 /// Any finite number.
 pub const ANY: (f64, f64) = (f64::MIN, f64::MAX);
 
-/// Alternatives: parameters of one set exclude those of the others; `required` asks for one set to be there.
-/// The first name of a set is what makes it chosen.
+/// Alternatives: a parameter of one set excludes the other sets. The first name of a set selects it.
 #[derive(Clone, Copy, Debug)]
 pub struct OneOf {
     /// the sets, e.g. `[["k", "z"], ["f", "t60"]]`
     pub sets: &'static [&'static [&'static str]],
-    /// whether one of them must be written
+    /// whether one of them must be present
     pub required: bool,
 }

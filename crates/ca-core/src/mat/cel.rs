@@ -1,9 +1,10 @@
 //! CEL: a mass with its own spring and damper to its rest position; one damped oscillation.
 //!
 //! Equation: x_{n+1} = (2 − a − b) x_n + (b − 1) x_{n−1} + (T²/m) f, a = kT²/m, b = zT/m.
-//! Parameters: m \[kg\] with k \[N/m\], z \[N s/m\], or with the heard frequency f \[Hz\] and the decay time t60 \[s\].
-//! Source: CMJ 1993; the retuning is docs/numerics.md §1.5 (exact inversion of the scheme's own warping).
-//! Stability: a + 2b < 4, always true when given by f below half the sound rate and t60. Test: A04, A05, B02.
+//! Parameters: m \[kg\] with k \[N/m\], z \[N s/m\], or with the frequency as heard f \[Hz\] and the decay time t60
+//! \[s\].
+//! Source: CMJ 1993; retuning as in docs/numerics.md §1.5 (exact inversion of the warping of the scheme). Stability: a
+//! + 2b < 4, always true if given by t60 and f below half the sound rate. Test: A04, A05, B02.
 
 use super::{Coefs, DX0, MatSpec, V, X};
 use crate::kind::{ABOVE_ZERO, Kind, Need, OneOf, POSITIVE, Param, Role, Unit};
@@ -51,7 +52,7 @@ fn coefs(p: &[Option<f64>], tick_dt: f64) -> Coefs {
     }
     let (k, z) = (p[at::K].unwrap_or(0.0), p[at::Z].unwrap_or(0.0));
     if let Some(theta) = Method::of(p[at::METHOD]).theta(p[at::THETA]) {
-        // what is implicit is inertia (docs/numerics.md §1.3, eq. 1′): a cell of this mass, explicit, is the same
+        // the implicit part is inertia (docs/numerics.md §1.3, eq. 1′): an explicit cell of this mass is the same
         // scheme
         let c = 1.0 / (m / (tick_dt * tick_dt) + theta * k + 0.5 * z / tick_dt);
         return Coefs { p: 1.0 - z / tick_dt * c, q: -k * c, c };

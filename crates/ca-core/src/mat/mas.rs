@@ -1,7 +1,8 @@
-//! MAS: a punctual mass, inertia and nothing else.
+//! MAS: a point mass, with inertia only.
 //!
 //! Equation: x_{n+1} = 2 x_n − x_{n−1} + (T²/m) f_n. Parameters: m \[kg\] > 0. Source: CMJ 1993.
-//! Stability: none of its own; with links, T²(k + 2z/T)/m summed over them must stay below 4 (docs/numerics.md §1.3).
+//! Stability: alone always stable; with links, T²(k + 2z/T)/m summed over them must stay below 4 (docs/numerics.md
+//! §1.3).
 //! Test: `tests/suite/methods/scheme/mod.rs`.
 
 use super::{Coefs, DX0, MatSpec, V, X};

@@ -1,6 +1,6 @@
-//! SOL: the ground, a MAT that never moves.
+//! SOL: ground, a MAT that never moves.
 //!
-//! Equation: x_{n+1} = x_n. Source: CMJ 1993. Its coefficients are (0, 0, 0): nothing pushes it.
+//! Equation: x_{n+1} = x_n. Source: CMJ 1993. Its coefficients are (0, 0, 0), so forces have no effect on it.
 
 use super::{Coefs, DX0, MatSpec, X};
 use crate::kind::{Kind, Role};

@@ -1,17 +1,20 @@
-//! Discrete gradients solved together: contacts on a line that share masses (docs/numerics.md §3.3).
+//! Discrete gradients solved together, for contacts on a line that share masses (docs/numerics.md §3.3).
 //!
-//! Each contact pushes by the slope of its potential between the tick before and the tick after, as in [`super::gradient`], but the
-//! penetration after the tick depends on all of them:
+//! Each contact pushes with the slope of its potential between the tick before and the tick after, as in
+//! [`super::gradient`], but the penetration after the tick depends on all contacts:
 //! ```text
 //! N_l = h_l(s_l)        s = s* − W N        h(s) = (U(a + s) − U(a)) / s + (z/2) s
 //! ```
-//! with s the change of penetration over two ticks, s* the change by all other forces, a the penetration before and W = T² G M⁻¹ Gᵀ. A
-//! rising force makes h rise, so the step is the minimum of a strictly convex function and has one solution. Newton's method finds
-//! it, with a line search: with the tangent N ≈ h(s) + h′(s) (s₊ − s) every iteration is the linear system of `system.rs`, which
-//! therefore also takes contacts in space and friction that share masses with these. A contact without slope pushes by its bias.
+//! Here s is the change of penetration over two ticks, s* the change by all other forces, a the penetration before, and
+//! W = T² G M⁻¹ Gᵀ. A rising force makes h rise, so the step is the minimum of a strictly convex function and has one
+//! solution.
 //!
-//! The energy held is U of the true penetration, so nothing drifts from it, and the balance holds for every stiffness. With
-//! `sticky = false` a pull is left out: h is 0 there, and what U loses is heat.
+//! Newton's method with a line search finds it. With the tangent N ≈ h(s) + h′(s) (s₊ − s) every iteration is the
+//! linear system of `system.rs`. This system therefore also takes the contacts in space and the friction that share
+//! masses with these contacts. A contact without slope pushes by its bias.
+//!
+//! The stored energy is U of the true penetration, so it does not drift, and the energy balances at any stiffness. With
+//! `sticky = false` a pull is left out: h is 0 there, and the energy that U loses is heat.
 
 use super::spring::{Contact, Spring};
 use super::system::{Response, conjugate, enter, gathered, reach, respond};
@@ -23,18 +26,19 @@ use crate::state::State;
 use crate::state::active_contacts::{ActiveContact, Curve, Part};
 use core::marker::PhantomData;
 
-/// Newton steps of a tick at most; four are usual. From [`SEARCHED`] on a step may be shortened, this often.
+/// Most Newton steps per tick (four are usual). After [`SEARCHED`] a step may be shortened, up to [`SHORTER`] times.
 const STEPS: usize = 100;
 const SEARCHED: usize = 4;
 const SHORTER: usize = 20;
 
-/// The sizes of a last step, as parts of a motion.
+/// Tolerances: the relative change of motion at which a step is the last.
 struct Near<R> {
-    /// it changes each motion by no more
+    /// largest change of each motion
     last: R,
-    /// it changes them by no more, and hardly less than the step before: that is rounding
+    /// largest change of each motion, if it is hardly smaller than in the step before: rounding has been reached
     rounded: R,
-    /// once steps may be shortened: it changes them by no more, or the largest by no more than `of_all`, and hardly less than the smallest step
+    /// once steps may be shortened: largest change of each motion, if it is hardly smaller than in the smallest step.
+    /// The change of the largest motion may also be up to `of_all`
     stands: R,
     /// see `stands`
     of_all: R,
@@ -46,12 +50,12 @@ fn near<R: Real>() -> Near<R> {
     Near { last: R::of(last), rounded: R::of(rounded), stands: R::of(stands), of_all: R::of(of_all) }
 }
 
-/// A one-sided spring by this method, `at_modes` of masses that go by their modes. Memory: heat of the tick \[J\].
+/// Makes a one-sided spring with this method; `at_modes` runs at modal masses. Memory: heat of the tick \[J\].
 pub const fn law<S: Spring<f64> + 'static>(spring: Law, at_modes: &'static Law) -> Law {
     Law { mem: 1, stage: SolveStage::Coupled(Some(at_modes)), fns: fns::<f64, S>(spring.fns), ..spring }
 }
 
-/// Its functions, made of the functions of the spring.
+/// Makes its functions from the functions of the spring.
 pub const fn fns<R: Real, S: Spring<R> + 'static>(spring: LawFns<R>) -> LawFns<R> {
     LawFns {
         start: |_, _, mem| mem.fill(R::ZERO),
@@ -69,7 +73,7 @@ fn kernel<R: Real, S: Spring<R> + 'static>(form: Form) -> Kernel<R> {
     }
 }
 
-/// Collects the contacts of `op`: one that touches nothing may be pushed by another.
+/// Collects the contacts of `op`, also those that touch nothing, since another contact may push them.
 fn gather<R: Real, S: Spring<R> + 'static, G: Measure>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for i in 0..op.n {
         let contact = Contact::<R, S>::read(s, op.coef, op.n, i);
@@ -106,7 +110,6 @@ fn gather<R: Real, S: Spring<R> + 'static, G: Measure>(op: &Op<R>, layout: &Layo
     }
 }
 
-/// The curve of a one-sided spring.
 struct OfSpring<R, S>(PhantomData<(R, S)>);
 
 impl<R: Real, S: Spring<R> + 'static> OfSpring<R, S> {
@@ -119,7 +122,7 @@ impl<R: Real, S: Spring<R> + 'static> OfSpring<R, S> {
     };
 }
 
-/// Push of a curve, with its viscosity, and its slope at the change of penetration that is assumed.
+/// Returns the push of a curve with its viscosity, and its slope, at the assumed change of penetration.
 fn push<R: Real>(t: &ActiveContact<R>, curve: &Curve<R>, tables: &[Table<R>]) -> [R; 2] {
     let [push, slope] = (curve.push)(&t.coef, tables, t.from, t.at);
     let half = R::of(0.5) * t.z;
@@ -127,8 +130,7 @@ fn push<R: Real>(t: &ActiveContact<R>, curve: &Curve<R>, tables: &[Table<R>]) ->
     if t.clip && push < R::ZERO { [R::ZERO; 2] } else { [push, slope] }
 }
 
-/// Solves for the pushes of all contacts: `p` is the push of each, `at` its change of penetration. False where the bound on
-/// iterations was met.
+/// Solves for the push `p` and the change of penetration `at` of all contacts. Returns false at the iteration limit.
 pub(super) fn newton<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], to: &mut Response<R, MODES>) -> bool {
     let (mut solved, mut before, mut least) = (false, R::INFINITY, R::INFINITY);
     let near = near::<R>();
@@ -138,7 +140,7 @@ pub(super) fn newton<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], t
             if let Some(curve) = t.curve {
                 let [push, slope] = push(t, curve, &to.layout.tables);
                 t.last = [t.at, t.p, push - t.p];
-                // of a force that falls only the value counts
+                // where the force falls, only its value is used
                 t.stiff = slope.max(R::ZERO);
                 t.bias = push - t.stiff * t.at;
             } else {
@@ -151,7 +153,7 @@ pub(super) fn newton<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], t
             }
         }
         let acting = gathered(all, |t| t.stiff > R::ZERO);
-        // without slope a push is its bias
+        // without slope the push is the bias
         let pushing = acting + gathered(&mut all[acting..], |t| t.bias != R::ZERO);
         conjugate(&mut all[..pushing], acting, to);
         for (i, t) in all.iter_mut().enumerate() {
@@ -160,11 +162,11 @@ pub(super) fn newton<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], t
         respond(all, to);
         let (mut again, mut worst, mut moves, mut far) = (false, R::ZERO, R::ZERO, R::ZERO);
         for (i, t) in all.iter_mut().enumerate() {
-            // a push that is small among others has few digits, and so has the motion of one that is stiff
+            // a push that is small among others has few correct digits, and so has the motion of a stiff contact
             let stiff = i < acting && t.stiff * t.own > R::of(1.0);
             let moved = if stiff { t.y / t.stiff } else { t.free - t.q };
             if t.curve.is_none() {
-                // one that would pull is left out for this tick
+                // a contact that would pull is left out for this tick
                 if t.clip && t.p < R::ZERO {
                     (t.part, again) = (Part::LeftOut, true);
                 }
@@ -177,7 +179,7 @@ pub(super) fn newton<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], t
             t.at = moved;
         }
         if solved {
-            // derivatives have arrived too, and the number stays what it is without them
+            // one more step has brought the derivatives; values stay as found before
             let keep = |found: R, now: R| R::of(found.wide()) + (now - R::of(now.wide()));
             for t in &mut *all {
                 let [push, moved, y] = t.found;
@@ -202,8 +204,8 @@ pub(super) fn newton<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], t
     solved
 }
 
-/// Shortens the last step where it went too far: along it the slope of the convex function whose minimum is sought, Σ (h − N) Δs, has
-/// grown above 0 by more than half of what it was below. False where the whole step serves.
+/// Shortens the last step if it went too far: the slope of the convex function along it, Σ (h − N) Δs, has risen above
+/// 0 by more than half of what it was below. Returns false if the whole step is kept.
 fn shortened<R: Real>(all: &mut [ActiveContact<R>], tables: &[Table<R>]) -> bool {
     let curves = |all: &[ActiveContact<R>], excess: &dyn Fn(&ActiveContact<R>, &Curve<R>) -> R| -> R {
         all.iter().filter_map(|t| Some(excess(t, t.curve?) * (t.at - t.last[0]))).sum()
@@ -223,7 +225,6 @@ fn shortened<R: Real>(all: &mut [ActiveContact<R>], tables: &[Table<R>]) -> bool
     true
 }
 
-/// Heat of the tick \[J\].
 pub(super) fn heat<R: Real>(t: &ActiveContact<R>, tables: &[Table<R>]) -> R {
     match t.curve {
         Some(curve) if t.clip && t.p <= R::ZERO => R::of(0.5) * (curve.released)(&t.coef, tables, t.from, t.at),

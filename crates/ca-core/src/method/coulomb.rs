@@ -1,12 +1,13 @@
-//! Coulomb's friction as a set-valued law: what sticks stands still, and any force up to the largest holds it
-//! (docs/numerics.md §3.5).
+//! Coulomb friction as a set-valued law: sticking ends are held by any force up to the largest (docs/numerics.md §3.5).
 //!
-//! A curve, however steep, creeps where it should stick. Here the force is asked for instead: with r what all other forces make
-//! of the relative motion in this tick, and c the mobility of both ends, F = r/c leaves none of it. If that is no more than the
-//! static force of what stuck, or the sliding force of what slid, it sticks; else it slides on against the sliding force. Where
-//! the motion turns round by itself within a tick, there is no force in that tick. So F·(w + w₊)/2 ≥ 0 always: heat, never a
-//! gift, and of what sticks none at all. Of first order in the moments of sticking and slipping. Against a solver for all links
-//! at once: where a mass has several of them, or contacts that keep energy, the curve takes over, with a creep that is said.
+//! A curve creeps where ends should stick, however steep it is. Here the force is solved for. Let r be the relative
+//! motion that all other forces cause in this tick, and c the mobility of both ends; F = r/c cancels the motion. If |F|
+//! is at most the static force (when stuck before) or the sliding force (when sliding), the ends stick. Otherwise they
+//! slide against the sliding force. If the motion reverses by itself within a tick, the force is zero in that tick.
+//!
+//! So F·(w + w₊)/2 ≥ 0 always: it is heat, and zero while sticking. The moments of sticking and slipping are of first
+//! order. On a mass with several such links, or with contacts that conserve energy, the curve runs instead, and its
+//! creep is reported.
 
 use super::{free_motion, mobility};
 use crate::law::Bound;
@@ -16,10 +17,10 @@ use crate::op::{Cheaper, LoadFns};
 use crate::op::{Energies, Law, LawFns, Op, SolveStage, Together};
 use crate::state::State;
 
-/// What a link remembers: 1 where it sticks, and the heat of the tick \[J\].
+/// Numbers of memory: 1 while sticking, and the heat of the tick \[J\].
 pub const MEM: usize = 2;
 
-/// Coulomb's friction alone, whose first coefficients are f and fd; where it may not act alone, `together` runs.
+/// Makes Coulomb friction with f and fd as first coefficients. If it cannot act alone, `together` runs.
 pub const fn alone(code: &'static str, curve: Law, together: &'static Law) -> Law {
     Law {
         code,
@@ -32,10 +33,10 @@ pub const fn alone(code: &'static str, curve: Law, together: &'static Law) -> La
     }
 }
 
-/// Its functions, made of the functions of the curve.
+/// Makes its functions from the functions of the curve.
 pub const fn fns<R: Real>(curve: LawFns<R>) -> LawFns<R> {
     LawFns {
-        // what stands still at load sticks
+        // ends at rest at load stick
         start: |_, [_, w], mem| {
             mem[0] = R::of(if w == R::ZERO { 1.0 } else { 0.0 });
             mem[1] = R::ZERO;
@@ -46,14 +47,13 @@ pub const fn fns<R: Real>(curve: LawFns<R>) -> LawFns<R> {
     }
 }
 
-/// Applies the links of `op`, one by one.
 fn rub<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for i in 0..op.n {
         let [f, fd]: [R; 2] = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
         let [p, q] = layout.links.ends[op.first + i].map(|m| m as usize);
         let mem = op.mem + MEM * i;
         let stuck = s.links.mem[mem] != R::ZERO;
-        // what stuck has no motion but that of rounding
+        // the motion of stuck ends is only rounding
         let w = if stuck { R::ZERO } else { s.d[q] - s.d[p] };
         let r = free_motion(layout, s, q) - free_motion(layout, s, p);
         let c = mobility(layout, s, p) + mobility(layout, s, q);
@@ -68,25 +68,27 @@ fn rub<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     }
 }
 
-/// The force \[N\], and whether it sticks in this tick: of the largest forces of sticking and of sliding, the relative motion of the last
-/// tick and that which all other forces make \[m/tick\], the mobility of all ends \[m/N\], and whether it stuck before.
+/// Returns the force \[N\] and whether the link sticks in this tick.
+///
+/// The arguments are the largest forces of sticking and of sliding, the relative motion of the last tick and that by
+/// all other forces \[m/tick\], the mobility of all ends \[m/N\], and whether it stuck before.
 pub fn hold<R: Real>([f, fd]: [R; 2], [w, r]: [R; 2], c: R, stuck: bool) -> (R, bool) {
     let most = if stuck { f } else { fd };
     if w * r < R::ZERO || (c <= R::ZERO && r == R::ZERO) {
         return (R::ZERO, stuck && c <= R::ZERO);
     }
-    // between two ports nothing can be held
+    // between two ports a force can hold nothing
     let needed = if c > R::ZERO { r / c } else { R::INFINITY.copysign(r) };
     if needed.abs() <= most { (needed, true) } else { (fd.copysign(r), false) }
 }
 
-/// The force of what slides, and the curve where links share a mass: a creep of `v0`.
+/// Returns the sliding force. With shared masses it is a curve with a creep of `v0`.
 #[inline(always)]
 pub fn sliding<R: Real>([f, fd, v0]: [R; 3], w: R) -> R {
     if w.abs() <= v0 { f * (w / v0) } else { fd.copysign(w) }
 }
 
-/// The same over the motion.
+/// Returns the same force over the motion.
 #[inline(always)]
 pub fn chord<R: Real>([f, fd, v0]: [R; 3], w: R) -> R {
     if w.abs() <= v0 { f / v0 } else { fd / w.abs() }

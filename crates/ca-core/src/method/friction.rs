@@ -1,19 +1,17 @@
-//! Friction against the speed in the middle of the tick, so that it only resists however steep its curve
-//! (docs/numerics.md §3.5).
+//! Friction at the speed in the middle of the tick, which only resists at any steepness (docs/numerics.md §3.5).
 //!
-//! The explicit law takes the speed of the tick before; where its curve is steep against the masses, what should stick
-//! rings instead. Here the force is F = λu with u = (e₊ − e₋)/2, the centred motion, and λ ≥ 0: its work over the tick
-//! is λu², heat and never a gift, whatever λ is. With r what all other forces would make of u, and c half the mobility of
-//! the two ends, u = r − cF = r/(1 + cλ): nothing is iterated once λ is known. Both methods take λ = F(v)/v, of
-//! - **secant**: v of the tick before. First order, and right at any steepness;
-//! - **newton**: v = u itself, the root of u + cF(u) = r between 0 and r. Second order. Where the curve is steeper than 4
-//!   against the masses the secant serves: there the bell curve soon has more roots than one, and what sticks to u = 0
-//!   would leave the motion itself, d, changing its sign at every tick. By the secant that dies out, if slowly: after n
-//!   ticks fT/4mn is left of it.
+//! The explicit law uses the speed of the tick before. If its curve is steep against the masses, ends that should stick
+//! ring instead. Here the force is F = λu with the centred motion u = (e₊ − e₋)/2 and λ ≥ 0. Its work over the tick,
+//! λu², is heat for any λ. Let r be the value of u by all other forces, and c half the mobility of the two ends: u = r
+//! − cF = r/(1 + cλ), without iteration once λ is known. Both methods use λ = F(v)/v:
+//! - **secant** takes v from the tick before: first order, and correct at any steepness.
+//! - **newton** takes v = u, the root of u + cF(u) = r between 0 and r: second order. If the curve is steeper than 4
+//!   against the masses, the secant replaces it. There the bell curve soon has several roots, and the motion d of
+//!   sticking ends would change sign at every tick. With the secant this decays slowly: after n ticks fT/4mn remains.
 //!
-//! In both the last step is the same, so an iteration that has not quite arrived costs accuracy and no energy. Where
-//! the place is shared, and in space, all is one linear system in the motion, which `together.rs` beside this solves with
-//! the contacts: the λ of the secant are viscosities there. A table that drives is cut to what resists.
+//! Both methods end with the same step, so an iteration that has not converged costs accuracy and no energy. Where
+//! links share a MAT, and in space, they form one linear system in the motion, which `together.rs` solves with the
+//! contacts. The λ of the secant are viscosities in it. A table that adds energy is limited to its resisting part.
 
 use super::newton::root;
 use super::system::{join, reach};
@@ -27,23 +25,22 @@ use crate::op::{Energies, Form, Kernel, Law, LawFns, Op, SolveStage, Together};
 use crate::state::State;
 use crate::state::active_contacts::ActiveContact;
 
-/// Newton while the steepest slope times T²/m of both ends is below this; the root of the bell curve is the only one up
-/// to 4.48 (docs/numerics.md §3.5).
+/// Newton's method runs while slope times T²/m of both ends is below this; the root is unique up to 4.48 (§3.5).
 pub const STEEPEST: f64 = 4.0;
 
-/// A law of speed alone, F(w) of the sign of w, w the change of elongation per tick.
+/// A law of speed alone. F(w) has the sign of w, the change of elongation per tick.
 pub trait Curve<const C: usize>: Phi<C, 0> {
-    /// F(w)/w \[N per m/tick\]; the slope at rest for w = 0.
+    /// Returns F(w)/w \[N per m/tick\], or the slope at rest for w = 0.
     fn chord<R: Real>(c: &[R; C], tables: &[Table<R>], w: R) -> R;
 
-    /// The steepest slope \[N per m/tick\].
+    /// Returns the steepest slope \[N per m/tick\].
     fn steep<R: Real>(c: &[f64; C], tables: &[Table<R>]) -> f64;
 
-    /// The slope at w \[N per m/tick\].
+    /// Returns the slope at w \[N per m/tick\].
     fn slope<R: Real>(c: &[R; C], tables: &[Table<R>], w: R) -> R;
 }
 
-/// The curve by secant or `NEWTON`; where it may not act alone, `together` runs. Memory: heat of the tick \[J\].
+/// Makes a law by the secant or by `NEWTON`. If it cannot act alone, `together` runs. Memory: heat of the tick \[J\].
 pub const fn alone<P: Curve<C> + 'static, const C: usize, const NEWTON: bool>(
     code: &'static str,
     curve: Law,
@@ -60,7 +57,7 @@ pub const fn alone<P: Curve<C> + 'static, const C: usize, const NEWTON: bool>(
     }
 }
 
-/// Its functions, made of the functions of the curve.
+/// Makes its functions from the functions of the curve.
 pub const fn alone_fns<R: Real, P: Curve<C> + 'static, const C: usize, const NEWTON: bool>(
     curve: LawFns<R>,
 ) -> LawFns<R> {
@@ -72,7 +69,7 @@ pub const fn alone_fns<R: Real, P: Curve<C> + 'static, const C: usize, const NEW
     }
 }
 
-/// The curve by secant, solved together with all that touches. Memory: nothing, heat of the tick \[J\].
+/// Makes the law of a curve by the secant, solved together with contacts. Memory: unused, heat of the tick \[J\].
 pub const fn together<P: Curve<C> + 'static, const C: usize>(code: &'static str, curve: Law) -> Law {
     Law {
         code,
@@ -85,7 +82,7 @@ pub const fn together<P: Curve<C> + 'static, const C: usize>(code: &'static str,
     }
 }
 
-/// Its functions, made of the functions of the curve.
+/// Makes its functions from the functions of the curve.
 pub const fn together_fns<R: Real, P: Curve<C> + 'static, const C: usize>(curve: LawFns<R>) -> LawFns<R> {
     LawFns {
         start: |_, _, mem| mem.fill(R::ZERO),
@@ -95,7 +92,7 @@ pub const fn together_fns<R: Real, P: Curve<C> + 'static, const C: usize>(curve:
     }
 }
 
-/// That of the curve, of which nothing drives.
+/// Returns the bound of the curve, marked as passive.
 fn bound<P: Curve<C>, const C: usize>(c: &[f64], tables: &[Table]) -> Bound {
     Bound { active: false, ..c.first_chunk().map_or(Bound::default(), |c| P::bound(c, tables)) }
 }

@@ -1,21 +1,22 @@
-//! Discrete gradient: the push of a contact as the slope of its potential between the tick before and the tick after
-//! (Chatziioannou and van Walstijn 2013; in closed form, docs/numerics.md §3.3).
+//! Discrete gradient: the push of a contact is the slope of its potential between the tick before and the tick after
+//! (Chatziioannou and van Walstijn 2013; closed form in docs/numerics.md §3.3).
 //!
-//! With a = η₋, s = η₊ unknown, η* the penetration after the tick without this contact and c = T²(1/m₁ + 1/m₂):
+//! Let a = η₋, s = η₊ (unknown), η* the penetration after the tick without this contact, and c = T²(1/m₁ + 1/m₂):
 //! ```text
 //! N = (U(s) − U(a)) / (s − a) + (z/2)(s − a)        s = η* − c N
 //! ```
-//! The work N(s − a)/2 is then half of U(s) − U(a) plus the heat (z/4)(s − a)², so with (U(η) + U(η₊))/2 as the energy
-//! held the ledgers balance for any stiffness. The left side rises with s: one root. For a linear spring it is piecewise
-//! quadratic: no iteration, and a square root only in the two ticks in which it begins or ends. For a power law it is
-//! convex, and a few steps of Newton find it, but where the contact lets go, which is a quadratic for both. The damper
-//! acts while pressed together at the tick itself, with the viscosity of that depth (Hunt and Crossley: h k η^p); it is
-//! folded in by (1 + β)s = η* + βa − c·slope with β = cz/2.
+//! The work N(s − a)/2 is half of U(s) − U(a) plus the heat (z/4)(s − a)². With (U(η) + U(η₊))/2 as the stored energy
+//! the ledger therefore balances at any stiffness. The left side rises with s, so there is one root. For a linear
+//! spring the equation is piecewise quadratic: no iteration, and a square root only in the two ticks in which contact
+//! begins or ends. For a power law it is convex, and a few Newton steps solve it. The release is quadratic for both.
 //!
-//! The closed form needs a place that no other such contact moves, since c and η* leave others out, and a gradient that does not turn
-//! during the tick: a line. At a mass that goes by its modes c counts all of them ([`super::modes`]). On a line with shared masses
-//! [`super::cluster`] runs instead, in space [`super::quadratised`]. With `sticky = false` a pull is left out; then s = η*, and half of
-//! U(a) − U(s) is lost.
+//! The damper acts while the contact is compressed at the tick itself, with the viscosity of that depth (Hunt and
+//! Crossley: h k η^p). It enters by (1 + β)s = η* + βa − c·slope with β = cz/2.
+//!
+//! The closed form requires that no other such contact moves the same MAT, since c and η* omit the others, and a
+//! gradient that does not turn during the tick, as on a line. At a modal mass c counts all modes ([`super::modes`]). On
+//! a line with shared masses [`super::cluster`] runs instead, and in space [`super::quadratised`]. With
+//! `sticky = false` a pull is left out; then s = η*, and half of U(a) − U(s) is lost.
 
 use super::spring::{Contact, Spring, after};
 use super::{free_motion, mobility};
@@ -24,12 +25,12 @@ use crate::op::layout::Layout;
 use crate::op::{Energies, Law, LawFns, Op, SolveStage, Together};
 use crate::state::State;
 
-/// A one-sided spring by this method; where it may not act alone, one of `others` runs. Memory: heat of the tick \[J\].
+/// Makes a one-sided spring; if it cannot act alone, one of `others` runs. Memory: heat of the tick \[J\].
 pub const fn law<S: Spring<f64>>(spring: Law, others: Together) -> Law {
     Law { mem: 1, stage: SolveStage::Single(others), fns: fns::<f64, S>(spring.fns), ..spring }
 }
 
-/// Its functions, made of the functions of the spring.
+/// Makes its functions from the functions of the spring.
 pub const fn fns<R: Real, S: Spring<R>>(spring: LawFns<R>) -> LawFns<R> {
     LawFns {
         start: |_, _, mem| mem.fill(R::ZERO),
@@ -39,7 +40,6 @@ pub const fn fns<R: Real, S: Spring<R>>(spring: LawFns<R>) -> LawFns<R> {
     }
 }
 
-/// Applies the contacts of `op`, one by one.
 fn push<R: Real, S: Spring<R>>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for i in 0..op.n {
         let contact = Contact::<R, S>::read(s, op.coef, op.n, i);

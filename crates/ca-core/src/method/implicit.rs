@@ -1,20 +1,21 @@
-//! Linear links by the methods `centred` and `implicit`: the theta scheme on those links only (docs/numerics.md §1.3,
-//! eq. 1′).
+//! Linear links by `centred` and `implicit`: the theta scheme for those links only (docs/numerics.md §1.3, eq. 1′).
 //!
-//! With u the change of motion of a tick, d₊ = d + u, and F the sum of all explicit forces at the tick, those of these
-//! links and of springs of the masses included,
+//! Let u be the change of motion in a tick, d₊ = d + u, and F the sum of all explicit forces at the tick, including
+//! these links and the springs of the masses:
 //! ```text
 //! (M/T² + Σ (θk + z/2T) b bᵀ) u = F
 //! ```
-//! so the matrix is inertia: only what such links join is in it, and it changes with parameters, not with time. The pass
-//! replaces the forces there by those that give u, M u/T², which are the true ones; integration goes on as ever. A link that
-//! shares no mass with another such needs no matrix: with w the change of its elongation by all that is explicit, γ = θk +
-//! z/2T and c the mobility of its ends, it changes by w/(1 + γc). The energy of the links is ½k e e₊ + ½θk(e₊ − e)², their heat that of a centred damper, and the ledgers balance to rounding.
+//! The matrix is an inertia. It contains only what such links join, and it changes with parameters but not with time.
+//! The pass replaces the forces there by M u/T², the true forces, which give u; integration follows as usual.
 //!
-//! Decides for one sparse factorisation for the whole scene ([`crate::numeric::ldl`]), made where coefficients are made: at load,
-//! and by [`Controls`](crate::live::Controls) off the tick when a parameter changes; with it all coefficients of the
-//! change step together in one tick, since half-way between two factors is the factor of neither. Ports at such links run a tick
-//! late, so that their motion is known.
+//! A link that shares no mass with another implicit link needs no matrix. Let w be the change of its elongation by all
+//! explicit forces, γ = θk + z/2T, and c the mobility of its ends; then it changes by w/(1 + γc). The links store ½k e
+//! e₊ + ½θk(e₊ − e)² and lose the heat of a centred damper, and the ledgers balance to rounding.
+//!
+//! The whole scene has one sparse factorisation ([`crate::numeric::ldl`]). It is computed where coefficients are: at
+//! load, and by [`Controls`](crate::live::Controls) outside the tick when a parameter changes. All coefficients of such
+//! a change step together in one tick, since halfway between two factors is not a factor of either matrix. Ports at
+//! such links run a tick late, so that their motion is known.
 
 use crate::numeric::Real;
 use crate::numeric::ldl::Pattern;
@@ -23,12 +24,12 @@ use crate::op::layout::{ImplicitLinks, Layout, LinkForce};
 use crate::state::State;
 use alloc::vec::Vec;
 
-/// What a link of these coefficients adds to inertia \[N per m/tick²\].
+/// Returns the inertia that a link with these coefficients adds \[N per m/tick²\].
 pub fn inertia(&[k, z, theta]: &[f64; 3]) -> f64 {
     theta * k + 0.5 * z
 }
 
-/// Replaces forces by those that the matrix of inertia lets act.
+/// Replaces the explicit forces by the true ones, through the matrix of inertia.
 pub fn solve<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some(a) = &layout.implicit else { return };
     let n = layout.counts.n_mat;
@@ -36,7 +37,7 @@ pub fn solve<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let (u, own) = s.links.implicit.split_at_mut(a.places.len());
     for (((u, own), p), inertia) in u.iter_mut().zip(&mut *own).zip(&a.places).zip(inertia) {
         let p = *p as usize;
-        // what the spring and damper of a MAT of its own add to its motion, as a force
+        // motion that the spring and damper of a MAT add, as a force
         *own = ((s.coef[p] - R::of(1.0)) * s.d[p] + s.coef[n + p] * s.x[p]) * *inertia;
         *u = s.f[p] + *own;
     }
@@ -56,12 +57,12 @@ pub fn solve<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     feel(a, s);
 }
 
-/// The part of ports in the change of motion of a link.
+/// Returns the contribution of ports to the change of motion of a link.
 fn turned<R: Real>(l: &LinkForce<R>, turns: &[R]) -> R {
     l.fixed.iter().map(|(p, w)| *w * turns[*p as usize]).sum()
 }
 
-/// Completes the force of links that are heard, and of what they hold.
+/// Completes the forces of links that outputs read, and the forces on MATs that forces do not move.
 fn feel<R: Real>(a: &ImplicitLinks<R>, s: &mut State<R>) {
     for l in &a.forces {
         let mut turned: R = l.moving.iter().map(|(i, w)| *w * s.links.implicit[*i as usize]).sum();
@@ -78,10 +79,10 @@ fn feel<R: Real>(a: &ImplicitLinks<R>, s: &mut State<R>) {
     }
 }
 
-/// The same for links that share no mass with another such.
+/// Does the same for links that share no mass with another implicit link.
 ///
-/// The motion of both ends is made of one common part and what is left of their own, never as a force and its opposite:
-/// the force from before the tick may be 10⁶ times what acts in the end, and its last digit would stretch the link.
+/// The motion of each end is a common part plus 1/(1 + γc) of its free motion, never a force and its opposite. The
+/// force from before the tick may be 10⁶ times the resulting one, and its last digit would stretch the link.
 pub fn pairs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some(implicit) = &layout.implicit else { return };
     let n = layout.counts.n_mat;
@@ -99,7 +100,7 @@ pub fn pairs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         let common = g * left * (c[b] * free_a + c[a] * free_b);
         let more = g * left * (free_b - free_a);
         let acts = |i: usize, free: R, own: R, inertia: R, more: R| {
-            // what no force moves is not pushed any less
+            // an end that forces do not move gets the full force
             if inertia == R::ZERO { s.f[i] + more } else { (common + left * free - own) * inertia }
         };
         let acting = (acts(a, free_a, own_a, inertia_a, more), acts(b, free_b, own_b, inertia_b, -more));
@@ -110,29 +111,30 @@ pub fn pairs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     }
 }
 
-/// Numbers of a pair: γ, 1/(1 + γc), and the inertia of both ends, 0 where no force moves one.
+/// Numbers per pair: γ, 1/(1 + γc), and the inertia of both ends, 0 for an end that forces do not move.
 const OF_PAIR: usize = 4;
 
-/// What the matrix is made of, for whoever factorises it: the numbers are coefficients.
+/// Structure of the matrix, from which it is factorised. The resulting numbers are coefficients.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Inertia {
     /// pattern of the factor
     pub pattern: Pattern,
-    /// place of the mobility of each row, in the order of elimination
+    /// index of the mobility coefficient of each row, in elimination order
     pub mobility: Vec<u32>,
-    /// links: places of k, z and θ, first entry and number of entries
+    /// links: indices of the coefficients k, z and θ, first entry and number of entries
     pub links: Vec<([u32; 3], [u32; 2])>,
-    /// their entries: row and weight
+    /// entries of the links: row and weight
     pub entries: Vec<(u32, f64)>,
-    /// pairs: places of k, z and θ, and of the mobility of both ends
+    /// pairs: indices of the coefficients k, z and θ, and of the mobility of both ends
     pub pairs: Vec<([u32; 3], [u32; 2])>,
 }
 
 impl Inertia {
-    /// Writes the coefficients of the factor, the inertia of each row and the numbers of each pair, from those they
-    /// depend on, into `out`, in place of what it held; `around` is working memory. Once both have their capacity
-    /// nothing is allocated. False where the numbers are beyond computing; `out` is of no use then.
+    /// Replaces `out` by the coefficients of the factor, the inertia of each row and the numbers of each pair. Returns
+    /// false, with `out` useless, if a number is not finite or the matrix not positive definite.
+    ///
+    /// `around` is working memory. Nothing is allocated once both have their capacity.
     pub fn factor(&self, coef: impl Fn(u32) -> f64, out: &mut Vec<f64>, around: &mut Vec<f64>) -> bool {
         let ends = |first: u32, n: u32| &self.entries[first as usize..(first + n) as usize];
         out.clear();
@@ -165,12 +167,12 @@ impl Inertia {
         out.iter().all(|v| v.is_finite())
     }
 
-    /// How many coefficients these are.
+    /// Returns the number of these coefficients.
     pub fn numbers(&self) -> usize {
         self.pattern.numbers() + self.pattern.size() + OF_PAIR * self.pairs.len()
     }
 
-    /// The places of all coefficients it depends on, rising.
+    /// Returns the indices of all coefficients that they depend on, rising.
     pub fn inputs(&self) -> Vec<u32> {
         let pairs = self.pairs.iter().flat_map(|(c, ends)| c.iter().chain(ends).copied());
         let mut all: Vec<u32> =

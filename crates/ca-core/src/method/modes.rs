@@ -1,14 +1,14 @@
-//! Links that count on the motion to come, at masses that go by their modes (docs/numerics.md §3.3).
+//! Links that are solved with the coming motion, at modal masses (docs/numerics.md §3.3).
 //!
-//! Such a mass is a sum over modes, x = Σ φ q, and has no inertia of its own. A force F on it moves mode j by c_j φ_j F and the mass
-//! by C F with C = Σ c_j φ_j², its mobility: a number of the scene. So it is to a contact what a MAT of that mobility is, if it moves as the modes
-//! do by themselves: by the force u/C, where u = Σ φ_j u_j and u_j is the change of motion of mode j by itself and by explicit
-//! forces. One pass puts that force on its place before the links are solved; another takes it off again and hands what the
-//! links added to the modes. No kernel of a link knows of modes, and a scene without has neither pass.
+//! A modal mass is a sum over modes, x = Σ φ q, without inertia. A force F on it moves mode j by c_j φ_j F and the mass
+//! by C F, where the mobility C = Σ c_j φ_j² is a constant of the scene. To a contact it thus acts like a MAT of this
+//! mobility under the force u/C. Here u = Σ φ_j u_j, and u_j is the change of motion of mode j by itself and by
+//! explicit forces. One pass sets that force before the links are solved. Another removes it and passes the forces of
+//! the links on to the modes. Kernels of links are unaware of modes, and a scene without modal masses has neither pass.
 //!
-//! Two masses of one group are coupled: a force on p moves r by C_pr = Σ c_j φ_pj φ_rj. Links at them are solved together, by
-//! conjugate gradients ([`super::quadratised`]), which keeps the energy whatever their number; the matrix is computed at load, as
-//! modes do not change. Decides against elimination one after the other, which is right for linear springs alone.
+//! Two masses of one group are coupled: a force on p moves r by C_pr = Σ c_j φ_pj φ_rj. Links at them are solved
+//! together by conjugate gradients ([`super::quadratised`]), which conserves energy for any number of links. The matrix
+//! is computed at load, as modes do not change. Elimination one after the other is correct only for linear springs.
 
 use super::free_motion;
 use crate::numeric::Real;
@@ -16,7 +16,7 @@ use crate::op::Op;
 use crate::op::layout::{Layout, SolvedModal};
 use crate::state::State;
 
-/// Before the links: puts the force on each mass that moves it as its modes would move by themselves.
+/// Sets, before the links, the force on each mass that represents the motion of its modes by themselves.
 pub fn ahead<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for h in &layout.places.solved_modal[..op.n] {
         let (m, tap, p) = (h.mat as usize, h.tap as usize, layout.places.modal[h.modal as usize]);
@@ -30,7 +30,7 @@ pub fn ahead<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     }
 }
 
-/// Behind them: hands what they added to the modes, and leaves the whole force on each mass for whoever hears it.
+/// Passes, after the links, their forces on to the modes, and leaves the whole force on each mass for outputs.
 pub fn back<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for h in &layout.places.solved_modal[..op.n] {
         let (m, tap, p) = (h.mat as usize, h.tap as usize, layout.places.modal[h.modal as usize]);
@@ -42,7 +42,7 @@ pub fn back<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     }
 }
 
-/// Of pushes on masses of one group, makes those that would move each as much, were it alone.
+/// Converts pushes on masses of one group to the equivalent pushes on uncoupled masses.
 pub(super) fn couple<R: Real>(layout: &Layout<R>, push: &mut [R], tap: &mut [R]) {
     for g in &layout.places.modal_couplings {
         let n = g.n as usize;
@@ -57,7 +57,6 @@ pub(super) fn couple<R: Real>(layout: &Layout<R>, push: &mut [R], tap: &mut [R])
     }
 }
 
-/// Leaves no push on such masses.
 pub(super) fn clear<R: Real>(layout: &Layout<R>, push: &mut [R]) {
     for h in &layout.places.solved_modal {
         push[h.mat as usize] = R::ZERO;

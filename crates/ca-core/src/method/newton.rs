@@ -1,19 +1,19 @@
-//! Newton: the root of a rising function between two bounds, in a number of steps that has an end.
+//! Newton's method for the root of a rising function between two bounds, with a bounded number of steps.
 //!
-//! Decides for Newton's step where it stays between the bounds and halving where it does not, and for every second step once there
-//! were many, so that a kink or a flat place costs steps and never the root. The root lies between the bounds whatever the function is.
+//! It takes Newton's step if that stays between the bounds, and bisects otherwise, as in every second step after many.
+//! A kink or a flat stretch thus costs steps but never the root, which stays between the bounds.
 
 use crate::numeric::{Precision, Real};
 
-/// More is never taken. From [`HALVED`] on every second step is a halving, and these alone leave nothing of a double's 53 bits:
-/// between two kinks Newton's steps may go to and fro for ever.
+/// Maximum number of steps. From [`HALVED`] on every second step bisects, and these bisections alone exhaust the 53
+/// bits of a double. Newton's steps could alternate between two kinks forever.
 const STEPS: usize = 128;
 const HALVED: usize = 16;
-/// A step this small, as part of the place, is the last: the next would be its square.
+/// Relative size of a step that is the last: the next would be its square.
 const NEAR: f64 = 1e-9;
 
-/// The root of a function from `s` on between `low` and `high`; `at` gives value and slope. Changes are small beside
-/// `scale` or the place itself.
+/// Returns the root of a function between `low` and `high`, starting at `s`. `at` gives value and slope. The tolerance
+/// is relative to `scale` or to the root itself, whichever is larger.
 #[inline]
 pub fn root<R: Real>(mut s: R, [mut low, mut high]: [R; 2], scale: R, at: impl Fn(R) -> (R, R)) -> R {
     for step in 0..STEPS {
@@ -29,8 +29,8 @@ pub fn root<R: Real>(mut s: R, [mut low, mut high]: [R; 2], scale: R, at: impl F
     derived(s, at)
 }
 
-/// A root with its derivatives by what the function depends on: those of its value there, over its slope. The steps that led
-/// there have others, which are as near to them as the last step was small.
+/// Adds to a root its derivatives by what the function depends on: the derivatives of the value there over its slope.
+/// The derivatives of the steps differ from these by as much as the last step.
 #[inline(always)]
 fn derived<R: Real>(root: R, at: impl Fn(R) -> (R, R)) -> R {
     if !matches!(R::PRECISION, Precision::Dual) {

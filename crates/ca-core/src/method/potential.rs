@@ -1,13 +1,14 @@
-//! Discrete gradient of a law that acts on both sides: springs that harden, tables, attractors and plectra (docs/numerics.md §3.7).
+//! Discrete gradient of laws that act on both sides: CUB, POW, tables, ATT and PLK (docs/numerics.md §3.7).
 //!
-//! The force is the slope of the potential between the tick before and the tick after, as in [`super::gradient`]. With a the elongation
-//! before, s the one after, e* that after the tick without this link and c the mobility of both ends:
+//! The force is the slope of the potential between the tick before and the tick after, as in [`super::gradient`]. Let a
+//! be the elongation before, s after, e* after the tick without this link, and c the mobility of both ends:
 //! ```text
 //! F = (U(s) − U(a)) / (s − a) + (z/2)(s − a)        s = e* − c F
 //! ```
-//! The work F(s − a)/2 is half of U(s) − U(a) plus the heat (z/4)(s − a)², so with (U(e) + U(e₊))/2 as the energy held the ledgers balance
-//! for any law and stiffness. A force that rises with e has one root. A force that falls may have several, and each keeps the balance. The root lies within c·|F| of e*, and [`super::newton`] stays there. Links that share masses are solved by
-//! [`super::cluster`].
+//! The work F(s − a)/2 is half of U(s) − U(a) plus the heat (z/4)(s − a)². With (U(e) + U(e₊))/2 as the stored energy
+//! the ledger therefore balances for any law and stiffness. A force that rises with e has one root. A force that falls
+//! may have several, and each conserves energy. The root is within c·|F| of e*, where [`super::newton`] searches.
+//! [`super::cluster`] solves links that share masses.
 
 use super::newton::root;
 use super::system::{enter, reach};
@@ -20,43 +21,43 @@ use crate::op::{Cheaper, Energies, Form, Kernel, Law, LawFns, Op, SolveStage, To
 use crate::state::State;
 use crate::state::active_contacts::{ActiveContact, COEFS, Curve};
 
-/// The numbers of a potential.
+/// Numbers that determine the potential of a link.
 pub type Numbers<R> = [R; COEFS];
 
-/// A law as its potential, with `C` coefficients and `M` numbers of memory per link.
+/// A law given by its potential, with `C` coefficients and `M` numbers of memory per link.
 pub trait Potential<const C: usize, const M: usize>: 'static {
-    /// Memory at load, at elongation `e`.
+    /// Returns the memory at load, at elongation `e`.
     fn at_load<R: Real>(_c: &[R; C], _e: R) -> [R; M] {
         [R::ZERO; M]
     }
 
-    /// Changes the memory at the beginning of a tick, at elongation `e` that changed by `w`. Returns the energy that the link
-    /// gives up by that \[J\].
+    /// Updates the memory at the beginning of a tick, at elongation `e` that changed by `w`. Returns the energy lost
+    /// \[J\].
     fn begin<R: Real>(_c: &[R; C], _mem: &mut [R; M], _e: R, _w: R) -> R {
         R::ZERO
     }
 
-    /// The numbers of the potential of a link.
+    /// Returns the numbers that determine the potential of a link.
     fn numbers<R: Real>(c: &[R; C], _mem: &[R; M]) -> Numbers<R> {
         core::array::from_fn(|k| c.get(k).copied().unwrap_or(R::ZERO))
     }
 
-    /// Potential energy \[J\] at an elongation.
+    /// Returns the potential energy \[J\] at an elongation.
     fn energy<R: Real>(n: &Numbers<R>, tables: &[Table<R>], e: R) -> R;
 
-    /// The mean force \[N\] while the elongation goes from `a` to `s`, (U(s) − U(a)) / (s − a), and how it rises with `s` \[N/m\].
+    /// Returns the mean force (U(s) − U(a)) / (s − a) \[N\], and its derivative by `s` \[N/m\].
     fn mean<R: Real>(n: &Numbers<R>, tables: &[Table<R>], a: R, s: R) -> [R; 2];
 
-    /// Viscosity \[N per m/tick\] ≥ 0 at the elongation `e` that changed by `w`.
+    /// Returns the viscosity \[N per m/tick\] ≥ 0 at the elongation `e` that changed by `w`.
     fn viscosity<R: Real>(c: &[R; C], mem: &[R; M], tables: &[Table<R>], e: R, w: R) -> R;
 
-    /// No mean force from `a` to any `s` between `to` and the root is larger \[N\]. Of a force that rises, that at `to`.
+    /// Returns an upper bound \[N\] of the mean force from `a` to any `s` between `to` and the root.
     fn most<R: Real>(n: &Numbers<R>, tables: &[Table<R>], a: R, to: R) -> R {
         Self::mean(n, tables, a, to)[0].abs()
     }
 }
 
-/// The law by its potential; where it shares a mass, `shared` runs. Memory: of the potential, and the heat of the tick \[J\].
+/// Makes the law from its potential; `shared` runs on shared masses. Memory: of the potential, heat of the tick \[J\].
 pub const fn alone<P: Potential<C, M>, const C: usize, const M: usize>(
     code: &'static str,
     law: Law,
@@ -73,7 +74,7 @@ pub const fn alone<P: Potential<C, M>, const C: usize, const M: usize>(
     }
 }
 
-/// Its functions.
+/// Makes its functions.
 pub const fn alone_fns<R: Real, P: Potential<C, M>, const C: usize, const M: usize>(law: LawFns<R>) -> LawFns<R> {
     LawFns {
         start: |c, [e, _], mem| {
@@ -92,7 +93,7 @@ pub const fn alone_fns<R: Real, P: Potential<C, M>, const C: usize, const M: usi
     }
 }
 
-/// The law by its potential, solved together with all that shares masses. Memory as [`alone`].
+/// Makes the law from its potential, solved together with all links that share masses. Memory as in [`alone`].
 pub const fn shared<P: Potential<C, M>, const C: usize, const M: usize>(code: &'static str, law: Law) -> Law {
     Law {
         stage: SolveStage::Coupled(None),
@@ -101,7 +102,7 @@ pub const fn shared<P: Potential<C, M>, const C: usize, const M: usize>(code: &'
     }
 }
 
-/// Its functions.
+/// Makes its functions.
 pub const fn shared_fns<R: Real, P: Potential<C, M>, const C: usize, const M: usize>(law: LawFns<R>) -> LawFns<R> {
     LawFns { kernel: kernel::<R, P, C, M>, ..alone_fns::<R, P, C, M>(law) }
 }
@@ -109,7 +110,7 @@ pub const fn shared_fns<R: Real, P: Potential<C, M>, const C: usize, const M: us
 fn kernel<R: Real, P: Potential<C, M>, const C: usize, const M: usize>(form: Form) -> Kernel<R> {
     match form.measure {
         MeasureKind::Line => gather::<R, P, Line, C, M>,
-        // a distance in space is refused by the compiler
+        // the compiler refuses distances in space
         MeasureKind::Along | MeasureKind::Radial => gather::<R, P, Along, C, M>,
     }
 }
@@ -137,7 +138,6 @@ impl<R: Real, const C: usize, const M: usize> Begun<R, C, M> {
     }
 }
 
-/// Applies the links of `op`, one by one.
 fn pull<R: Real, P: Potential<C, M>, const C: usize, const M: usize>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let tables = &layout.tables;
     let [one, half] = [1.0, 0.5].map(R::of);
@@ -160,7 +160,7 @@ fn pull<R: Real, P: Potential<C, M>, const C: usize, const M: usize>(op: &Op<R>,
         // the last step may have crossed a kink
         let [mean, rise] = P::mean(&link.numbers, tables, a, to);
         let more = (goal - h * mean - to) / (one + h * rise);
-        // of a stiff link the place has more digits than the force at it
+        // for a stiff link the position has more correct digits than the force
         let elastic = if h * rise > one { (goal - to - more) / h } else { mean + rise * more };
         let moved = (free - a - c * elastic) / (one + beta);
         let force = elastic + half * z * moved;
@@ -173,7 +173,7 @@ fn pull<R: Real, P: Potential<C, M>, const C: usize, const M: usize>(op: &Op<R>,
     }
 }
 
-/// Collects the links of `op`: the penetration of one is its elongation with the other sign.
+/// Collects the links of `op`. The penetration of a link is its negative elongation.
 fn gather<R: Real, P: Potential<C, M>, G: Measure, const C: usize, const M: usize>(
     op: &Op<R>,
     layout: &Layout<R>,
@@ -197,7 +197,6 @@ fn gather<R: Real, P: Potential<C, M>, G: Measure, const C: usize, const M: usiz
     }
 }
 
-/// The curve of a potential.
 struct OfPotential<R, P, const C: usize, const M: usize>(core::marker::PhantomData<(R, P)>);
 
 impl<R: Real, P: Potential<C, M>, const C: usize, const M: usize> OfPotential<R, P, C, M> {

@@ -1,26 +1,25 @@
-//! Energy quadratisation: the energy of a contact is the square of a number that is carried along, so that the push is
-//! linear in the motion to come (Ducceschi, Bilbao, Willemsen and
-//! Serafin, JASA 149(5), 2021; docs/numerics.md §3.4). For contacts in space, and for all that share masses with these.
+//! Energy quadratisation for contacts in space, and for all links that share masses with them: the energy of a contact
+//! is the square of a stored number, which makes the push linear in the coming motion (Ducceschi, Bilbao, Willemsen and
+//! Serafin, JASA 149(5), 2021; docs/numerics.md §3.4).
 //!
-//! ψ stands for √(2U) between ticks; with s the change of penetration over two ticks and γ known at the tick,
+//! ψ is √(2U) between ticks. With s the change of penetration over two ticks and γ known at the tick,
 //! ```text
 //! ψ₊ = ψ + γ s/2        N = γ (ψ + ψ₊)/2 + z s/2 = γψ + R s        R = γ²/4 + z/2
 //! ```
-//! so that the work N s/2 is (ψ₊² − ψ²)/2 plus the heat z s²/4, for **any** γ. Pressed together, γ is the slope of
-//! √(2U) at the tick, √k of a linear spring; ψ and −ψ are the same energy, so ψ is kept positive and the contact pushes.
-//! Once apart, γ is what gives all of ψ back in this tick: ψ₊ = 0 with s = s* − Wγψ/2 asks Wψγ²/2 − s*γ − 2ψ = 0, whose positive root
-//! is 4ψ/(q − s*), q = √(s*² + 4Wψ²), with s* the change that all other forces would cause and W the mobility of this
-//! contact; one that closes again keeps ψ for then. A contact that holds nothing and is opening holds on to nothing. Of
-//! several that let go at once ψ falls over some ticks, and below `nothing` there is none: the system would have 1/γ², which
-//! is infinite.
+//! so that the work N s/2 is (ψ₊² − ψ²)/2 plus the heat z s²/4, for **any** γ. While compressed, γ is the slope of
+//! √(2U) at the tick, √k for a linear spring. ψ is kept positive, so the contact pushes.
 //!
-//! All active contacts are one linear system (`system.rs` beside this) with b = γψ, in y = N − γψ = R s. s is then taken as y/R, so an error ε
-//! of the solver makes no more energy than N·ε/2, which the bound on the residual keeps at the rounding of the blow itself.
+//! Once apart, γ is chosen to return all of ψ in this tick: ψ₊ = 0 with s = s* − Wγψ/2 requires Wψγ²/2 − s*γ − 2ψ = 0,
+//! with the positive root 4ψ/(q − s*), q = √(s*² + 4Wψ²). Here s* is the change that all other forces would cause, and
+//! W the mobility of this contact. A contact that closes again keeps ψ. An opening contact without energy does not
+//! pull. If several release at once, ψ falls over some ticks. Below `nothing` it is zero, since 1/γ² would be infinite.
 //!
-//! Friction joins in with γ = 0 and the viscosity of its secant (`friction.rs` beside this).
+//! All active contacts are one linear system (`system.rs`) with b = γψ, in y = N − γψ = R s. As s is y/R, an error ε of
+//! the solver makes at most the energy N·ε/2, which the bound on the residual limits to the rounding of the impact.
+//! Friction enters with γ = 0 and the viscosity of its secant (`friction.rs`).
 //!
-//! With `sticky = false` contacts that would pull are taken out and the rest is solved again, until none does; their ψ
-//! follows the motion as far as that loses energy.
+//! With `sticky = false` contacts that would pull are removed and the rest is solved again. Their ψ follows the motion
+//! as far as that loses energy.
 
 use super::spring::{Contact, Spring};
 use super::system::{Response, conjugate, join, nothing, reach};
@@ -31,12 +30,12 @@ use crate::op::{Energies, Form, Kernel, Law, LawFns, Op, SolveStage};
 use crate::state::State;
 use crate::state::active_contacts::ActiveContact;
 
-/// A one-sided spring by this method. Memory: ψ \[√J\], heat of the tick \[J\].
+/// Makes a one-sided spring with this method. Memory: ψ \[√J\], heat of the tick \[J\].
 pub const fn law<S: Spring<f64>>(spring: Law) -> Law {
     Law { mem: 2, stage: SolveStage::Coupled(None), fns: fns::<f64, S>(spring.fns), ..spring }
 }
 
-/// Its functions, made of the functions of the spring.
+/// Makes its functions from the functions of the spring.
 pub const fn fns<R: Real, S: Spring<R>>(spring: LawFns<R>) -> LawFns<R> {
     LawFns {
         start: |c, [e, _], mem| {
@@ -58,7 +57,6 @@ fn kernel<R: Real, S: Spring<R>>(form: Form) -> Kernel<R> {
     }
 }
 
-/// Collects the contacts of `op` that act in this tick.
 fn gather<R: Real, S: Spring<R>, G: Measure>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for i in 0..op.n {
         let contact = Contact::<R, S>::read(s, op.coef, op.n, i);
@@ -71,7 +69,7 @@ fn gather<R: Real, S: Spring<R>, G: Measure>(op: &Op<R>, layout: &Layout<R>, s: 
             s.links.tap[op.tap + i] = R::ZERO;
         }
         if psi == R::ZERO {
-            // idle, without the square root
+            // test for an open contact without the square root
             let d = contact.d.max(R::ZERO);
             if G::square(&s.x, ends, &at).is_some_and(|l| contact.side * (d * d - l) < R::ZERO) {
                 continue;
@@ -97,7 +95,7 @@ fn gather<R: Real, S: Spring<R>, G: Measure>(op: &Op<R>, layout: &Layout<R>, s: 
     }
 }
 
-/// Solves for contacts that go by ψ; those that would pull are left behind the rest, whose number it returns.
+/// Solves for contacts that use ψ. Contacts that would pull are moved behind the others, whose number it returns.
 pub(super) fn pushes<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], to: &mut Response<R, MODES>) -> usize {
     let mut acting = all.len();
     loop {
@@ -118,7 +116,6 @@ pub(super) fn pushes<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], t
     }
 }
 
-/// Sets the push of a contact that was solved, its ψ and the heat of the tick.
 pub(super) fn keep<R: Real>(t: &mut ActiveContact<R>, mem: &mut [R]) {
     let moved = t.y / t.stiff;
     t.p = t.gamma * t.psi + t.y;
@@ -128,7 +125,7 @@ pub(super) fn keep<R: Real>(t: &mut ActiveContact<R>, mem: &mut [R]) {
     mem[t.mem + 1] = R::of(0.25) * t.z * moved * moved;
 }
 
-/// Sets the ψ of a contact that was left out: it follows the motion as far as that loses energy, which is heat.
+/// Sets the ψ of a contact that was left out. It follows the motion as far as that loses energy, which becomes heat.
 pub(super) fn follow<R: Real>(t: &ActiveContact<R>, mem: &mut [R]) {
     let follows = t.psi + R::of(0.5) * t.gamma * (t.free - t.q);
     let left = follows.abs().min(t.psi);

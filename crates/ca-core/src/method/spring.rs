@@ -1,78 +1,77 @@
-//! Spring: the elastic part of a one-sided law, linear or a power, as the methods see it.
+//! The elastic part of a one-sided law, linear or a power law, as the methods use it.
 //!
-//! Decides to write U(η) = k η²/2 · hard(η) for η > 0, with hard = 1 of the linear spring and η^(p−1) of the power law,
-//! so that both methods are written once and what is linear costs what it did: there every factor is 1. The k of a
-//! power law F = q η^p is then 2q/(p + 1).
+//! The potential is U(η) = k η²/2 · hard(η) for η > 0, with hard = 1 for the linear spring and η^(p−1) for the power
+//! law. Each method is thus written once, at no cost for linear springs. The k of a power law F = q η^p is 2q/(p + 1).
 
 use super::newton::root;
 use crate::numeric::{Real, quarter_mean, quarter_power, quarter_root};
 use crate::op::account::numbers;
 use crate::state::State;
 
-/// The elastic part of a law and its losses.
+/// The elastic part of a law, and its losses.
 pub trait Spring<R: Real>: Copy {
-    /// True where viscosity has no bound, so that rounding must not be multiplied by it.
+    /// True if the viscosity is unbounded. Rounding errors must then not be multiplied by it.
     const HARDENS: bool;
 
-    /// The contact with these coefficients, in the order of its law.
+    /// Makes the contact with these coefficients, in the order of its law.
     fn contact(c: &[R; 5]) -> Contact<R, Self>;
 
-    /// Viscosity \[N per m/tick\] at the penetration `eta` ≥ 0.
+    /// Returns the viscosity \[N per m/tick\] at the penetration `eta` ≥ 0.
     fn viscosity(self, k: R, eta: R) -> R;
 
-    /// How much harder it is at a penetration than `k` says.
+    /// Returns the stiffness at a penetration relative to `k`.
     fn hard(self, eta: R) -> R;
 
-    /// 2(U(s) − U(a)) / (k (s − a)) for s and a > 0, without its cancellation.
+    /// Returns 2(U(s) − U(a)) / (k (s − a)) for s and a > 0, without cancellation.
     fn mean(self, s: R, a: R) -> R;
 
-    /// The root s ≥ 0 of s + 2h (U(s) − U(a)) / (k (s − a)) = e, where there is one.
+    /// Returns the root s ≥ 0 of s + 2h (U(s) − U(a)) / (k (s − a)) = e, if there is one.
     fn pressed(self, e: R, a: R, h: R) -> R;
 
-    /// Force U′ and stiffness U″ at the penetration `eta` > 0.
+    /// Returns force U′ and stiffness U″ at the penetration `eta` > 0.
     fn force(self, k: R, eta: R) -> [R; 2];
 
-    /// The slope of √(2U) where it is pressed together \[√(N/m)\].
+    /// Returns the slope of √(2U) under compression \[√(N/m)\].
     fn gamma(self, k: R, eta: R) -> R;
 }
 
-/// A one-sided law: a spring, and where it acts.
+/// A one-sided law: a spring and its threshold.
 #[derive(Clone, Copy)]
 pub struct Contact<R: Real, S> {
     /// stiffness \[N/m\], for the power law \[N/m^p\]
     pub k: R,
     /// threshold of the elongation \[m\]
     pub d: R,
-    /// 1: acts below the threshold; −1: above
+    /// 1 if it acts below the threshold, −1 above
     pub side: R,
-    /// pushes only
+    /// true if it only pushes
     pub clip: bool,
-    /// how force grows with penetration, and the losses
+    /// elastic part and losses
     pub spring: S,
 }
 
 impl<R: Real, S: Spring<R>> Contact<R, S> {
-    /// From coefficients in a slice.
+    /// Makes a contact from coefficients in a slice.
     pub fn of(c: &[R]) -> Contact<R, S> {
         S::contact(&numbers(c))
     }
 
-    /// Link `i` of `n`, from the columns that begin at `coef`.
+    /// Reads link `i` of `n` from the columns that begin at `coef`.
     pub fn read(s: &State<R>, coef: usize, n: usize, i: usize) -> Contact<R, S> {
         S::contact(&core::array::from_fn(|k| s.coef[coef + k * n + i]))
     }
 
-    /// How far it is pressed together \[m\]; negative while apart.
+    /// Returns the penetration \[m\], negative while apart.
     pub fn penetration(&self, e: R) -> R {
         self.side * (self.d - e)
     }
 
-    /// Potential energy \[J\] at a penetration.
+    /// Returns the potential energy \[J\] at a penetration.
     pub fn potential(&self, eta: R) -> R {
         if eta > R::ZERO { R::of(0.5) * self.k * self.spring.hard(eta) * eta * eta } else { R::ZERO }
     }
 
-    /// (U(s) − U(a)) / (s − a) \[N\].
+    /// Returns (U(s) − U(a)) / (s − a) \[N\].
     pub fn slope(&self, s: R, a: R) -> R {
         let Contact { k, spring, .. } = *self;
         match (s > R::ZERO, a > R::ZERO) {
@@ -83,7 +82,7 @@ impl<R: Real, S: Spring<R>> Contact<R, S> {
         }
     }
 
-    /// The mean push of the spring while the penetration changes by `s` from `a` on \[N\], and how it rises with `s` \[N/m\].
+    /// Returns the mean push \[N\] while the penetration changes from `a` by `s`, and its derivative by `s` \[N/m\].
     pub fn between(&self, a: R, s: R) -> [R; 2] {
         let (to, mean) = (a + s, self.slope(a + s, a));
         let [force, steep] = if to > R::ZERO { self.spring.force(self.k, to) } else { [R::ZERO; 2] };
@@ -92,8 +91,8 @@ impl<R: Real, S: Spring<R>> Contact<R, S> {
         [mean, if even { R::of(0.5) * steep } else { ((force - mean) / s).max(R::ZERO) }]
     }
 
-    /// The change of penetration over two ticks if this contact were alone: from `a`, with `free` the change by all other forces,
-    /// the mobility `c` and the viscosity `z`.
+    /// Returns the change of penetration over two ticks if this contact were alone: from `a`, with `free` the change by
+    /// all other forces, the mobility `c` and the viscosity `z`.
     pub fn alone(&self, a: R, free: R, c: R, z: R) -> R {
         let beta = R::of(0.5) * c * z;
         let h = R::of(0.5) * c * self.k / (R::of(1.0) + beta);
@@ -101,8 +100,7 @@ impl<R: Real, S: Spring<R>> Contact<R, S> {
     }
 }
 
-/// The penetration after the tick: the root of s + 2h (U(s) − U(a)) / (k (s − a)) = e. While a contact lets go the equation is
-/// quadratic for every spring.
+/// Returns the penetration after the tick: the root of s + 2h (U(s) − U(a)) / (k (s − a)) = e, quadratic in release.
 pub fn after<R: Real, S: Spring<R>>(spring: S, e: R, a: R, h: R) -> R {
     if a >= R::ZERO {
         let g = h * spring.hard(a);
@@ -153,17 +151,17 @@ impl<R: Real> Spring<R> for Linear<R> {
     }
 }
 
-/// U = k η^(p+1)/2 with the losses of Hunt and Crossley, F h dη/dt; only pushes.
+/// U = k η^(p+1)/2 with the losses of Hunt and Crossley, F h dη/dt. It only pushes.
 #[derive(Clone, Copy)]
 pub struct Power<R: Real> {
-    /// 4p, a whole number from 4 on
+    /// 4p, an integer from 4 on
     n: R,
     /// h, relative to the force per unit of change in a tick \[ticks/m\]
     loss: R,
 }
 
 impl<R: Real> Power<R> {
-    /// (p + 1)/2: the force is k η^p times this.
+    /// Returns (p + 1)/2: the force is this times k η^p.
     fn rise(self) -> R {
         R::of(0.125) * self.n + R::of(0.5)
     }
@@ -184,8 +182,7 @@ impl<R: Real> Spring<R> for Power<R> {
     fn mean(self, s: R, a: R) -> R {
         quarter_mean(s, a, self.n + R::of(4.0))
     }
-    /// The left side is convex in s. The start is where the larger of its two parts alone would reach e, so that the
-    /// root is near whatever the stiffness.
+    /// The left side is convex in s. The start, where the larger of its two parts alone reaches e, is near the root.
     fn pressed(self, e: R, a: R, h: R) -> R {
         if e <= R::ZERO {
             return R::ZERO;

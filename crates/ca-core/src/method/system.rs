@@ -1,14 +1,15 @@
-//! The linear system of contacts that are solved together, and what gathers it.
+//! The linear system of contacts that are solved together, and the functions that collect it.
 //!
-//! With G the gradients of the active penetrations, W = T² G M⁻¹ Gᵀ their mobilities, s* the change of penetration over two ticks by
-//! all other forces, b the push without motion and R its rise with motion, the push is N = b + y with
+//! Let G be the gradients of the active penetrations, W = T² G M⁻¹ Gᵀ their mobilities, s* the change of penetration
+//! over two ticks by all other forces, b the push without motion, and R its slope. The push is N = b + y with
 //! ```text
 //! (W + R⁻¹) y = s* − W b
 //! ```
-//! Symmetric and positive definite, the right side within the range of W, and what W cannot tell apart (a mass held
-//! from more sides than it has axes) stays zero in y. Solved by conjugate gradients scaled by the diagonal: nothing is
-//! stored but one vector over places, contacts that share nothing are done in one step, and no number of them is too
-//! large. A factorisation was the alternative; it needs room that grows with the square.
+//! The matrix is symmetric and positive definite, and the right side is in the range of W. Components that W does not
+//! see (a mass held from more sides than it has axes) stay zero in y.
+//!
+//! Conjugate gradients with diagonal scaling solve it. They store one vector over slots, where a factorisation would
+//! need memory in the square of the number of contacts, and solve unconnected contacts in one step.
 
 use super::{free_motion, mobility, modes};
 use crate::numeric::{Precision, Real};
@@ -19,18 +20,17 @@ use crate::state::State;
 use crate::state::active_contacts::ActiveContact;
 use nalgebra::Vector3;
 
-/// The residual is brought below this part of what it was, squared.
+/// Returns the factor by which the squared residual must fall.
 fn exact<R: Real>() -> R {
     R::of(if matches!(R::PRECISION, Precision::Single) { 3e-13 } else { 1e-30 })
 }
 
-/// Motion that holds less \[J\] is left alone: the squares it is solved by are none any more.
+/// Returns the energy \[J\] below which motion is ignored: its squares underflow in the solver.
 pub(super) fn nothing<R: Real>() -> R {
     R::of(if matches!(R::PRECISION, Precision::Single) { 1e-35 } else { 1e-200 })
 }
 
-/// Link `i` of `op` as one that may act, with `u` the gradient of its elongation: its motion by all other forces, and its mobility
-/// \[m/N\] on the diagonal.
+/// Makes the record of link `i` of `op`, with its motion by all other forces; `u` is the gradient of its elongation.
 pub(super) fn reach<R: Real, G: Measure>(
     op: &Op<R>,
     layout: &Layout<R>,
@@ -60,7 +60,6 @@ pub(super) fn join<R: Real>(s: &mut State<R>, link: ActiveContact<R>) {
     touches.n += 1;
 }
 
-/// Adds a link whose push is a curve.
 pub(super) fn enter<R: Real>(s: &mut State<R>, link: ActiveContact<R>) {
     let touches = &mut s.links.touches;
     let Some(t) = touches.list.get_mut(touches.n) else { return };
@@ -68,7 +67,7 @@ pub(super) fn enter<R: Real>(s: &mut State<R>, link: ActiveContact<R>) {
     touches.n += 1;
 }
 
-/// The response to pushes: the mobility of each place, and with `MODES` the coupling of masses that go by their modes.
+/// Response to pushes: the mobility of each slot, and with `MODES` the coupling of modal masses.
 pub(super) struct Response<'a, R: Real, const MODES: bool> {
     pub(super) layout: &'a Layout<R>,
     pub(super) mobility: &'a [R],
@@ -105,7 +104,7 @@ pub(super) fn respond<R: Real, const MODES: bool>(list: &mut [ActiveContact<R>],
     }
 }
 
-/// Solves for `y` of the first `acting` of the links listed; the others push by their bias.
+/// Solves for `y` of the first `acting` of the listed links; the others push by their bias.
 pub(super) fn conjugate<R: Real, const MODES: bool>(
     list: &mut [ActiveContact<R>],
     acting: usize,
@@ -123,9 +122,9 @@ pub(super) fn conjugate<R: Real, const MODES: bool>(
         rho += t.r * t.p;
     }
     let goal = (exact::<R>() * rho).max(nothing());
-    // in exact arithmetic as many steps as contacts; rounding may ask for more
+    // in exact arithmetic it takes as many steps as contacts; rounding may require more
     for _ in 0..10 * list.len() + 10 {
-        // what is not finite is not for here to find out
+        // values that are not finite are detected elsewhere
         if rho.wide().is_nan() || rho <= goal {
             break;
         }
@@ -148,7 +147,7 @@ pub(super) fn conjugate<R: Real, const MODES: bool>(
     }
 }
 
-/// Brings the links that `are` so to the front, and counts them.
+/// Moves the links that satisfy `are` to the front and returns their number.
 pub(super) fn gathered<R: Real>(all: &mut [ActiveContact<R>], are: impl Fn(&ActiveContact<R>) -> bool) -> usize {
     let mut n = 0;
     for i in 0..all.len() {

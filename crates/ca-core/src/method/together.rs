@@ -1,4 +1,4 @@
-//! The pass that solves for all links gathered in a tick and applies their pushes.
+//! The pass that solves for all links collected in a tick and applies their pushes.
 
 use super::system::{Response, gathered, respond};
 use super::{cluster, quadratised};
@@ -8,8 +8,7 @@ use crate::op::layout::Layout;
 use crate::state::State;
 use crate::state::active_contacts::{ActiveContact, ActiveContacts, Part};
 
-/// Computes the pushes of all links gathered and applies them; `MODES` where several act at masses of one group that goes by its
-/// modes.
+/// Solves for the pushes of all collected links. `MODES` is true if several act at modal masses of one group.
 pub fn solve<R: Real, const MODES: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let ActiveContacts { n, list, push, unsolved } = &mut s.links.touches;
     let all = &mut list[..core::mem::take(n)];
@@ -27,7 +26,7 @@ pub fn solve<R: Real, const MODES: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mu
     let (acting, left_out) = all.split_at_mut(acting);
     for t in &mut *acting {
         if t.curve.is_some() {
-            // beside what it gave up at the beginning of the tick
+            // added to the energy lost at the beginning of the tick
             s.links.mem[t.mem] += cluster::heat(t, &layout.tables);
         } else {
             quadratised::keep(t, &mut s.links.mem);
@@ -47,7 +46,6 @@ pub fn solve<R: Real, const MODES: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mu
     }
 }
 
-/// Applies the push of a link to its ends.
 fn apply<R: Real>(t: &ActiveContact<R>, f: &mut [R], taps: &mut [R]) {
     for k in 0..t.axes {
         let [a, b] = t.ends.map(|m| m as usize + k);

@@ -1,9 +1,10 @@
-//! Aligned: an array of numbers that begins at a cache line.
+//! An array of numbers that begins at a cache line.
 //!
-//! A vector of eight that crosses from one line to the next is read twice: a long folded row (`op/links/folded.rs`) then takes
-//! half as long again. Decides for a `Vec` with room for the way to the next line, in safe code: a type of its own alignment
-//! could not be seen as plain numbers without unsafe code, and a crate that does so brings more than this file. What a tick
-//! computes does not depend on where an array begins.
+//! A vector of eight that crosses a cache line is read twice, and a long folded row (`op/links/folded.rs`) then takes
+//! half as long again. The start of an array does not affect what a tick computes.
+//!
+//! The array is a `Vec` with spare numbers in front, in safe code. A type with its own alignment would need unsafe code
+//! to be viewed as plain numbers, and a crate for it is larger than this file.
 
 use crate::numeric::Real;
 use alloc::vec::Vec;
@@ -12,23 +13,22 @@ use core::ops::{Deref, DerefMut};
 
 /// Bytes of a cache line, and of the widest vector.
 const LINE: usize = 64;
-/// Numbers that begin at a cache line; a slice in all else. Its length is that it was made with.
+/// Numbers that begin at a cache line. It dereferences to a slice, and its length is fixed when it is made.
 #[derive(Default)]
 pub struct Aligned<R: Real = f64> {
-    /// nothing stands behind the last, so that one compare finds them
+    /// ends with the last number, so that slicing takes one comparison
     all: Vec<R>,
-    /// where the first number stands in `all`
+    /// index of the first number in `all`
     first: usize,
 }
 
 impl<R: Real> Aligned<R> {
-    /// Numbers of a cache line.
     const NUMBERS: usize = LINE / size_of::<R>();
 
-    /// `len` times 0.
+    /// Makes an array of `len` zeros.
     pub fn zeros(len: usize) -> Aligned<R> {
         let mut all = alloc::vec![R::ZERO; len + Self::NUMBERS - 1];
-        // where the address cannot be asked for, any is as good
+        // `align_offset` may fail; then any offset will do
         let first = all.as_ptr().align_offset(LINE).min(Self::NUMBERS - 1);
         all.truncate(first + len);
         Aligned { all, first }
@@ -69,7 +69,7 @@ impl<R: Real> Clone for Aligned<R> {
         Aligned::from(&self[..])
     }
 
-    /// Allocates nothing where the lengths agree.
+    /// Does not allocate if the lengths agree.
     fn clone_from(&mut self, from: &Aligned<R>) {
         if self.len() == from.len() {
             self.copy_from_slice(from);

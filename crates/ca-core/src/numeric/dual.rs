@@ -1,27 +1,27 @@
-//! Dual: a number with its derivatives by several parameters, its tangents.
+//! Dual numbers: a number with its derivatives (tangents) by several parameters.
 //!
-//! Decides for forward mode by arithmetic: each operation of a tick also applies the rule of its derivative, so that laws,
-//! passes and methods are those of `ca-core`, and no law has a derivative written by hand. Against a tape that is walked
-//! backwards: it would have to keep every tick. A number and [`TANGENTS`] tangents fill one cache line, which is one
-//! vector of the widest processors: sums and products are loops over all eight, the number itself included, whose result is then
-//! written over by that of plain arithmetic. The numbers have therefore the bits of `f64`, whatever the tangents are.
+//! Derivatives are taken in forward mode by arithmetic: each operation of a tick also applies its derivative rule. So
+//! laws, passes and methods are shared with an ordinary run, and no law has a hand-written derivative. Reverse mode
+//! over a recording of all operations would have to store every tick.
 //!
-//! Where a function has no derivative, a finite one is defined: 0 of a square root at 0; of `abs` and `copysign` that of the side
-//! the sign says, of -0 too; of `max` and `min` that of the number taken, the first where both are equal. Comparisons look
-//! at the number alone, so that the derivative is that of the branch that was taken.
+//! A number and [`TANGENTS`] tangents fill one cache line, the widest vector. Sums and products are loops over all
+//! eight, and plain arithmetic then overwrites the value, so it has the bits of `f64`, whatever the tangents are.
+//!
+//! A function without a derivative gets a finite one: 0 for a square root at 0; for `abs` and `copysign` the side given
+//! by the sign, also of -0; for `max` and `min` the chosen number, the first if both are equal. Comparisons use the
+//! value alone, so the derivative belongs to the branch that was taken.
 
 use super::{Precision, Real};
 use core::cmp::Ordering;
 use core::iter::Sum;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-/// Parameters of which a number knows its derivatives.
+/// Number of tangents, one per parameter.
 pub const TANGENTS: usize = 7;
-/// The same, and the number.
 const ALL: usize = TANGENTS + 1;
 
-/// All eight, computed by a loop that is always inlined: so it has the vectors of the pass it stands in, which `core::array`'s
-/// functions, not being inlined there, have not.
+/// Computes all eight numbers. The loop is always inlined, unlike the functions of `core::array`, and so uses the
+/// vectors of the pass around it.
 #[inline(always)]
 fn each(f: impl Fn(usize) -> f64) -> [f64; ALL] {
     let mut all = [0.0; ALL];
@@ -31,16 +31,16 @@ fn each(f: impl Fn(usize) -> f64) -> [f64; ALL] {
     all
 }
 
-/// A number and its tangents. The default is 0, a constant.
+/// A number and its tangents. The default is the constant 0.
 #[derive(Clone, Copy, Default)]
 #[repr(align(64))]
 pub struct Dual {
-    /// the number, then its tangents
+    /// the value, then its tangents
     all: [f64; ALL],
 }
 
 impl Dual {
-    /// A number that depends on no parameter.
+    /// Makes a number that depends on no parameter.
     #[inline(always)]
     pub const fn constant(v: f64) -> Dual {
         let mut all = [0.0; ALL];
@@ -48,7 +48,7 @@ impl Dual {
         Dual { all }
     }
 
-    /// A number and its derivatives.
+    /// Makes a number from its value and derivatives.
     #[inline(always)]
     pub fn new(v: f64, tangents: [f64; TANGENTS]) -> Dual {
         let mut all = [v; ALL];
@@ -56,19 +56,19 @@ impl Dual {
         Dual { all }
     }
 
-    /// The number.
+    /// Returns the value.
     #[inline(always)]
     pub const fn value(self) -> f64 {
         self.all[0]
     }
 
-    /// Its derivatives.
+    /// Returns the derivatives.
     #[inline(always)]
     pub fn tangents(&self) -> &[f64; TANGENTS] {
         self.all.last_chunk().unwrap_or(&[0.0; TANGENTS])
     }
 
-    /// Its derivatives, to be written.
+    /// Returns the derivatives for writing.
     #[inline(always)]
     pub fn tangents_mut(&mut self) -> &mut [f64] {
         &mut self.all[1..]
@@ -106,7 +106,7 @@ impl Real for Dual {
         all[0] = value;
         Dual { all }
     }
-    /// Of 0 with tangents 0.
+    /// Gives 0 with tangents 0 at 0.
     #[inline(always)]
     fn sqrt(self) -> Dual {
         let root = Real::sqrt(self.all[0]);
@@ -131,7 +131,6 @@ impl Real for Dual {
 }
 
 impl core::fmt::Debug for Dual {
-    /// The number, and its tangents where one is not 0.
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         self.all[0].fmt(f)?;
         if self.tangents().iter().any(|t| *t != 0.0) { write!(f, "+ε{:?}", self.tangents()) } else { Ok(()) }
@@ -179,7 +178,7 @@ impl Sub for Dual {
 impl Mul for Dual {
     type Output = Dual;
     #[inline(always)]
-    // the rule of products
+    // product rule
     #[allow(clippy::suspicious_arithmetic_impl)]
     fn mul(self, other: Dual) -> Dual {
         let (a, b) = (self.all[0], other.all[0]);
@@ -201,7 +200,6 @@ impl Div for Dual {
     }
 }
 
-/// In place.
 macro_rules! assign {
     ($($op:ident $f:ident $assign:ident $g:ident;)*) => {
         $(
@@ -223,7 +221,7 @@ assign! {
 }
 
 impl Sum for Dual {
-    /// From -0 on, as sums of `f64`.
+    /// Starts at -0, as sums of `f64` do.
     fn sum<I: Iterator<Item = Dual>>(all: I) -> Dual {
         all.fold(Dual::constant(-0.0), |sum, v| sum + v)
     }

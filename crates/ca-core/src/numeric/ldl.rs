@@ -1,19 +1,20 @@
-//! LDLᵀ of a sparse symmetric matrix, for what is solved in every tick (docs/numerics.md §3.1).
+//! LDLᵀ factorisation of a sparse symmetric matrix, for systems that are solved in every tick (docs/numerics.md §3.1).
 //!
-//! Decides for our own fifty lines, while everything that is computed once goes to faer: a library that chooses its
-//! vector instructions by the machine gives other last bits on another machine, and a scene must give the same bits
-//! everywhere. Positive definite matrices need no pivots, so the order of elimination is chosen once, from the pattern:
-//! always the column with the fewest neighbours left, which for strings leaves nothing new and for meshes little.
+//! This is custom code, while everything computed once uses faer. A library that chooses vector instructions by machine
+//! gives different last bits on different machines, and a scene must give the same bits everywhere.
+//!
+//! Positive definite matrices need no pivots, so the elimination order is chosen once, from the pattern: always the
+//! column with the fewest remaining neighbours. For strings this causes no fill-in, for meshes little.
 
 use crate::numeric::Real;
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 
-/// The pattern of L below its diagonal, by columns, in the order of elimination.
+/// Pattern of L below its diagonal, by columns, in elimination order.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pattern {
-    /// the number each row had (n), in the order of elimination
+    /// original index of each row, in elimination order (n)
     pub order: Vec<u32>,
     /// first entry of each column (n + 1)
     pub columns: Vec<u32>,
@@ -21,7 +22,7 @@ pub struct Pattern {
     pub rows: Vec<u32>,
 }
 
-/// What stands in one rising list or the other, `but` for two.
+/// Merges two rising lists into `to`, without the two values `but`.
 fn union(a: &[u32], b: &[u32], but: [u32; 2], to: &mut Vec<u32>) {
     to.clear();
     let (mut a, mut b) = (a, b);
@@ -36,7 +37,7 @@ fn union(a: &[u32], b: &[u32], but: [u32; 2], to: &mut Vec<u32>) {
 }
 
 impl Pattern {
-    /// The pattern for `n` rows of which these pairs are joined; `None` where L would have more than `most` entries.
+    /// Makes the pattern for `n` rows with these couplings, or `None` if L would have more than `most` entries.
     pub fn new(n: usize, pairs: impl Iterator<Item = (u32, u32)>, most: usize) -> Option<Pattern> {
         let mut near: Vec<Vec<u32>> = alloc::vec![Vec::new(); n];
         for (i, j) in pairs.filter(|(i, j)| i != j) {
@@ -53,7 +54,7 @@ impl Pattern {
         while let Some((fewest, i)) = left.pop_first() {
             let around = core::mem::take(&mut near[i as usize]);
             all += around.len();
-            // where each of those left has all others around it, as often at the end, what is to come is known
+            // once every remaining row is coupled to all others (common at the end), the rest of the pattern is known
             let others = left.len();
             let full = fewest == others;
             if all > most || (full && all + others * others.saturating_sub(1) / 2 > most) {
@@ -87,12 +88,12 @@ impl Pattern {
         Some(p)
     }
 
-    /// Number of rows.
+    /// Returns the number of rows.
     pub fn size(&self) -> usize {
         self.order.len()
     }
 
-    /// How many numbers a factor has.
+    /// Returns how many numbers a factor has.
     pub fn numbers(&self) -> usize {
         self.size() + self.rows.len()
     }
@@ -106,13 +107,14 @@ impl Pattern {
         self.rows[r.clone()].binary_search(&i).ok().map(|k| r.start + k)
     }
 
-    /// Turns row sums into the numbers of the factor, in place: `v` holds the sums of the rows (n) and is left with 1/D
-    /// (n), then L. What stands beside the diagonal is given each once, as row, column and value in the order of
-    /// elimination; what falls on one place adds up. `around` is working memory; once both have their capacity nothing
-    /// is allocated. False where the matrix is not positive definite, or beyond computing; `v` is of no use then.
+    /// Turns row sums into the factor, in place. Returns false if the matrix is not positive definite or not finite.
     ///
-    /// With row sums in place of the diagonal nothing is ever subtracted where all ties are springs, so that a mass on a
-    /// spring of 10¹² times its inertia keeps all its digits.
+    /// `v` holds the row sums (n) and is left with 1/D (n), then L. `beside` gives each off-diagonal entry once, as
+    /// row, column and value in elimination order; entries at the same position add up. `around` is working memory.
+    /// Nothing is allocated once both have their capacity.
+    ///
+    /// With row sums in place of the diagonal nothing is ever subtracted if all couplings are springs. A mass on a
+    /// spring of 10¹² times its inertia thus keeps all its digits.
     pub fn factor(
         &self,
         v: &mut Vec<f64>,
@@ -121,7 +123,7 @@ impl Pattern {
     ) -> bool {
         let n = self.size();
         v.resize(n + self.rows.len(), 0.0);
-        // what stands beside the diagonal in each row, left of it and right of it
+        // sums of the off-diagonal entries of each row, left and right of the diagonal
         around.clear();
         around.resize(n, 0.0);
         for (i, j, a) in beside {
@@ -157,7 +159,7 @@ impl Pattern {
         v.iter().all(|v| v.is_finite())
     }
 
-    /// Solves in place, with the numbers of [`Pattern::factor`]; rows in the order of elimination. Does not allocate.
+    /// Solves in place with the numbers of [`Pattern::factor`]. Rows are in elimination order. Does not allocate.
     #[inline]
     pub fn solve<R: Real>(&self, numbers: &[R], y: &mut [R]) {
         let n = self.size();

@@ -1,6 +1,6 @@
-//! Numeric: the number of a tick, and what is made of numbers alone: vectors of them, tables, a solver, a list of near points.
+//! Number types, and what is built from numbers alone: aligned arrays, tables, an LDLᵀ solver, a neighbour list.
 //!
-//! Decides that what stands here knows nothing of scenes, kinds or laws, so that all the rest can stand on it.
+//! Nothing here depends on scenes, kinds or laws, so every other module can use it.
 
 mod aligned;
 mod dual;

@@ -1,11 +1,9 @@
-//! Plain: a number as it stands in what is said to people.
-//!
-//! Decides only on where an exponent begins; quantities with their units are those of the language.
+//! Formats numbers for messages. `ca-model` formats quantities with their units.
 
 use core::fmt;
 
-/// A number for people: with an exponent beyond 1e7 and below 1e-4, where digits cannot be counted any more. As many
-/// digits behind the point as the format asks for; else the fewest that read back.
+/// Number for display: in exponent form below 1e-4 and from 1e7 on, where digits are hard to count. It has as many
+/// decimals as the format asks for, else the fewest that read back the same.
 #[derive(Clone, Copy, Debug)]
 pub struct Plain(pub f64);
 

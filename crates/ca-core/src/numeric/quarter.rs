@@ -1,17 +1,16 @@
-//! Quarter powers: x^(n/4), its mean between two places, and where to begin to look for its root.
+//! Quarter powers x^(n/4), their divided difference, and a first guess for x^(4/n).
 //!
-//! Decides on exponents that are multiples of 1/4, since products and square roots give the same bits on every machine
-//! and `powf` does not.
+//! Exponents are multiples of 1/4: products and square roots give the same bits on every machine, `powf` does not.
 
 use super::Real;
 
-/// A number of quarters, at most 255: it is a coefficient, and a loop over it must end soon.
+/// Returns the number of quarters, limited to 255. It is a coefficient, and the limit keeps a loop over it short.
 #[inline(always)]
 fn whole<R: Real>(n: R) -> u32 {
     u32::from(n.wide() as u8)
 }
 
-/// x^(n/4) for x ≥ 0 by products and square roots only, so that every IEEE machine gives the same bits.
+/// Returns x^(n/4) for x ≥ 0. It uses only products and square roots, so every IEEE machine gives the same bits.
 #[inline(always)]
 pub fn quarter_power<R: Real>(x: R, n: R) -> R {
     let n = whole(n);
@@ -31,8 +30,9 @@ pub fn quarter_power<R: Real>(x: R, n: R) -> R {
     y
 }
 
-/// (s^(n/4) − a^(n/4)) / (s − a) for s > 0 and a > 0: with the fourth roots of both (or the square roots, or themselves,
-/// as n allows) it is the quotient of two sums without a difference.
+/// Returns (s^(n/4) − a^(n/4)) / (s − a) for s > 0 and a > 0.
+///
+/// It divides two sums of powers of the fourth (or square) roots of both, where nothing cancels.
 pub fn quarter_mean<R: Real>(s: R, a: R, n: R) -> R {
     let (mut n, mut parts, mut u, mut v) = (whole(n), 1, s, a);
     while n % (4 / parts) != 0 {
@@ -44,11 +44,12 @@ pub fn quarter_mean<R: Real>(s: R, a: R, n: R) -> R {
     sum(n) / sum(parts)
 }
 
-/// x^(4/n) for x ≥ 0 to within an eighth, where an iteration is to begin: the bits of a number are nearly its
-/// logarithm, so this is the same on every IEEE machine.
+/// Returns x^(4/n) for x ≥ 0 to within an eighth, as the start of an iteration.
+///
+/// The bits of a number are nearly its logarithm, so the result is the same on every IEEE machine.
 pub fn quarter_root<R: Real>(x: R, n: R) -> R {
     let one = 1f64.to_bits() as i64;
-    // wraps for what is not x ≥ 0 with n ≥ 4
+    // wraps unless x ≥ 0 and n ≥ 4
     let part = (x.wide().to_bits() as i64).wrapping_sub(one) / i64::from(whole(n).max(1));
     R::of(f64::from_bits(one.wrapping_add(part.wrapping_mul(4)) as u64))
 }

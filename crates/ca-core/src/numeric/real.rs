@@ -1,22 +1,21 @@
-//! Real: the number that a tick computes with: `f64`, `f32`, or a number with its derivatives, [`Dual`](super::Dual).
+//! The number type of a tick: `f64`, `f32`, or [`Dual`](super::Dual), a number with its derivatives.
 //!
-//! Only what a tick reads and writes is generic over it. The compiler and changes while playing compute in `f64`, and each number
-//! is rounded once, where it becomes a coefficient. Inputs, device ports, time and the sizes of energy accounts stay `f64`.
-//! Outputs and energy accounts are [`Real::Outer`], which is `f64` in both precisions and keeps the derivatives of `Dual`.
+//! The compiler and live changes compute in `f64`, and each number is rounded once, when it becomes a coefficient.
+//! Inputs, device ports, time and the scales of the energy accounts stay `f64`. Outputs and energy accounts are
+//! [`Real::Outer`], which is `f64` in both precisions and keeps the derivatives of `Dual`.
 //!
-//! `ca-core` makes the passes over `f64`; the crates that bind a scene to another number make those
-//! ([`Scene::bind`](crate::Scene::bind)).
-//!
-//! In single precision a second of sound is known to 1e-4 or so, the energy ledger balances to 1e-7 in a tick, and a scene
-//! is refused that has a distance in space, an implicit link with more than 100 times the inertia of its ends,
-//! or a number that becomes nothing or infinite.
+//! `ca-core` instantiates the passes over `f64`; a crate that uses [`Scene::bind`](crate::Scene::bind), the others.
+//! `ca-core` instantiates the passes over `f64`; a crate that binds a scene ([`crate::Scene::bind`]), the others.
+//! In single precision a second of sound is accurate to about 1e-4, and the energy ledger balances to 1e-7 per tick.
+//! Refused are distances in space, implicit links with more than 100 times the inertia of their ends, and numbers that
+//! become zero or infinite.
 
 use core::fmt::Debug;
 use core::iter::Sum;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 use num_traits::{One, Zero};
 
-/// Which number a tick computes with.
+/// Number type of a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
     /// `f64`
@@ -28,7 +27,7 @@ pub enum Precision {
     Dual,
 }
 
-/// The number of the tick. Comparisons look at the value alone, without derivatives.
+/// The number type of a tick. Comparisons use the value alone, without derivatives.
 pub trait Real:
     Copy
     + Default
@@ -52,57 +51,59 @@ pub trait Real:
     + for<'a> Sum<&'a Self>
     + 'static
 {
-    /// An output, or an account of energy.
+    /// Type of outputs and energy accounts.
     type Outer: Real<Outer = Self::Outer>;
-    /// Which number it is.
+    /// This number type as a [`Precision`].
     const PRECISION: Precision;
     /// 0.
     const ZERO: Self;
-    /// The least number above 0 with all its digits.
+    /// Smallest positive number with full precision.
     const MIN_POSITIVE: Self;
     /// Positive infinity.
     const INFINITY: Self;
     /// Negative infinity.
     const NEG_INFINITY: Self;
-    /// Far above what is denormal and slow, far below what is heard.
+    /// Limit below which numbers are cleared: far above denormal (slow) numbers and far below anything audible.
     const TINY: Self;
 
-    /// A number computed at load, rounded to the number of the tick.
+    /// Rounds a number computed at load to this type.
     fn of(v: f64) -> Self;
-    /// The value as `f64`.
+    /// Returns the value as `f64`.
     fn wide(self) -> f64;
-    /// As an output, with its derivatives.
+    /// Converts to the type of an output, with derivatives.
     fn outer(self) -> Self::Outer;
-    /// From an output, with its derivatives.
+    /// Converts from the type of an output, with derivatives.
     fn inner(v: Self::Outer) -> Self;
-    /// A function of this number, by its value and its slope here. So a law takes any function of `libm`, whose bits are the same
-    /// on every processor: `let x = e.wide(); e.chain(libm::log1p(x), 1.0 / (1.0 + x))`.
+    /// Returns a function of this number, given its value and its slope here.
+    ///
+    /// A law can thus use any function of `libm`, whose bits are the same on every processor:
+    /// `let x = e.wide(); e.chain(libm::log1p(x), 1.0 / (1.0 + x))`.
     #[must_use]
     fn chain(self, value: f64, slope: f64) -> Self;
-    /// The square root.
+    /// Returns the square root.
     #[must_use]
     fn sqrt(self) -> Self;
-    /// Without its sign.
+    /// Returns the absolute value.
     #[must_use]
     fn abs(self) -> Self;
-    /// With the sign of another.
+    /// Returns this number with the sign of `sign`.
     #[must_use]
     fn copysign(self, sign: Self) -> Self;
-    /// The larger.
+    /// Returns the larger number.
     #[must_use]
     fn max(self, other: Self) -> Self;
-    /// The smaller.
+    /// Returns the smaller number.
     #[must_use]
     fn min(self, other: Self) -> Self;
 
-    /// True where the value is finite.
+    /// Returns true if the value is finite.
     #[inline(always)]
     fn is_finite(self) -> bool {
         self.wide().is_finite()
     }
 }
 
-/// A number whose bits a plan can hold ([`Scene::to_bytes`](crate::Scene::to_bytes)): `f64`.
+/// A number type whose bits a plan can hold ([`Scene::to_bytes`](crate::Scene::to_bytes)): `f64`.
 #[cfg(feature = "bytes")]
 pub trait Stored:
     Real<Outer: serde::Serialize + serde::de::DeserializeOwned> + serde::Serialize + serde::de::DeserializeOwned
@@ -112,8 +113,10 @@ pub trait Stored:
 #[cfg(feature = "bytes")]
 impl Stored for f64 {}
 
-/// Both precisions; roots of `std` are an instruction among its neighbours, in as many lanes as these have. That of `libm` is one
-/// of SSE by itself, in no lanes, and stalls between instructions of AVX. Both are correctly rounded.
+/// Implements [`Real`] for both precisions.
+///
+/// The square root of `std` is one instruction in the vectors around it. The one of `libm` is a scalar SSE instruction,
+/// which stalls between AVX instructions. Both are correctly rounded.
 macro_rules! plain {
     ($($number:ident $precision:ident $tiny:literal $sqrt:ident;)*) => {
         $(
@@ -182,5 +185,5 @@ plain! {
     f32 Single 1e-30 sqrtf;
 }
 
-/// The largest number, which stands for none where a place is meant.
+/// Placeholder for a missing index or position: the largest number.
 pub const NONE: f64 = f64::MAX;

@@ -1,7 +1,7 @@
-//! Piecewise-linear tables: the laws that authors draw, and curves too dear to compute each tick.
+//! Piecewise-linear tables: laws that authors draw, and curves too expensive to compute each tick.
 //!
-//! Decides on linear interpolation with the end values held outside, as the field does (pmpd, GENESIS). The integral
-//! is kept beside the values, so that a table spring has an exact potential and the ledger stays exact about it.
+//! Values are interpolated linearly and held constant outside, as in pmpd and GENESIS. The integral is stored beside
+//! the values, so that a table spring has an exact potential and the energy ledger stays exact.
 
 use crate::numeric::Real;
 use alloc::vec::Vec;
@@ -20,15 +20,15 @@ pub struct Table<R: Real = f64> {
     y: Vec<R>,
     /// integral of y from x = 0 (n)
     area: Vec<R>,
-    /// 1/spacing where the abscissae are evenly spaced, else 0: even tables are addressed without a search
+    /// 1/spacing if the abscissae are evenly spaced, else 0: an even table is indexed without a search
     per: R,
     /// largest and smallest slope of any segment
     slopes: (f64, f64),
-    /// the largest value, without its sign
+    /// largest absolute value
     most: f64,
 }
 
-/// The numbers that make a table: abscissae, values, and 1/spacing or 0.
+/// The numbers that define a table: abscissae, values, and 1/spacing or 0.
 #[cfg(feature = "bytes")]
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(bound = "R: crate::numeric::Stored")]
@@ -59,7 +59,7 @@ impl<R: Real> TryFrom<Points<R>> for Table<R> {
 }
 
 impl Table {
-    /// From points with rising x. `None` with fewer than two points, x that does not rise, or a number not finite.
+    /// Makes a table, or `None` with fewer than two points, x that does not rise, or a number that is not finite.
     pub fn new(points: &[[f64; 2]]) -> Option<Table> {
         if points.len() < 2
             || points.windows(2).any(|p| p[1][0] <= p[0][0])
@@ -78,7 +78,7 @@ impl Table {
 }
 
 impl<R: Real> Table<R> {
-    /// The same table over another number; `None` where its abscissae do not rise there.
+    /// Returns the same table over another number type, or `None` if its abscissae do not rise there.
     pub(crate) fn rounded<Q: Real>(&self) -> Option<Table<Q>> {
         let [x, y]: [Vec<Q>; 2] = [&self.x, &self.y].map(|all| all.iter().map(|v| Q::of(v.wide())).collect());
         let rises = x.windows(2).all(|x| x[1] > x[0]) && x.iter().chain(&y).all(|v| v.is_finite());
@@ -97,13 +97,13 @@ impl<R: Real> Table<R> {
         t
     }
 
-    /// Calls `visit` for each of its numbers.
+    /// Calls `visit` for each number of the table.
     pub fn numbers(&mut self, visit: &mut impl FnMut(&mut R)) {
         [&mut self.x, &mut self.y, &mut self.area].into_iter().flatten().for_each(&mut *visit);
         visit(&mut self.per);
     }
 
-    /// The segment that holds `x`, which lies between the ends.
+    /// Returns the segment that holds `x`, which lies between the ends.
     #[inline]
     fn segment(&self, x: R) -> usize {
         let last = self.x.len() - 2;
@@ -115,7 +115,7 @@ impl<R: Real> Table<R> {
         i.min(last)
     }
 
-    /// The value at `x`; the end values hold outside.
+    /// Returns the value at `x`; outside, the value at the nearer end.
     #[inline]
     pub fn at(&self, x: R) -> R {
         let n = self.x.len();
@@ -142,27 +142,26 @@ impl<R: Real> Table<R> {
         self.area[i] + R::of(0.5) * (self.y[i] + self.at(x)) * (x - self.x[i])
     }
 
-    /// The integral from 0 to `x`.
+    /// Returns the integral from 0 to `x`.
     pub fn integral(&self, x: R) -> R {
         self.raw_integral(x)
     }
 
-    /// The slope of a segment.
     fn rise(&self, i: usize) -> R {
         (self.y[i + 1] - self.y[i]) / (self.x[i + 1] - self.x[i])
     }
 
-    /// True between the ends, where the value depends on the place.
+    /// Returns true between the ends, where the value depends on `x`.
     fn spans(&self, x: R) -> bool {
         self.x[0] <= x && x < self.x[self.x.len() - 1]
     }
 
-    /// The slope at `x`; 0 outside.
+    /// Returns the slope at `x`, 0 outside.
     pub fn slope(&self, x: R) -> R {
         if self.spans(x) { self.rise(self.segment(x)) } else { R::ZERO }
     }
 
-    /// y/x of a table that is 0 at 0; in the segments that meet there their slope, so that it has no noise near 0.
+    /// Returns y/x for a table that is 0 at 0, and the slope of the segments that meet there, which is free of noise.
     pub fn chord(&self, x: R) -> R {
         if self.spans(x) {
             let i = self.segment(x);
@@ -173,11 +172,11 @@ impl<R: Real> Table<R> {
         if x == R::ZERO { R::ZERO } else { self.at(x) / x }
     }
 
-    /// The mean value between two places, and how it rises with the second. Integrals are added from the places on, since the
-    /// difference of two from 0 on would be all rounding where they are near.
+    /// Returns the mean value between `a` and `s`, and its derivative by `s`. Integrals start at `a` and `s`: a
+    /// difference of integrals from 0 would be all rounding where these are close.
     pub(crate) fn mean(&self, a: R, s: R) -> [R; 2] {
         let (half, n) = (R::of(0.5), self.x.len());
-        // 0 before the first point, n behind the last
+        // 0 before the first point, n after the last
         let piece = |x: R| match () {
             () if x < self.x[0] => 0,
             () if x >= self.x[n - 1] => n,
@@ -195,17 +194,17 @@ impl<R: Real> Table<R> {
         [mean, (self.at(s) - mean) / (s - a)]
     }
 
-    /// The largest value, without its sign.
     pub(crate) fn most(&self) -> f64 {
         self.most
     }
 
-    /// Largest and smallest slope of any segment.
+    /// Returns the largest and smallest slope of any segment.
     pub fn slopes(&self) -> (f64, f64) {
         self.slopes
     }
 
-    /// The same of the segments that lie between `from` and `to`, in part or as a whole; 0 beyond the ends.
+    /// Returns the largest and smallest slope of the segments between two abscissae, with 0 for any part beyond the
+    /// ends.
     pub(crate) fn slopes_between(&self, [from, to]: [f64; 2]) -> (f64, f64) {
         let within = |i: &usize| self.x[*i].wide() < to && self.x[*i + 1].wide() > from;
         let beyond = from < self.x[0].wide() || to > self.x[self.x.len() - 1].wide();
@@ -215,7 +214,7 @@ impl<R: Real> Table<R> {
         if hi < lo { (0.0, 0.0) } else { (hi, lo) }
     }
 
-    /// True where y has the sign of x everywhere: as friction it only takes energy.
+    /// Returns true if y has the sign of x everywhere. Such a table used as friction only takes energy.
     pub(crate) fn resists(&self) -> bool {
         self.x.iter().zip(&self.y).all(|(x, y)| *x * *y >= R::ZERO) && self.at(R::ZERO) == R::ZERO
     }

@@ -1,14 +1,13 @@
-//! VerletList: which pairs of two sets of points are closer than a distance.
+//! Finds the pairs of two sets of points that are closer than a distance.
 //!
-//! Decides for a neighbour list with a skin (Verlet): the pairs within distance + skin are listed, and the list serves
-//! until some point has moved half the skin. It is exact: what is listed is measured again by whoever asks, and a pair
-//! that is not listed cannot have come near. Where a list would not last long enough to pay for itself, where it would
-//! not fit, or where positions are so large that rounding eats the skin, all pairs are tested instead, with one
-//! squared distance each. Both ways give pairs in the same order, so whoever sums over them gets the same bits. A grid
-//! in every tick and a sweep along one axis were measured too, and lose to the list at any speed that sounds.
+//! It is a Verlet neighbour list with a skin: it lists the pairs within distance + skin, and is valid until a point has
+//! moved half the skin. The caller measures each listed pair again, and an unlisted pair cannot have come near. All
+//! pairs are tested instead if a list would not last long enough to pay, would not fit, or if rounding of large
+//! positions consumes the skin. Both ways give pairs in the same order, so sums over them have the same bits. A grid in
+//! every tick and a sweep along one axis were measured too; both are slower at any speed that sounds.
 //!
-//! Measured (`benches/contacts.rs`), ns per tick for grains at 0.001 diameters per tick that fill a tenth of a shell,
-//! and in brackets a third; at ten times the speed the list takes up to twice as long, and wins all the same:
+//! Measured (`benches/contacts.rs`), in ns per tick, for grains at 0.001 diameters per tick that fill a tenth of a
+//! shell, in brackets a third. At ten times the speed the list takes up to twice as long and is still the fastest:
 //!
 //! | grains | each pair a module | all tested (no skin) | list |
 //! |---|---|---|---|
@@ -19,76 +18,74 @@
 //! | 256 | 129 000 (124 000) | 15 700 (14 700) | 2 600 (4 700) |
 //! | 1024 | | 215 000 (306 000) | 21 000 (45 000) |
 //!
-//! A pair that does not touch costs 4 ns and more as a module, 0.4 to 0.8 ns where all are tested. A skin of a quarter
-//! or of three quarters of the distance is within a fifth of that of a half.
+//! A pair that does not touch costs 4 ns and more as a module, and 0.4 to 0.8 ns where all are tested. Skins of a
+//! quarter and of three quarters of the distance are within a fifth of the time with a half.
 //!
-//! The list is made by a uniform grid that wraps around, so that one point far away costs nothing and no box has to be
-//! known; points are put into its cells by counting. All arrays have their size from the start. Nothing here decides
-//! the future of a scene, so the hash of a state leaves it out; a restored state is right, because displacements are
-//! taken from where the points stood when the list was made.
+//! The list is made with a uniform grid that wraps around, so that one point far away costs nothing and no bounding box
+//! is needed. Points are sorted into its cells by counting. All arrays have their size from the start.
+//!
+//! Nothing here changes the future of a scene, so the hash of a state leaves it out. A restored state is correct
+//! because displacements are measured from where the points were when the list was made.
 
 use crate::numeric::Real;
 use alloc::vec::Vec;
 
-/// The skin at load, in parts of the distance asked for.
+/// Skin at load, as a fraction of the distance asked for.
 const SKIN: f64 = 0.5;
-/// Listing by the grid costs as much, per point, as testing so many pairs.
+/// Cost of listing by the grid, per point, in tests of one pair.
 const GRID: f64 = 400.0;
-/// A list must save so many times what it costs.
+/// Factor by which the saving of a list must exceed its cost.
 const WORTH: f64 = 2.0;
-/// Room in the list, per point.
+/// Capacity of the list, per point.
 const ROOM: usize = 16;
-/// Distances computed at a time, where all pairs are tested.
+/// Distances computed at a time when all pairs are tested.
 const LANES: usize = 8;
-/// Edge of a cell of the grid, in parts of the reach: wider, so that rounding cannot put near points two cells apart.
+/// Edge of a grid cell over the reach. It is above 1 so that rounding cannot put near points two cells apart.
 const WIDER: f64 = 1.01;
-/// Rounding of a place, relative to the numbers it is the sum of, with a generous margin.
+/// Rounding error of a position, relative to the numbers it is the sum of, with a generous margin.
 const ROUNDING: f64 = 4096.0 * f64::EPSILON;
 
-/// Points, and the pairs of them that are near. Pairs are (row, column): each row joins all columns behind it.
+/// Points and the pairs of them that are near. Pairs are (row, column): each row is paired with all columns after it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VerletList {
-    /// points; the last of them may only be columns
+    /// number of points; the last ones may only be columns
     n: usize,
-    /// rows
     rows: usize,
-    /// first column
     first: usize,
-    /// where the points are \[m\] (3 x n and a rim that is never near)
+    /// positions \[m\] (3 x n, padded with points that are never near)
     at: [Vec<f64>; 3],
-    /// where they were when the list was made \[m\] (3 x n)
+    /// positions when the list was made \[m\] (3 x n)
     was: [Vec<f64>; 3],
-    /// the furthest any of them has moved since \[m\]; infinite where one is not finite
+    /// largest distance a point has moved since \[m\]; infinite if one is not finite
     moved: f64,
-    /// how wrong a distance may be by rounding \[m\]
+    /// largest rounding error of a distance \[m\]
     rounding: f64,
-    /// the distance up to which pairs are listed \[m\]
+    /// distance up to which pairs are listed \[m\]
     reach: f64,
-    /// true where the list had no room for them
+    /// true if the pairs did not fit in the list
     full: bool,
     /// first entry of each row in `list` (rows + 1)
     start: Vec<u32>,
-    /// columns that are near
     list: Vec<u32>,
-    /// cells along each axis of the grid, a power of 2 as its exponent
+    /// cells along each axis of the grid, as the exponent of 2
     bits: u32,
-    /// the cell of each column (columns)
+    /// cell of each column (columns)
     cell: Vec<u32>,
-    /// first entry of each cell in `order`, one behind (cells + 2)
+    /// first entry of each cell in `order`, shifted by one (cells + 2)
     head: Vec<u32>,
     /// columns by cell (columns)
     order: Vec<u32>,
-    /// the skin, in parts of the distance asked for; without one, all pairs are tested
+    /// skin as a fraction of the distance asked for; at 0 all pairs are tested
     pub skin: f64,
-    /// lists made so far
+    /// number of lists made so far
     pub lists: u64,
 }
 
 impl VerletList {
-    /// Room for `n` points, of which the first `rows` are paired with those from `first` on, if behind them.
+    /// Makes a list for `n` points. The first `rows` are paired with those from `first` on that come after them.
     pub fn new(n: usize, rows: usize, first: usize) -> VerletList {
         let columns = n - first;
-        // four at least, so that a cell and its neighbours on both sides are three
+        // at least four, so that a cell and its two neighbours are three different ones
         let bits = (2..10).find(|b| 1usize << (3 * b) >= columns).unwrap_or(10);
         let none = || alloc::vec![f64::INFINITY; n];
         let at = || alloc::vec![f64::INFINITY; n + LANES];
@@ -111,18 +108,18 @@ impl VerletList {
         }
     }
 
-    /// Number of pairs.
+    /// Returns the number of pairs.
     pub fn pairs(&self) -> f64 {
         let (n, rows) = (self.n as f64, self.rows as f64);
         if self.first == 0 { 0.5 * n * (n - 1.0) } else { rows * (n - rows) }
     }
 
-    /// Number of pairs in the list; 0 where all are tested instead.
+    /// Returns the number of pairs in the list, or 0 if all are tested instead.
     pub fn listed(&self) -> usize {
         if self.full { 0 } else { self.start.last().map_or(0, |end| *end as usize) }
     }
 
-    /// Puts the points where they are: `point` is the rest position and the displacement of each \[m\].
+    /// Sets the positions: `point` gives the rest position and the displacement of each point \[m\].
     #[inline(always)]
     pub fn place(&mut self, point: impl Fn(usize) -> [[f64; 3]; 2]) {
         let n = self.n;
@@ -143,13 +140,13 @@ impl VerletList {
         self.rounding = ROUNDING * size;
     }
 
-    /// True where the list, if it had room, serves for pairs closer than `radius` \[m\].
+    /// Returns true if the list, provided that it is not full, is valid for pairs closer than `radius` \[m\].
     fn serves(&self, radius: f64) -> bool {
         radius + 2.0 * self.moved + 4.0 * self.rounding <= self.reach
     }
 
-    /// Makes a new list for pairs closer than `radius` \[m\], where the old one has served and a new one pays: that
-    /// hangs on the square of the `speed` \[m/tick\] of the points.
+    /// Makes a new list for pairs closer than `radius` \[m\] if the old one is no longer valid and a new one pays. This
+    /// depends on the square of the `speed` \[m/tick\] of the points.
     #[inline(always)]
     pub fn renew(&mut self, radius: f64, speed: impl Fn(usize) -> f64) {
         let skin = self.skin * radius;
@@ -157,7 +154,7 @@ impl VerletList {
             return;
         }
         let fastest = (0..self.n).map(speed).fold(0.0, |a: f64, v| a.max(finite(v)));
-        // it lasts until the fastest has moved half the skin, and saves the test of all pairs in each tick
+        // a list lasts until the fastest point has moved half the skin, and saves testing all pairs in each tick
         let (pairs, grid) = (self.pairs(), GRID * self.n as f64);
         let (half, cost) = (0.5 * skin * pairs, WORTH * pairs.min(grid));
         if half * half >= cost * cost * fastest && 8.0 * self.rounding <= skin {
@@ -165,8 +162,8 @@ impl VerletList {
         }
     }
 
-    /// Calls `visit` for every pair that may be closer than `radius` \[m\], by rows and then by columns; more of them
-    /// are visited, so each must be measured. An infinite radius visits all.
+    /// Calls `visit` for every pair that may be closer than `radius` \[m\], by rows and then by columns. Some visited
+    /// pairs are farther apart, so the caller must measure each. An infinite radius visits all pairs.
     #[inline(always)]
     pub fn each(&self, radius: f64, mut visit: impl FnMut(usize, usize)) {
         let far = self.far(radius);
@@ -185,13 +182,13 @@ impl VerletList {
         }
     }
 
-    /// The square of the distance from which on a pair is certainly not closer than `radius`; no number where none is.
+    /// Returns the squared distance from which on a pair is not closer than `radius`; NaN for an infinite `radius`.
     fn far(&self, radius: f64) -> f64 {
         let far = radius + 4.0 * self.rounding;
         if far < f64::INFINITY { far * far } else { f64::NAN }
     }
 
-    /// Calls `visit` for every pair that is not `far`, by testing all of them.
+    /// Calls `visit` for every pair that is not `far`, by testing all pairs.
     #[inline(always)]
     fn all(&self, far: f64, mut visit: impl FnMut(usize, usize)) {
         let [x, y, z] = &self.at;
@@ -217,7 +214,6 @@ impl VerletList {
         }
     }
 
-    /// Lists the pairs within `reach`, by the grid or by testing all.
     #[inline(always)]
     fn list(&mut self, reach: f64, by_grid: bool) {
         self.reach = reach;
@@ -247,14 +243,13 @@ impl VerletList {
                 end += 1;
                 start[i + 1] = end as u32;
             });
-            // rows without a pair end where the one before them does
+            // a row without pairs ends where the row before it ends
             (0..self.rows).for_each(|i| start[i + 1] = start[i + 1].max(start[i]));
         }
         self.full = end > list.len();
         (self.list, self.start) = (list, start);
     }
 
-    /// Puts the columns into the cells of the grid, by counting.
     fn fill_grid(&mut self, inverse: f64) {
         let grid = Grid { bits: self.bits, inverse };
         self.head.fill(0);
@@ -268,7 +263,7 @@ impl VerletList {
             sum += *h;
             *h = sum;
         }
-        // filling moves each end to the beginning: afterwards the columns of cell c begin at head[c + 1]
+        // filling moves each end back to its start: afterwards the columns of cell c begin at head[c + 1]
         for (k, c) in self.cell.iter().enumerate().rev() {
             let end = &mut self.head[*c as usize + 1];
             *end -= 1;
@@ -276,7 +271,7 @@ impl VerletList {
         }
     }
 
-    /// Calls `visit` for the columns behind row `i` that are not `far` from it, cell by cell.
+    /// Calls `visit` for the columns after row `i` that are not `far` from it, cell by cell.
     #[inline(always)]
     fn around(&self, i: usize, inverse: f64, far: f64, mut visit: impl FnMut(usize)) {
         let grid = Grid { bits: self.bits, inverse };
@@ -304,7 +299,6 @@ struct Grid {
 }
 
 impl Grid {
-    /// The cube a point is in.
     #[inline(always)]
     fn cell(&self, at: &[Vec<f64>; 3], k: usize) -> [i64; 3] {
         [0, 1, 2].map(|a| {
@@ -314,14 +308,13 @@ impl Grid {
         })
     }
 
-    /// Its number.
     #[inline(always)]
     fn place(&self, cell: [i64; 3]) -> usize {
         let [i, j, k] = cell.map(|c| c as usize & ((1 << self.bits) - 1));
         i | j << self.bits | k << (2 * self.bits)
     }
 
-    /// The cubes around one and itself, by number: along the first axis three in a row, if it does not wrap there.
+    /// Returns the indices of a cube and its neighbours. Three along the first axis are one range, unless they wrap.
     #[inline(always)]
     fn around(&self, [i, j, k]: [i64; 3]) -> impl Iterator<Item = core::ops::Range<usize>> + use<> {
         let (bits, mask) = (self.bits, (1usize << self.bits) - 1);
@@ -341,7 +334,7 @@ impl Grid {
     }
 }
 
-/// What is not finite counts as infinite.
+/// Replaces a number that is not finite by infinity.
 #[inline(always)]
 fn finite(v: f64) -> f64 {
     if v < f64::INFINITY { v } else { f64::INFINITY }

@@ -1,12 +1,12 @@
-//! Words: FNV-1a over numbers of eight bytes, lowest byte first.
+//! FNV-1a hash of words of eight bytes, lowest byte first.
 //!
-//! Decides to step over bytes of 0, which only multiply: most words of a scene at load hold several, since masses are at
-//! rest and places are small. The hash is that of all bytes.
+//! Zero bytes only multiply the hash, so they are skipped in one product. Most words of a scene at load hold several,
+//! since masses are at rest and indices are small. The result is the same as hashing every byte.
 
 use core::hash::Hasher as _;
 use fnv::FnvHasher;
 
-/// The prime of FNV to the powers 0 to 8.
+/// Powers 0 to 8 of the FNV prime.
 const POWERS: [u64; 9] = {
     let mut all = [1_u64; 9];
     let mut i = 1;
@@ -17,7 +17,6 @@ const POWERS: [u64; 9] = {
     all
 };
 
-/// Adds a word to a hash.
 pub(crate) fn word(h: &mut FnvHasher, v: u64) {
     let zeros = |n: u32| (n / 8).min(8) as usize;
     let skip = |h: &FnvHasher, n: usize| {

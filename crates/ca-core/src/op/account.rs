@@ -1,9 +1,10 @@
-//! Account: what the links of a batch store and lose around a tick, for the ledger, a block of links at a time.
+//! Energy of the links of a batch around a tick, for the ledger: stored energy and heat, one block of links at a time.
 //!
-//! Decides that elongations, laws and sums are each a loop of their own over a block, so that all three run in vectors: link
-//! by link, through the pointers of a law, the ledger of a string took twenty times its tick. Sums are made by halves, which
-//! rounds less than one after the other and is the same for vectors of any width. A law whose method keeps its energy in
-//! memory is asked link by link, and so is one that measures in space: there the square roots are what takes time.
+//! Elongations, laws and sums are separate loops over a block, so that all three vectorise. Link by link, through the
+//! function pointers of a law, the ledger of a string took twenty times its tick. Sums run in eight lanes, which rounds
+//! less than one running sum and is the same for vectors of any width.
+//!
+//! Laws are called link by link if their method keeps the energy in memory, or if they measure in space.
 
 use super::layout::{Account, Layout, MeasureKind};
 use super::links::measure;
@@ -15,34 +16,33 @@ use crate::state::ledger::{BLOCK, Block, Room};
 use core::marker::PhantomData;
 use pulp::{Simd, WithSimd};
 
-/// Most coefficients of a link whose energies are kept by a method.
+/// Largest number of coefficients of a link whose energies a method computes.
 const COEFS: usize = 8;
 
-/// Sums side by side.
 pub(super) const LANES: usize = 8;
-/// Eight of them.
+/// Eight partial sums.
 pub type Lanes<O = f64> = [O; LANES];
 
-/// The energies of a law.
+/// Energy functions of a law.
 #[derive(Clone, Copy)]
 pub struct Energies<R: Real = f64> {
     /// see [`Phi::stored`]
     pub stored: Stored<R>,
     /// see [`Phi::lost`]
     pub lost: Lost<R>,
-    /// both for a block; none where a method keeps them by its own account
+    /// both for a block; none if the method keeps the energies
     block: Option<ByBlock<R>>,
 }
 
 type ByBlock<R = f64> = fn(&Links<R>, Elongations<R>, &mut [Block<R>; 2]);
 
 impl<R: Real> Energies<R> {
-    /// Those of a [`Phi`].
+    /// Makes the functions of a [`Phi`].
     pub const fn of<P: Phi<C, M> + 'static, const C: usize, const M: usize>() -> Energies<R> {
         Energies {
             stored: |c, mem, tables, e0, e1| P::stored(&numbers(c), &numbers(mem), tables, e0, e1),
             lost: |c, mem, tables, e| P::lost(&numbers(c), &numbers(mem), tables, e),
-            // a number and its derivatives fill a vector by themselves, so that blocks would gain nothing: link by link
+            // a dual number fills a vector by itself, so blocks would gain nothing
             block: if matches!(R::PRECISION, Precision::Dual) {
                 None
             } else {
@@ -53,13 +53,12 @@ impl<R: Real> Energies<R> {
         }
     }
 
-    /// Those a method keeps.
+    /// Makes the functions of a method that keeps its energies.
     pub(crate) const fn kept(stored: Stored<R>, lost: Lost<R>) -> Energies<R> {
         Energies { stored, lost, block: None }
     }
 }
 
-/// The first numbers of a slice.
 #[inline(always)]
 pub(crate) fn numbers<T: Copy + Default, const N: usize>(s: &[T]) -> [T; N] {
     s.first_chunk::<N>().copied().unwrap_or([T::default(); N])
@@ -71,20 +70,18 @@ pub struct Links<'a, R: Real> {
     layout: &'a Layout<R>,
     s: &'a State<R>,
     account: &'a Account<R>,
-    /// the first, and how many
+    /// first link, and number of links
     from: usize,
     n: usize,
 }
 
 impl<'a, R: Real> Links<'a, R> {
-    /// One column of their coefficients.
     #[inline(always)]
     fn column(&self, k: usize) -> &'a [R] {
         let a = self.account;
         &self.s.coef[a.coef + k * a.n + self.from..][..self.n]
     }
 
-    /// Their memory, one link after the other.
     #[inline(always)]
     fn memory(&self) -> &'a [R] {
         let a = self.account;
@@ -96,7 +93,6 @@ impl<'a, R: Real> Links<'a, R> {
     }
 }
 
-/// The energies of a block by a law, from elongations that were measured, or from the two ends of a row.
 struct ByLaw<'a, R: Real, P, const C: usize, const M: usize> {
     links: &'a Links<'a, R>,
     e: Elongations<'a, R>,
@@ -104,13 +100,12 @@ struct ByLaw<'a, R: Real, P, const C: usize, const M: usize> {
     law: PhantomData<P>,
 }
 
-/// Where elongations before, at and after the tick come from.
+/// Source of the elongations before, at and after the tick.
 #[derive(Clone, Copy)]
 pub enum Elongations<'a, R: Real> {
-    /// they were measured
+    /// measured before
     Measured(&'a [Block<R>; 3]),
-    /// of a row whose first link has these ends, from the motion into the tick: measured where they are used, which saves
-    /// to write and read them
+    /// computed where used, for a row whose first link has these ends, from the motion into the tick
     Row([usize; 2], &'a [R]),
 }
 
@@ -140,7 +135,6 @@ impl<R: Real, P: Phi<C, M>, const C: usize, const M: usize> WithSimd for ByLaw<'
     }
 }
 
-/// The law for each of some links.
 #[inline(always)]
 fn each<R: Real, P: Phi<C, M>, const C: usize, const M: usize>(
     tables: &[Table<R>],
@@ -154,7 +148,7 @@ fn each<R: Real, P: Phi<C, M>, const C: usize, const M: usize>(
     let (columns, lost) = (columns.map(|c| &c[..n]), &mut lost[..n]);
     for i in 0..n {
         let c = core::array::from_fn(|k| columns[k][i]);
-        // laws without memory must not carry a bounds check that keeps the loop from being vectorised
+        // laws without memory must avoid a bounds check, which would prevent vectorisation
         let mem = if M == 0 { [R::ZERO; M] } else { numbers(&memory[i * M..]) };
         let e = e(i);
         stored[i] = P::stored(&c, &mem, tables, e[1], e[2]);
@@ -162,43 +156,42 @@ fn each<R: Real, P: Phi<C, M>, const C: usize, const M: usize>(
     }
 }
 
-/// What is written for each link of an account: what it stores, what it has lost, and what the scheme made in it \[J\].
+/// Entries written for each link of an account: stored energy, heat, and energy made by the scheme \[J\].
 pub struct Entries<'a, R: Real> {
-    /// stored at the last tick; of linear links nobody asks for it
+    /// energy stored at the last tick; not used for linear links
     pub stored: &'a mut [R::Outer],
     /// heat so far
     pub lost: &'a mut [R::Outer],
-    /// made so far
+    /// energy made so far
     pub error: &'a mut [R::Outer],
 }
 
 /// Sums over links \[J\].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sums<R: Real = f64> {
-    /// stored
+    /// stored energy
     pub stored: R::Outer,
     /// heat of the tick
     pub heat: R::Outer,
-    /// made in the tick
+    /// energy made in the tick
     pub error: R::Outer,
 }
 
-/// Enters an account: `d0` is the motion into the tick; `tick` says whether a tick has passed, or only what is stored has
-/// changed.
+/// Enters an account. `tick` is true if a tick has passed, and false if only the stored energy has changed.
 pub struct Enter<'a, R: Real> {
-    /// what passes read
+    /// arrays that the passes read
     pub layout: &'a Layout<R>,
     /// the state after the tick
     pub s: &'a State<R>,
-    /// its motion before
+    /// motion into the tick
     pub d0: &'a [R],
-    /// which links
+    /// links to enter
     pub account: &'a Account<R>,
-    /// whether heat and work are entered too
+    /// whether to enter heat and work too
     pub tick: bool,
-    /// where it is written
+    /// destination
     pub entries: Entries<'a, R>,
-    /// numbers in passing
+    /// working memory
     pub room: &'a mut Room<R>,
 }
 
@@ -222,7 +215,7 @@ impl<R: Real> WithSimd for Enter<'_, R> {
             let n = BLOCK.min(end - from);
             let links = Links { layout, s, account, from, n };
             match (account.fns.energies.block, row) {
-                // the law is linear, so that it asks for no more
+                // a linear law needs no more than the elongations
                 (Some(block), Some(ends)) if account.linear => block(&links, Elongations::Row(ends, d0), out),
                 (block, _) => {
                     elongations(&links, d0, e, moved);
@@ -258,7 +251,6 @@ impl<R: Real> WithSimd for Enter<'_, R> {
     }
 }
 
-/// Link by link, by the functions of the law.
 fn one_by_one<R: Real>(links: &Links<R>, e: &[Block<R>; 3], [stored, lost]: &mut [Block<R>; 2]) {
     let a = links.account;
     let mut room = [R::ZERO; COEFS];
@@ -272,8 +264,7 @@ fn one_by_one<R: Real>(links: &Links<R>, e: &[Block<R>; 3], [stored, lost]: &mut
     }
 }
 
-/// Elongations of a block before, at and after the tick, and how far its ends `moved` along their force in the two ticks
-/// together.
+/// Computes elongations before, at and after the tick, and the motion of the ends along the force over both intervals.
 #[inline(always)]
 fn elongations<R: Real>(links: &Links<R>, d0: &[R], e: &mut [Block<R>; 3], moved: &mut Block<R>) {
     let Links { layout, s, account: a, from, n } = *links;
@@ -297,7 +288,6 @@ fn elongations<R: Real>(links: &Links<R>, d0: &[R], e: &mut [Block<R>; 3], moved
     }
 }
 
-/// The same of links that measure in space or at two ports.
 #[inline(always)]
 fn measured<R: Real>(links: &Links<R>, d0: &[R], e: &mut [Block<R>; 3], moved: &mut Block<R>) {
     let Links { layout, account: a, from, n, .. } = *links;
@@ -313,7 +303,7 @@ fn measured<R: Real>(links: &Links<R>, d0: &[R], e: &mut [Block<R>; 3], moved: &
     }
 }
 
-/// Adds what one port of each link measures: the measure, all ends, the first of its own, the first of its reach.
+/// Adds one port of each link. The tuple is its kind, all ends, its first end and its first entry of `reach`.
 #[inline(always)]
 fn port<R: Real>(
     links: &Links<R>,
@@ -327,7 +317,7 @@ fn port<R: Real>(
     let (ends, none) = (&ends[first + from..][..n], [[R::ZERO; 4]; BLOCK]);
     let reach = if kind == MeasureKind::Line { &none[..n] } else { &layout.links.reach[reach + from..][..n] };
     let [before, at, after] = e.each_mut().map(|e| &mut e[..n]);
-    // a loop for each, so that none asks which it is; a closure would not be compiled for the vectors of the machine
+    // one loop per measure, without a branch inside; a closure would not be compiled for the vectors of the machine
     macro_rules! each {
         ($kind:expr) => {
             for i in 0..n {
@@ -346,7 +336,7 @@ fn port<R: Real>(
     }
 }
 
-/// Adds numbers to eight sums side by side, so that the total is the same whatever the width of a vector.
+/// Adds numbers to eight partial sums, so that the total does not depend on the width of a vector.
 #[inline(always)]
 pub(crate) fn add<R: Real>(lanes: &mut Lanes<R::Outer>, all: &[R]) {
     let mut sums = *lanes;

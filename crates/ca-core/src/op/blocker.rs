@@ -1,8 +1,7 @@
-//! Outputs without their steady part: a one-pole high pass, y ← r·y + g·(v − v′).
+//! Outputs without their constant part: a one-pole high-pass, y ← r·y + g·(v − v′).
 //!
-//! Decides on the bilinear one: −3 dB exactly at the cut-off and 0 dB at half the sound rate. It stands on the output
-//! and not on the channel, since several outputs of different cut-off may share one; and that what is heard at load
-//! has always been there, so that a spring under tension makes no thump.
+//! It is bilinear: exactly −3 dB at the cut-off and 0 dB at half the sound rate. Each output has its own, since outputs
+//! with different cut-offs may share a channel. It starts settled, so a spring under tension makes no thump.
 
 use super::Op;
 use super::pass::Heard;
@@ -10,7 +9,7 @@ use crate::numeric::Real;
 use crate::op::layout::{DcBlocker, Layout, Tap};
 use crate::state::State;
 
-/// Adds the outputs from `op.first` on, each through its high pass.
+/// Adds the outputs from `op.first` on, each through its high-pass.
 pub fn blocker<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for (k, (o, c)) in layout.out.outputs[op.first..].iter().zip(&layout.out.blockers[..op.n]).enumerate() {
         let v = s.coef[op.coef + k] * Heard::of(s).by(o);
@@ -19,7 +18,7 @@ pub fn blocker<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     }
 }
 
-/// The last outputs, from `op.first` on: they hear motion.
+/// Adds the last outputs, from `op.first` on, which are outputs of motion.
 pub fn of_motion<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let before = layout.out.blockers.len() - op.n;
     for (k, (o, c)) in layout.out.outputs[op.first..].iter().zip(&layout.out.blockers[before..]).enumerate() {
@@ -30,7 +29,6 @@ pub fn of_motion<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     }
 }
 
-/// What a high pass makes of `v`.
 #[inline(always)]
 fn step<R: Real>(c: DcBlocker<R>, kept: &mut [R; 2], tick: u64, v: R) -> R {
     let [before, y] = if tick == 0 { [v, R::ZERO] } else { *kept };

@@ -1,8 +1,8 @@
-//! Numbers of the model that a port drives, such as the pressure of a bow.
+//! Model parameters driven by a port, such as the pressure of a bow.
 //!
-//! Decides that the tick looks up coefficients in a table, which the compiler made by the functions that [`Controls`](crate::live::Controls)
-//! uses: laws are written for a compiler, and derive coefficients by roots and generators that no tick has time for. A port is looked at
-//! once a gesture frame, and coefficients go to what it says in a straight line over the frame, as those of a live parameter do.
+//! The tick interpolates coefficients in a table, which the compiler made with the functions of
+//! [`Controls`](crate::live::Controls); the roots and generators of laws are too slow for a tick. A port is read once
+//! per gesture frame, and coefficients ramp over the frame, like those of a live parameter.
 
 use super::Op;
 use crate::numeric::Real;
@@ -12,12 +12,12 @@ use crate::state::State;
 
 pub use crate::op::layout::Driven;
 
-/// Turns what ports drive, at the first tick of a gesture frame. A port that is not finite drives nothing.
+/// Starts the ramps at the first tick of a gesture frame. A port value that is not finite has no effect.
 pub fn drive<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     if phase(layout.rates.frame, s.tick) > 1 {
         return;
     }
-    // at once where nothing has sounded yet
+    // in one tick at the start, before anything has sounded
     let ticks = if s.tick == 0 { 1 } else { layout.rates.frame };
     for d in &layout.ports.driven {
         let [from, to] = d.span;

@@ -1,9 +1,11 @@
-//! The energy ledger: what is stored, lost and received, and the error of the scheme, per module, every tick.
+//! The energy ledger: energy stored, lost and received, and the error of the scheme, per module, every tick.
 //!
-//! Decides to keep the exact discrete identity of the scheme (docs/numerics.md §2) rather than an estimate: for linear
-//! modules the ledgers balance to rounding, so the residual is a test of the engine; for any other link the difference
-//! is its own account, which names the module that makes energy. Sample n is entered when x_{n+1} is known of ports too,
-//! that is at the beginning of tick n+1, before changes. A scene that does not ask has no pass, array or test of this.
+//! The ledger follows the exact discrete identity of the scheme (docs/numerics.md §2); it is not an estimate. For
+//! linear modules it balances to rounding, so the residual tests the engine. For any other link the difference goes to
+//! a separate account, which names the module that makes energy.
+//!
+//! Sample n is entered at the beginning of tick n+1, before changes, when x_{n+1} of the ports is known too. A scene
+//! without a ledger contains none of these passes and arrays, and does not test for them.
 
 use super::account::{Enter, Entries, LANES, Lanes, Sums};
 use super::layout::{Account, Layout, MovingPoint};
@@ -16,7 +18,7 @@ use crate::state::State;
 use crate::state::ledger::{Exchange, Ledger};
 use pulp::{Simd, WithSimd};
 
-/// An empty ledger for a layout.
+/// Returns an empty ledger for a layout.
 pub fn empty_ledger<R: Real>(layout: &Layout<R>) -> Ledger<R> {
     let Counts { n_mat, n_lia, .. } = layout.counts;
     let (points, tgr) = (layout.places.moving_points.len(), layout.ports.tgr.len());
@@ -42,11 +44,10 @@ pub fn empty_ledger<R: Real>(layout: &Layout<R>) -> Ledger<R> {
 struct MatEnergy<R: Real = f64> {
     kinetic: R::Outer,
     stored: R::Outer,
-    /// heat of that tick
+    /// heat of the last tick
     heat: R::Outer,
 }
 
-/// MATs, a block of them at a time.
 struct Mats<'a, R: Real> {
     layout: &'a Layout<R>,
     s: &'a State<R>,
@@ -60,7 +61,7 @@ impl<R: Real> WithSimd for Mats<'_, R> {
     fn with_simd<S: Simd>(self, _: S) -> MatEnergy<R> {
         let Mats { layout, s, d0, mass } = self;
         let n = layout.counts.n_mat;
-        // eight sums of each side by side, as [`super::account::add`] has them, without writing what is summed
+        // eight partial sums each, as in [`super::account::add`], without storing the summands
         let mut sums = [Lanes::<R::Outer>::default(); 3];
         let of = |x: R, d: R, d0: R, p: R, q: R, m: R::Outer| {
             let [x, d, d0, p, q] = [x, d, d0, p, q].map(R::outer);
@@ -93,16 +94,14 @@ impl<R: Real> WithSimd for Mats<'_, R> {
     }
 }
 
-/// Masses from the coefficients of the MATs.
 fn weigh<R: Real>(layout: &Layout<R>, s: &State<R>, mass: &mut [R::Outer]) {
     for (m, c) in mass.iter_mut().zip(&s.coef[2 * layout.counts.n_mat..]) {
         *m = if *c == R::ZERO { R::Outer::ZERO } else { R::Outer::of(1.0) / c.outer() };
     }
-    // what is a sum of modes has its inertia in these
+    // the inertia of a modal mass is in its modes
     layout.places.solved_modal.iter().for_each(|h| mass[h.mat as usize] = R::Outer::ZERO);
 }
 
-/// Energy of the MATs, and of weight.
 fn mats<R: Real>(layout: &Layout<R>, s: &State<R>, d0: &[R], mass: &[R::Outer]) -> MatEnergy<R> {
     let mut all = vectors(layout, Mats { layout, s, d0, mass });
     let weight = layout.ledger.as_ref().map_or(0, |l| l.weight);
@@ -113,8 +112,7 @@ fn mats<R: Real>(layout: &Layout<R>, s: &State<R>, d0: &[R], mass: &[R::Outer]) 
     all
 }
 
-/// Enters what the links of a batch hold; where a `tick` has passed, their heat and what they made too. `d0` is the motion
-/// into it.
+/// Enters the energy of the links of a batch, and after a `tick` their heat and the energy they made.
 fn links<R: Real>(
     layout: &Layout<R>,
     s: &State<R>,
@@ -129,7 +127,6 @@ fn links<R: Real>(
         let (entries, room) = (Entries { stored, lost, error }, &mut *l.room);
         return vectors(layout, Enter { layout, s, d0, account, tick, entries, room });
     };
-    // a set is one module
     let Entry { stored: now, heat, work } = set(layout, s, &mut near[at], d0, account, at);
     let [heat, made] = if tick { [heat, now - stored[0] + work + heat] } else { [R::Outer::ZERO; 2] };
     stored[0] = now;
@@ -138,7 +135,6 @@ fn links<R: Real>(
     Sums { stored: now, heat, error: made }
 }
 
-/// Enters all links.
 fn all_links<R: Real>(
     layout: &Layout<R>,
     s: &State<R>,
@@ -158,14 +154,14 @@ fn all_links<R: Real>(
     all
 }
 
-/// What a set holds after the tick being entered, its heat in that tick, and the work of its force on its members.
+/// Stored energy of a set after a tick, its heat in the tick, and the work of its forces on its members.
 struct Entry<R: Real = f64> {
     stored: R::Outer,
     heat: R::Outer,
     work: R::Outer,
 }
 
-/// All pairs of a set together; its work is that of what it did to each of its members.
+/// Computes all pairs of a set together. Their work is the sum over the forces on the members.
 fn set<R: Real>(
     layout: &Layout<R>,
     s: &State<R>,
@@ -187,7 +183,7 @@ fn set<R: Real>(
     Entry { stored, heat, work }
 }
 
-/// What everything holds at load.
+/// Enters the energy at load and returns it.
 fn load<R: Real>(layout: &Layout<R>, s: &State<R>, near: &mut [VerletList], l: &mut Ledger<R>) -> R::Outer {
     weigh(layout, s, &mut l.mass);
     let MatEnergy { kinetic, stored, .. } = mats(layout, s, &s.d, &l.mass);
@@ -195,7 +191,7 @@ fn load<R: Real>(layout: &Layout<R>, s: &State<R>, near: &mut [VerletList], l: &
     l.stored_mats + wave::energy(layout, s, &s.d).0 + all_links(layout, s, near, &s.d, l, false).stored
 }
 
-/// What changes brought in: only what may change is looked at again.
+/// Returns the energy that changes added. It computes only modules that may change.
 fn changes<R: Real>(layout: &Layout<R>, s: &State<R>, near: &mut [VerletList], l: &mut Ledger<R>) -> R::Outer {
     let Some(plan) = &layout.ledger else { return R::Outer::ZERO };
     let mut came = R::Outer::ZERO;
@@ -213,7 +209,7 @@ fn changes<R: Real>(layout: &Layout<R>, s: &State<R>, near: &mut [VerletList], l
     came
 }
 
-/// Records the tick that has just been completed by reading the inputs of the next.
+/// Enters the tick that has just been completed by reading the inputs of the next.
 pub fn ledger<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some(mut l) = s.ledger.take() else { return };
     let mut near = core::mem::take(&mut s.links.near);
@@ -251,7 +247,7 @@ pub fn ledger<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         work += w;
         l.crossed += w;
         if s.tick == 1 {
-            // what came with the motion into the pose of load is held at load
+            // the part of this work before the pose of load belongs to the energy at load
             let before: R::Outer = each.map(|(p, b)| R::Outer::of(-b.force * 0.5) * l.d0[p.at as usize].outer()).sum();
             l.crossed -= before;
             l.h0 += before;
@@ -276,7 +272,7 @@ pub fn ledger<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     l.heat += lost.wide().abs();
     l.net_heat += lost.wide();
     l.made += of_links.error.wide();
-    // the energy of motion may come from a potential that is as negative
+    // kinetic energy may come from an equally negative potential
     let [h, kinetic] = [h.wide(), kinetic.wide()];
     l.extremes.peak = l.extremes.peak.max(h.abs().max(kinetic) + l.heat);
     l.extremes.received = l.extremes.received.max(h.max(kinetic) + l.net_heat - l.made - l.groups.border.wide());
@@ -284,7 +280,7 @@ pub fn ledger<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     s.ledger = Some(l);
 }
 
-/// After changes of parameters or of moving points: what they brought in. Where neither moved in this tick, nothing.
+/// Enters the energy added by changes of parameters or of moving points. Does nothing if neither moved in this tick.
 pub fn ledger_changes<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let at = |p: &MovingPoint| [&s.x, &s.d].map(|v| v[p.mat as usize]);
     let moved = |l: &Ledger<R>| l.turning || !layout.places.moving_points.iter().map(at).eq(l.points.iter().copied());
@@ -300,7 +296,7 @@ pub fn ledger_changes<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>
     s.ledger = Some(l);
 }
 
-/// At the end of the forces: keeps what the next tick overwrites.
+/// Stores what the next tick overwrites, at the end of the forces.
 pub fn keep<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some(l) = &mut s.ledger else { return };
     l.d0.copy_from_slice(&s.d);

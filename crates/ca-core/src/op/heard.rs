@@ -1,17 +1,17 @@
-//! Heard: forces of links that a fused pass sums and keeps nowhere, computed once more for the outputs that hear them.
+//! Forces of links in fused passes, computed again for the outputs that read them.
 //!
-//! Decides so because a mesh of a thousand links is heard at a few: to keep all of its forces for these would cost more than
-//! these do. The bits are those of the pass, which has not moved anything yet.
+//! Outputs read only a few links of a mesh of a thousand, and storing all forces would cost more than computing these
+//! again. The bits are those of the fused pass, since nothing has moved yet.
 
 use super::Op;
 use crate::numeric::Real;
 use crate::op::layout::Layout;
 use crate::state::State;
 
-/// Most coefficients of a link that may be fused.
+/// Largest number of coefficients of a link that may be fused.
 pub const COEFS: usize = 8;
 
-/// Leaves the forces of the first `op.n` of [`OutputArrays::heard`](crate::op::layout::OutputArrays::heard) in [`LinkState::tap`](crate::state::LinkState::tap).
+/// Writes the forces of the first `op.n` of `OutputArrays::heard` to [`LinkState::tap`](crate::state::LinkState::tap).
 pub fn heard<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let (x, d) = (&s.x[..], &s.d[..]);
     for h in &layout.out.heard[..op.n] {

@@ -1,17 +1,16 @@
 //! A law as data, and its functions in a tick.
 //!
-//! The compiler and a tick have a record each of a law: that of the tick is made anew for each number that a
-//! scene is bound to.
+//! The compiler and the tick have separate records of a law; each number type has its own record of the tick.
 
 use super::{Energies, Form, Kernel};
 use crate::law::{Bound, Force, Idle, Start, Steepest};
 use crate::numeric::{Real, Table};
 use alloc::vec::Vec;
 
-/// The functions of a law that the compiler calls.
+/// Functions of a law that the compiler calls.
 #[derive(Clone, Copy)]
 pub struct LoadFns {
-    /// see [`Phi::coefs`](crate::law::Phi::coefs); `out` has [`Law::coefs`] places
+    /// see [`Phi::coefs`](crate::law::Phi::coefs); `out` holds [`Law::coefs`] numbers
     pub load: fn(p: &[Option<f64>], tick_dt: f64, out: &mut [f64]),
     /// see [`Phi::bound`](crate::law::Phi::bound)
     pub bound: fn(c: &[f64], tables: &[Table]) -> Bound,
@@ -19,17 +18,17 @@ pub struct LoadFns {
     pub steepest: Steepest,
 }
 
-/// The cheaper laws that run in place of one, for some of its parameters.
+/// Cheaper laws that replace a law for some of its parameters.
 #[derive(Clone, Copy)]
 pub struct Cheaper {
-    /// a cheaper law for these parameters (`None` marks one that may change while playing), if there is one
+    /// returns a cheaper law for these parameters, if there is one
     pub simpler: fn(p: &[ParamBinding]) -> Option<&'static Law>,
     /// all laws that [`Cheaper::simpler`] may return
     pub variants: &'static [&'static Law],
 }
 
-/// A law as data: what the compiler asks of it. Its functions in the tick are [`LawFns`].
-// answers to as many questions, any of which may be yes
+/// A law as data for the compiler. Its functions in the tick are [`LawFns`].
+// independent flags
 #[allow(clippy::struct_excessive_bools)]
 #[derive(Clone, Copy)]
 pub struct Law {
@@ -47,43 +46,42 @@ pub struct Law {
     pub contact: bool,
     /// when its force is computed
     pub stage: SolveStage,
-    /// true where part of its force comes from the time to come, for all such links at once
+    /// true if part of its force depends on the next positions, solved for all such links at once
     pub implicit: bool,
-    /// what the compiler calls
+    /// functions that the compiler calls
     pub at_load: LoadFns,
     /// cheaper laws for some parameters
     pub cheaper: Cheaper,
-    /// a table the law needs whatever its parameters; its number is handed over after the last parameter
+    /// table that the law needs for any parameters; its index is passed after the last parameter
     pub table: Option<fn() -> Table>,
     /// its functions over `f64`
     pub fns: LawFns,
 }
 
 impl Cheaper {
-    /// There are none.
+    /// No cheaper laws.
     pub const NONE: Cheaper = Cheaper { simpler: |_| None, variants: &[] };
 }
 
-/// The functions of a law in a tick over `R`. Those over `f64` are made in the crate of the law, others by [`Laws`] in the crate
-/// that binds a scene to `R`.
+/// Functions of a law in a tick over `R`: over `f64` from the crate of the law, otherwise from [`Laws`].
 #[derive(Clone, Copy)]
 pub struct LawFns<R: Real = f64> {
     /// see [`Phi::start`](crate::law::Phi::start)
     pub start: Start<R>,
     /// see [`Phi::force`](crate::law::Phi::force)
     pub force: Force<R>,
-    /// what it stores and loses
+    /// energy stored and lost
     pub energies: Energies<R>,
     /// see [`Phi::idle`](crate::law::Phi::idle)
     pub idle: Idle<R>,
-    /// the pass for one form of the law
+    /// returns the pass for one form of the law
     pub kernel: fn(Form) -> Kernel<R>,
 }
 
-/// The functions of a law over `R`, behind its code.
+/// Code of a law with its functions over `R`.
 pub type LawEntry<R> = (&'static str, LawFns<R>);
 
-/// The functions of laws over `R`, by the code of the law.
+/// Functions of laws over `R`, found by the code of the law.
 #[derive(Clone, Default)]
 pub struct Laws<R: Real> {
     all: Vec<LawEntry<R>>,
@@ -97,66 +95,65 @@ impl<R: Real> Laws<R> {
         self
     }
 
-    /// The functions of a law.
+    /// Returns the functions of a law.
     pub fn get(&self, law: &Law) -> Option<LawFns<R>> {
         self.all.iter().find(|(code, _)| *code == law.code).map(|(_, fns)| *fns)
     }
 }
 
-/// When the force of a law is computed among the forces of a tick.
+/// Stage of a tick at which the force of a law is computed.
 #[derive(Clone, Copy)]
 pub enum SolveStage {
-    /// from what is known at its beginning
+    /// with the other forces, from values known at the beginning of the tick
     Explicit,
-    /// after all forces of stage `Explicit`, from the motion they would cause: on a line, where no other link of a later stage
-    /// moves the same place. Elsewhere one of these laws runs instead
+    /// after all `Explicit` forces, from the motion they would cause. This holds on a line, where no other link of a
+    /// later stage moves the same MAT; elsewhere one of these laws runs instead
     Single(Together),
-    /// after all others, collected link by link and then computed at once by [`Pass::Contacts`](super::Pass::Contacts); of a discrete
-    /// gradient, the law that takes its place at masses that go by their modes
+    /// last, collected and solved at once by [`Pass::Contacts`](super::Pass::Contacts); holds the law for modal masses
     Coupled(Option<&'static Law>),
 }
 
-/// The laws that run where a link of [`SolveStage::Single`] may not act alone.
+/// Laws that replace a [`SolveStage::Single`] law where it cannot act alone.
 #[derive(Clone, Copy)]
 pub struct Together {
-    /// on a line and along a direction; none where the law may not share a mass
+    /// law on a line and along a direction; none if the law may not share a mass
     pub line: Option<&'static Law>,
-    /// in space, and everywhere until arithmetic 5; none where the method is for lines alone
+    /// law in space, and everywhere in takes up to arithmetic 5; none if the method only works on lines
     pub space: Option<&'static Law>,
 }
 
 impl Together {
-    /// One law for both.
+    /// Makes both the same law.
     pub const fn same(law: &'static Law) -> Together {
         Together { line: Some(law), space: Some(law) }
     }
 }
 
 impl SolveStage {
-    /// True where the force does not depend on the motion that others would cause.
+    /// Returns true if the force does not depend on the motion that other forces would cause.
     pub const fn is_explicit(&self) -> bool {
         matches!(self, SolveStage::Explicit)
     }
 }
 
-/// The value of a parameter, as far as it is known when a law is specialised.
+/// What is known of a parameter when a law is specialised.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ParamBinding {
-    /// not written
+    /// not specified
     Absent,
-    /// this value, for good
+    /// fixed at this value
     At(f64),
-    /// may change while playing
+    /// may change while the scene plays
     Live,
 }
 
 impl ParamBinding {
-    /// True where the parameter is nothing and stays so.
+    /// Returns true if the parameter is absent or fixed at zero.
     pub fn is_zero(self) -> bool {
         matches!(self, ParamBinding::Absent | ParamBinding::At(0.0))
     }
 
-    /// The value, if it is one for good.
+    /// Returns the value if it is fixed.
     pub fn number(self) -> Option<f64> {
         if let ParamBinding::At(v) = self { Some(v) } else { None }
     }

@@ -1,8 +1,8 @@
-//! The low-pass of the sound channels: a linear-phase FIR.
+//! Low-pass of the sound channels: a linear-phase FIR.
 //!
-//! Decides on the direct form over a past written twice, so that the window is one slice without a wrap, and on the
-//! symmetry of the coefficients, which halves the products. The sound comes out (n−1)/2 ticks late, whatever its
-//! frequency; probes are not filtered. Ticks between samples only leave their mark in the past.
+//! It is the direct form over a past that is stored twice, so that the window is one slice without a wrap. The symmetry
+//! of the coefficients halves the products. The sound is (n−1)/2 ticks late at every frequency; probes are not
+//! filtered. Ticks between samples only write to the past.
 
 use super::Op;
 use crate::numeric::Real;
@@ -25,7 +25,7 @@ pub fn lowpass<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     }
 }
 
-/// Keeps what every sound channel gives at a tick that is no sample.
+/// Stores the value of every sound channel at a tick between samples.
 pub fn remember<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some((_, sides)) = layout.out.lowpass.split_last() else { return };
     let n = 2 * sides.len() + 1;

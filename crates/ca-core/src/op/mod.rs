@@ -1,8 +1,8 @@
-//! Op: one homogeneous pass over many modules.
+//! Passes: each [`Op`] is one homogeneous pass over many modules.
 //!
-//! A compiled layout is a flat list of records, each with a plain function that was chosen once, at load
-//! (the law, the form, with or without offsets and taps). [`Pass`] and the law say which function that is, so that a scene can be
-//! bound to another number. The law of links has their kernels, also a law of another crate (LPR).
+//! A compiled layout is a flat list of records. Each holds a plain function that was chosen once, at load, by the law,
+//! its form, and whether it has offsets and taps. [`Pass`] and the law identify that function, so that a scene can be
+//! bound to another number type. The law of a batch of links holds their kernels, also for laws of another crate (LPR).
 
 use crate::numeric::Real;
 use crate::state::State;
@@ -28,151 +28,151 @@ pub use layout::{MeasureKind, Ports, Way};
 pub use links::law::{family, loaded, started};
 pub use wide::Vectors;
 
-/// One pass, run once per tick.
+/// The function of one pass. A tick runs each pass once.
 pub type Kernel<R = f64> = fn(&Op<R>, &Layout<R>, &mut State<R>);
 
-/// Whether a run of links integrates the masses of its row too.
+/// Masses that a run of links integrates in the same pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Integrate {
-    /// it adds to their forces
+    /// no: it only adds forces
     #[default]
     No,
-    /// masses that only have inertia
+    /// yes: masses with inertia only
     Mas,
-    /// masses with springs and dampers of their own
+    /// yes: masses with their own springs and dampers
     Cel,
 }
 
-/// Whether one end of all links of a batch is the same place.
+/// End that all links of a batch share.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Hub {
-    /// it is not
+    /// no
     #[default]
     None,
-    /// the first
+    /// they share the first end
     First,
-    /// the second
+    /// they share the second end
     Second,
 }
 
-/// What a folded row does with the links across it: those of a mesh, between a mass and that as many places further.
+/// Treatment of the links across a folded row, which join masses of a mesh a fixed number of slots apart.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Band {
     /// there are none
     #[default]
     None,
-    /// so many places further; those links are the batch that follows, and run in this pass
+    /// the links across join masses this many slots apart; they are the next batch and run in this pass
     Along(usize),
-    /// it is those links, and runs in the pass of the batch before
+    /// the batch is the links across, which run in the pass of the batch before
     Across,
 }
 
-/// How a batch of links is laid out; chooses the kernel.
-// answers to as many questions, any of which may be yes
+/// Layout of a batch of links, which determines the kernel.
+// independent flags
 #[allow(clippy::struct_excessive_bools)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Form {
-    /// 0: any MATs; else link i joins `mat + i` and `mat + i + stride`
+    /// 0: any MATs; otherwise link i joins `mat + i` and `mat + i + stride`
     pub stride: usize,
-    /// only for laws in vectors: links join one place to places that follow each other
+    /// links join one MAT to consecutive ones; only for laws in vectors
     pub hub: Hub,
-    /// some link of the batch has e₀ ≠ 0
+    /// true if some link of the batch has e₀ ≠ 0
     pub offset: bool,
-    /// the force of each link is kept in [`LinkState::tap`](crate::state::LinkState::tap)
+    /// true if the force of each link is stored in [`LinkState::tap`](crate::state::LinkState::tap)
     pub tap: bool,
-    /// how the first port measures
+    /// measure of the first port
     pub measure: MeasureKind,
-    /// how the second port measures, for quadripoles
+    /// measure of the second port, for quadripoles
     pub onto: Option<MeasureKind>,
-    /// some link of a batch that measures distances has a softening length
+    /// true if some link of a batch that measures distances has a softening length
     pub soften: bool,
-    /// all pairs of two sets are one module; only for contacts without memory
+    /// true if all pairs of two sets are one module; only for contacts without memory
     pub set: bool,
-    /// only for runs of linear laws without memory
+    /// integration; only for runs of linear laws without memory
     pub integrate: Integrate,
-    /// only for runs that integrate, of laws in vectors: masses and links stand in the order of [`Fold`](crate::state::Fold)
+    /// true for the order of [`Fold`](crate::state::Fold); only for runs that integrate, of laws in vectors
     pub folded: bool,
-    /// only for those: what links across the row do
+    /// links across the row; only for folded rows
     pub band: Band,
 }
 
-/// The work of a pass.
+/// The task of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Pass {
-    /// the law of its links
+    /// links, by their law
     Links,
     /// position ports
     Enx,
-    /// device ports: how their position comes in, and whether late
+    /// device ports: how their position enters, and whether late
     DevicesIn(Way, bool),
     /// ports that run a tick late
     Ahead,
-    /// positions of masses that go by their modes
+    /// positions of modal masses
     ModalPorts,
-    /// parameters that ports drive
+    /// parameters driven by ports
     Driven,
     /// positions of moving points
     Points,
-    /// the energy ledger of the tick before
+    /// energy ledger of the tick before
     Ledger,
-    /// coefficients on their way
+    /// ramps of coefficients
     Changes,
     /// cells under moving points
     Aim,
-    /// the energy ledger after changes
+    /// energy ledger after changes
     LedgerOfChanges,
-    /// force ports; `counted` where refused inputs are counted
+    /// force ports; refused inputs are counted if `counted`
     Enf {
         /// see above
         counted: bool,
     },
     /// weight
     Weight,
-    /// waves that arrive
+    /// arriving waves
     WavesIn,
     /// forces on moving points
     PointsBack,
-    /// forces on masses that go by their modes
+    /// forces on modal masses, passed on to their modes
     Modes,
-    /// implicit links, as one system
+    /// implicit links solved as one system
     Implicit,
     /// implicit links that share no mass
     ImplicitPairs,
-    /// before links that count on the motion to come, at masses that go by their modes
+    /// before links that are solved with the coming motion: represents the free motion of modal masses by a force
     ModesAhead,
-    /// contacts that are solved together; `modes` where masses of one group are coupled
+    /// contacts solved together; with `modes`, masses of one group are coupled through their modes
     Contacts {
         /// see above
         modes: bool,
     },
-    /// behind them
+    /// after these links: passes their forces on modal masses on to the modes
     ModesAgain,
-    /// sends no force to devices
+    /// without force feedback: keeps the forces on devices for the ledger only
     Mute,
     /// forces on device ports
     DevicesOut(Way),
-    /// the energy ledger of the border
+    /// energy ledger of the border
     LedgerOfBorder(Way),
-    /// keeps what the ledger reads in the next tick
+    /// stores what the ledger reads in the next tick
     LedgerOfForces,
     /// groups at the gesture rate
     Group {
         /// whether their border is compensated
         compensated: bool,
     },
-    /// forces on them
+    /// forces on groups at the gesture rate
     GroupOut {
         /// whether their border is compensated
         compensated: bool,
     },
-    /// forces of links of fused passes that are heard
+    /// forces of links in fused passes that outputs read
     HeardLinks,
-    /// outputs one by one
+    /// outputs, one after the other
     Outputs,
     /// outputs summed in lanes
     ManyOutputs,
@@ -180,41 +180,41 @@ pub enum Pass {
     Positions,
     /// outputs of motion
     Motions,
-    /// outputs with a high pass
+    /// outputs with a high-pass
     HighPass,
-    /// outputs of motion with a high pass
+    /// outputs of motion with a high-pass
     HighPassOfMotion,
-    /// the low pass of the channels
+    /// low-pass of the channels
     LowPass,
-    /// its past, at a tick between two samples
+    /// past of the low-pass, at a tick between two samples
     Remember,
-    /// integrates masses that only have inertia
+    /// integration of masses with inertia only
     IntegrateFree,
-    /// integrates masses that have a spring and a damper to the ground
+    /// integration of masses with a spring and a damper to ground
     IntegrateFull,
-    /// waves that leave
+    /// departing waves
     WavesOut,
-    /// clears denormal numbers
+    /// clearing of tiny numbers
     Flush,
-    /// a drift of `pefrl`
+    /// drift of `pefrl`
     Drift,
-    /// a kick of `pefrl`
+    /// kick of `pefrl`
     Kick {
-        /// with springs of cells
+        /// whether cells have springs
         own: bool,
     },
-    /// inputs of a sample with several ticks
+    /// inputs, if a sample has several ticks
     Inputs,
-    /// the ticks between two samples
+    /// ticks between two samples
     Between,
-    /// from here on the state counts ticks
+    /// switches the state to counting ticks
     ToTicks,
-    /// from here on the state counts samples
+    /// switches the state to counting samples
     ToSamples,
 }
 
 impl Pass {
-    /// Its name in the schedule; for links, the name of their law.
+    /// Returns the name in the schedule. Passes of links have the name of their law.
     pub fn name(self) -> &'static str {
         match self {
             Pass::Links => "links",
@@ -264,48 +264,48 @@ impl Pass {
     }
 }
 
-/// A pass and where its modules stand.
+/// A pass, and where its modules are stored.
 #[derive(Clone, Copy)]
 pub struct Op<R: Real = f64> {
-    /// what to run
+    /// function to run
     pub kernel: Kernel<R>,
-    /// which kernel that is
+    /// which function it is
     pub pass: Pass,
-    /// the law, for links
+    /// law, for links
     pub law: Option<&'static Law>,
-    /// its functions over the number of the tick
+    /// functions of the law over the number type of the tick
     pub fns: Option<LawFns<R>>,
-    /// layout of a batch of links
+    /// form of a batch of links
     pub form: Form,
-    /// where the numbers of its ports stand
+    /// ports of the links
     pub ports: Ports,
-    /// number of modules, and of places in a row that no link takes
+    /// number of modules, including the padding of a row
     pub n: usize,
-    /// first link in [`LinkArrays::ends`](layout::LinkArrays::ends), or first entry of whatever list the pass reads
+    /// first link in [`LinkArrays::ends`](layout::LinkArrays::ends), or first entry of another list that the pass reads
     pub first: usize,
     /// first MAT
     pub mat: usize,
     /// first coefficient in [`State::coef`]; coefficient s of link i is at `coef + s·n + i`
     pub coef: usize,
-    /// first number in [`LinkState::mem`](crate::state::LinkState::mem); link i has its own from `mem + i·M` on
+    /// first number in [`LinkState::mem`](crate::state::LinkState::mem); the memory of link i starts at `mem + i·M`
     pub mem: usize,
     /// first index into [`LinkState::tap`](crate::state::LinkState::tap)
     pub tap: usize,
 }
 
 impl<R: Real> Op<R> {
-    /// A pass without links, which has the `kernel` of `pass`.
+    /// Makes a pass without links that runs the `kernel` of `pass`.
     pub fn new(pass: Pass, kernel: Kernel<R>, n: usize) -> Op<R> {
         let (form, ports) = (Form::default(), Ports::default());
         Op { kernel, pass, law: None, fns: None, form, ports, n, first: 0, mat: 0, coef: 0, mem: 0, tap: 0 }
     }
 
-    /// Its name for people: the code of a law, or [`Pass::name`].
+    /// Returns the name for display: the code of a law, or [`Pass::name`].
     pub fn name(&self) -> &'static str {
         self.law.map_or(self.pass.name(), |law| law.code)
     }
 
-    /// A batch of `n` links of a law, whose functions over `R` are `fns`.
+    /// Makes a batch of `n` links of a law, whose functions over `R` are `fns`.
     pub fn links(law: &'static Law, fns: LawFns<R>, form: Form, n: usize) -> Op<R> {
         Op { law: Some(law), fns: Some(fns), form, ..Op::new(Pass::Links, (fns.kernel)(form), n) }
     }

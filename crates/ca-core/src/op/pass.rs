@@ -1,5 +1,4 @@
-//! The passes that are not links: ports, weight, moving points, integration. Each is there only if the layout has its
-//! modules.
+//! Passes other than links: ports, weight, moving points, outputs, integration. Each exists only if needed.
 
 use super::Op;
 use super::wide::{self, Body, Simd};
@@ -8,8 +7,8 @@ use crate::op::layout::{CoordinateSource, Layout, MovingPoint, Output, Tap};
 use crate::state::LinkState;
 use crate::state::{Cell, State};
 
-/// Position ports: `d` is the change of position, so that dampers feel the hand. The first tick only places them, but for
-/// those whose motion is part of the start.
+/// Reads position ports. `d` becomes the change of position, so that dampers act on it. The first tick only sets the
+/// position, unless the motion of the port is part of the start.
 pub fn enx<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for p in &layout.ports.enx[..op.n] {
         let x = R::inner(R::Outer::of(s.valid_input(p.input)) - p.rest);
@@ -24,8 +23,8 @@ pub fn enx<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     }
 }
 
-/// Ports that run a tick late: the position that was just read is where the port goes, so that links know the motion to come. At
-/// the first tick the port comes from where its motion says.
+/// Delays ports that run a tick late. The position just read becomes the next one, so that links know the coming
+/// motion. At the first tick the position before follows from the motion of the port.
 pub fn ahead<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let first = s.tick == 0;
     for (m, way) in layout.ports.ahead[..op.n].iter().zip(&mut s.ports.under_way) {
@@ -41,7 +40,7 @@ pub fn ahead<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     }
 }
 
-/// Force ports. What is not finite is no force, and where `COUNTED` counted once however many MATs the port pushes.
+/// Adds force ports. A force that is not finite counts as zero and, with `COUNTED`, is counted once per port.
 pub fn enf<R: Real, const COUNTED: bool>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let mut last = u32::MAX;
     for p in &layout.ports.enf[op.first..][..op.n] {
@@ -53,7 +52,7 @@ pub fn enf<R: Real, const COUNTED: bool>(op: &Op<R>, layout: &Layout<R>, s: &mut
     }
 }
 
-/// Constant forces: weight.
+/// Adds constant forces: weight.
 pub fn weight<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for (k, m) in layout.weighed[..op.n].iter().enumerate() {
         s.f[*m as usize] += s.coef[op.coef + k];
@@ -72,18 +71,18 @@ fn coordinate<R: Real>(layout: &Layout<R>, s: &State<R>, place: CoordinateSource
         CoordinateSource::Coef(c) => s.coef[c as usize].outer(),
         CoordinateSource::Mat(m) => s.x[m as usize].outer() + layout.places.rest[m as usize].outer(),
     };
-    // a coordinate that is not a number stays where nothing is hurt
+    // NaN becomes 0
     if v.wide() >= 0.0 { v.min(R::Outer::of(1.0)) } else { R::Outer::ZERO }
 }
 
-/// Node and weight along one direction of `n` nodes.
+/// Returns node and weight along one direction of `n` nodes.
 pub fn step<O: Real>(u: O, n: u32) -> (u32, O) {
     let at = u * O::of(f64::from(n - 1));
     let i = (at.wide() as u32).min(n.saturating_sub(2));
     (i, at - O::of(f64::from(i)))
 }
 
-/// The cell of one moving point at its present coordinates.
+/// Returns the cell of one moving point at its present coordinates.
 pub fn cell<R: Real>(layout: &Layout<R>, s: &State<R>, p: &MovingPoint) -> Cell<R> {
     let one = R::Outer::of(1.0);
     let (i, a) = step(coordinate(layout, s, p.at[0]), p.size[0]);
@@ -103,7 +102,7 @@ pub fn cell<R: Real>(layout: &Layout<R>, s: &State<R>, p: &MovingPoint) -> Cell<
     }
 }
 
-/// Positions of moving points from their cells.
+/// Computes the positions of moving points from their cells.
 pub fn project<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for (k, p) in layout.places.moving_points[..op.n].iter().enumerate() {
         let c = s.links.cells[k];
@@ -119,7 +118,7 @@ pub fn project<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     }
 }
 
-/// Force on moving points back to their cells, with the weights of the position: no energy is made.
+/// Distributes the force on moving points to their cells, with the weights of the position, so that no energy is made.
 pub fn spread<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for (k, p) in layout.places.moving_points[..op.n].iter().enumerate() {
         let c = s.links.cells[k];
@@ -130,13 +129,13 @@ pub fn spread<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     }
 }
 
-/// Positions of masses that go by their modes.
+/// Computes the positions of modal masses.
 pub fn sum<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for p in &layout.places.modal[..op.n] {
         let n = p.n as usize;
         let share = &layout.places.shares[p.share as usize..][..n];
         let dot = |q: &[R]| {
-            // four sums side by side: one after the other they would wait for each other
+            // four partial sums, which do not wait for each other
             let mut part = [R::ZERO; 4];
             let (q, w) = (q[p.first as usize..][..n].chunks_exact(4), share.chunks_exact(4));
             let rest: R = q.remainder().iter().zip(w.remainder()).map(|(q, w)| *q * *w).sum();
@@ -153,7 +152,7 @@ pub fn sum<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     }
 }
 
-/// Forces on masses that go by their modes back to these, with the shares of the position: no energy is made.
+/// Passes forces on modal masses on to their modes, with the shares of the position, so that no energy is made.
 pub fn share<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for p in &layout.places.modal[..op.n] {
         let (f, n) = (s.f[p.mat as usize], p.n as usize);
@@ -164,8 +163,8 @@ pub fn share<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     }
 }
 
-/// Outputs of this tick, channel by channel as the compiler sorts them: a sum in a register waits for itself alone, one in
-/// memory for what was written there.
+/// Computes the outputs of this tick, channel by channel as the compiler sorts them. A sum in a register is faster than
+/// a sum in memory, where each addition waits for the last write.
 pub fn outputs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let State { x, f, links: LinkState { tap, .. }, coef, output, .. } = s;
     let heard = Heard { x, f, tap };
@@ -184,7 +183,7 @@ pub fn outputs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     }
 }
 
-/// Adds the outputs from `op.first` on that hear motion.
+/// Adds the outputs of motion, from `op.first` on.
 pub fn motions<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for (o, gain) in layout.out.outputs[op.first..][..op.n].iter().zip(&s.coef[op.coef..]) {
         if let Tap::Position(m) = o.tap {
@@ -193,11 +192,12 @@ pub fn motions<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     }
 }
 
-/// From so many outputs on, those of a channel are summed in lanes: one by one, each would wait for the sum before it.
+/// From this number of outputs per channel on, they are summed in lanes. One running sum would wait for each addition.
 pub const MANY: usize = 16;
 
-/// The outputs of this tick where a channel has [`MANY`], whose sum goes by the order of its outputs alone: eight side by side,
-/// output i in lane i mod 8, then the lanes in pairs. Positions that follow each other are read as they stand.
+/// Computes the outputs of this tick if a channel has at least [`MANY`]. Output i of a channel is added in lane i mod
+/// 8, then the lanes in pairs, so the sum depends only on the order of outputs. Consecutive positions are read as
+/// vectors.
 pub fn many_outputs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     wide::wide::<R, ManyOutputs>(op, layout, s);
 }
@@ -255,19 +255,18 @@ fn in_pairs<O: Real>([a, b, c, d, e, f, g, h]: [O; LANES]) -> O {
     ((a + e) + (c + g)) + ((b + f) + (d + h))
 }
 
-/// The outputs of this tick where each channel hears one position, the channels in their order: there is no sum, and nothing to
-/// clear.
+/// Computes the outputs of this tick if each channel has one output of a position, in the order of channels.
 pub fn positions<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let (x, gains) = (&s.x[..], &s.coef[op.coef..]);
     for ((v, o), gain) in s.output.iter_mut().zip(&layout.out.outputs).zip(gains) {
         if let Tap::Position(m) = o.tap {
-            // as a sum gives it, which is never -0
+            // adding 0 gives the bits of a sum, which is never -0
             *v = R::Outer::ZERO + (*gain * x[m as usize]).outer();
         }
     }
 }
 
-/// What outputs hear at this tick: positions, forces on MATs, forces of links.
+/// Signals that outputs can read at this tick: positions, forces on MATs, forces of links.
 pub(super) struct Heard<'a, R: Real> {
     x: &'a [R],
     f: &'a [R],
@@ -275,13 +274,11 @@ pub(super) struct Heard<'a, R: Real> {
 }
 
 impl<'a, R: Real> Heard<'a, R> {
-    /// Those of a state.
     #[inline(always)]
     pub(super) fn of(s: &'a State<R>) -> Heard<'a, R> {
         Heard { x: &s.x, f: &s.f, tap: &s.links.tap }
     }
 
-    /// What an output hears.
     #[inline(always)]
     pub(super) fn by(&self, o: &Output) -> R {
         match o.tap {
@@ -292,13 +289,13 @@ impl<'a, R: Real> Heard<'a, R> {
     }
 }
 
-/// Moves MATs `op.mat ..` that only have inertia: d ← d + C·f, x ← x + d.
+/// Moves MATs from `op.mat` on that have only inertia: d ← d + C·f, x ← x + d.
 pub fn integrate_free<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     wide::wide::<R, IntegrateFree>(op, layout, s);
 }
 
-/// Masses that are moved side by side. Loops over so many rather than over all: a stretch is often too short for the vectors a
-/// compiler makes of a loop, and most of it would be left over.
+/// Number of masses moved side by side. Loops have this length because many stretches are too short for the vectors
+/// that a compiler makes of a whole loop, which would leave most of them over.
 const SIDE_BY_SIDE: usize = 4;
 
 struct IntegrateFree;
@@ -312,7 +309,7 @@ impl<R: Real> Body<R> for IntegrateFree {
     }
 }
 
-/// All of the same length.
+/// Moves masses; all slices have the same length.
 #[inline(always)]
 fn free<R: Real>(x: &mut [R], d: &mut [R], f: &mut [R], c: &[R]) {
     let ((xs, x), (ds, d)) = (x.as_chunks_mut::<SIDE_BY_SIDE>(), d.as_chunks_mut::<SIDE_BY_SIDE>());
@@ -331,7 +328,7 @@ fn free<R: Real>(x: &mut [R], d: &mut [R], f: &mut [R], c: &[R]) {
     }
 }
 
-/// Moves MATs `op.mat ..` with spring and damper of their own: d ← P·d + Q·x + C·f, x ← x + d.
+/// Moves MATs from `op.mat` on that have their own spring and damper: d ← P·d + Q·x + C·f, x ← x + d.
 pub fn integrate_full<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     wide::wide::<R, IntegrateFull>(op, layout, s);
 }
@@ -347,11 +344,10 @@ impl<R: Real> Body<R> for IntegrateFull {
     }
 }
 
-/// All of the same length.
 #[inline(always)]
 fn full<R: Real>(x: &mut [R], d: &mut [R], f: &mut [R], pqc: [&[R]; 3]) {
     if matches!(R::PRECISION, Precision::Dual) {
-        // a number is a vector by itself, and what is side by side would be computed by a call for each
+        // a dual number is a vector by itself, and the loop over chunks would call a function for each number
         for ((((x, d), f), p), (q, c)) in x.iter_mut().zip(d).zip(f).zip(pqc[0]).zip(pqc[1].iter().zip(pqc[2])) {
             *d = *p * *d + *q * *x + *c * *f;
             *x += *d;
@@ -363,7 +359,7 @@ fn full<R: Real>(x: &mut [R], d: &mut [R], f: &mut [R], pqc: [&[R]; 3]) {
     let ((xs, x), (ds, d)) = (x.as_chunks_mut::<SIDE_BY_SIDE>(), d.as_chunks_mut::<SIDE_BY_SIDE>());
     let (fs, f) = f.as_chunks_mut::<SIDE_BY_SIDE>();
     for ((((x, d), f), p), (q, c)) in xs.iter_mut().zip(ds).zip(fs).zip(ps).zip(qs.iter().zip(cs)) {
-        // array by array: a loop over all three stays one of numbers
+        // array by array: the compiler does not vectorise one loop over all three
         *d = core::array::from_fn(|k| p[k] * d[k] + q[k] * x[k] + c[k] * f[k]);
         *x = core::array::from_fn(|k| x[k] + d[k]);
         *f = [R::ZERO; SIDE_BY_SIDE];
@@ -375,8 +371,8 @@ fn full<R: Real>(x: &mut [R], d: &mut [R], f: &mut [R], pqc: [&[R]; 3]) {
     }
 }
 
-/// Clears what is too small to matter, every 1024 ticks, long before it becomes denormal and slow. Part of the tick
-/// rather than a processor flag, so that renderer, host, Python and replay agree in every bit.
+/// Clears tiny numbers every 1024 ticks, long before they become denormal and slow. This is part of the tick and not a
+/// processor flag, so that renderer, host, Python and replay agree in every bit.
 pub fn flush<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     if s.tick & 1023 == 1023 {
         let waves = &mut s.links.mem[layout.waves.first..][..layout.waves.len];
@@ -388,7 +384,7 @@ pub fn flush<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     }
 }
 
-/// Moves coefficients one tick further.
+/// Moves ramped coefficients by one tick.
 pub fn ramp<R: Real>(_op: &Op<R>, _layout: &Layout<R>, s: &mut State<R>) {
     let (r, coef) = (&mut s.ramps, &mut s.coef);
     let mut k = 0;

@@ -1,21 +1,20 @@
-//! A sample of several ticks: the ticks between samples, what is given once a sample, and the count of both.
+//! A sample of several ticks: the ticks between samples, inputs given once per sample, and the count of both.
 //!
-//! Sample n stands at tick nR. Decides that outside of the passes a state counts samples, so that takes, gestures and
-//! whoever plays need not know, and that in them it counts ticks, so that rings and frames need not; and that what is
-//! given at a sample is reached in a straight line from the sample before, as by a hand at the border, since a jump of
-//! a port is a blow.
+//! Sample n is at tick nR. Outside the passes a state counts samples, for takes, gestures and players. Within the
+//! passes it counts ticks, for rings and frames. An input moves to its new value in a straight line from the sample
+//! before, as at the border, since a jump of a port is a blow.
 
 use super::Op;
 use crate::numeric::Real;
 use crate::op::layout::Layout;
 use crate::state::State;
 
-/// Tick within a frame of `n`, 1 … n; 0 at the very first tick, which only places what is moved from outside.
+/// Returns the tick within a frame of `n`, 1 … n, or 0 at the very first tick, which only sets positions.
 pub(crate) fn phase(n: u32, tick: u64) -> u32 {
     if tick == 0 { 0 } else { ((tick - 1) % u64::from(n)) as u32 + 1 }
 }
 
-/// Runs the ticks between the sample before and this one, and counts ticks from there on. The first sample has none.
+/// Runs the ticks between the last sample and this one, if there was one, and counts ticks from there on.
 pub fn between<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some(substeps) = &layout.rates.substeps else { return };
     let now = s.tick * u64::from(substeps.times);
@@ -28,8 +27,8 @@ pub fn between<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     }
 }
 
-/// Moves what is given once a sample a tick further. What is not finite is refused here: a position stays, a force is
-/// none.
+/// Moves inputs given once per sample by one tick. One that is not finite is refused: a position stays, a force is
+/// zero.
 pub fn inputs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some(substeps) = &layout.rates.substeps else { return };
     let j = phase(substeps.times, s.tick);
@@ -53,12 +52,12 @@ pub fn inputs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     }
 }
 
-/// From here on the state counts ticks.
+/// Switches the state to counting ticks.
 pub fn to_ticks<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     s.tick *= u64::from(layout.oversample());
 }
 
-/// From here on the state counts samples.
+/// Switches the state to counting samples.
 pub fn to_samples<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     s.tick /= u64::from(layout.oversample());
 }

@@ -1,9 +1,8 @@
-//! Waves: what arrives at the junctions of waveguides at the head of a tick, and what leaves them at its end.
+//! Waves of waveguides: those that arrive at junctions at the start of a tick, and those that leave at its end.
 //!
-//! Waves are velocities, counted in \[m/tick\] like all motion. Between the two passes a junction is a MAT like any
-//! other: `arrive` adds 2 (Z/T) Σ vᵢ to the force on it, its own damper takes 2 (Z/T) v, and `depart` knows v = (d′ +
-//! d)/2 when it has moved (docs/numerics.md §7.2). A delay is a ring whose first place follows from the tick, so no
-//! wave is ever moved.
+//! Waves are velocities in \[m/tick\], like all motion. Between the two passes a junction is an ordinary MAT: `arrive`
+//! adds 2 (Z/T) Σ vᵢ to the force on it, its damper takes 2 (Z/T) v, and `depart` uses v = (d′ + d)/2 after it has
+//! moved (docs/numerics.md §7.2). A delay is a ring whose start follows from the tick, so waves are never copied.
 
 use super::Op;
 use crate::numeric::Real;
@@ -11,13 +10,13 @@ use crate::op::layout::{Delay, Layout, Termination};
 use crate::state::State;
 
 impl<R: Real> Delay<R> {
-    /// Place of the wave that left `back` ticks before `tick`; of what leaves in it for 0.
+    /// Returns the index of the wave that left `back` ticks before `tick`; 0 gives the one that leaves in it.
     pub(crate) fn at(&self, tick: u64, back: usize) -> usize {
         let now = (tick % self.len as u64) as usize;
         self.first + if back > now { now + self.len - back } else { now - back }
     }
 
-    /// The last `way` waves that left before `tick`, in the one or two stretches of the ring they stand in.
+    /// Returns the last `way` waves that left before `tick`, as the one or two stretches of the ring that hold them.
     fn under_way<'m>(&self, mem: &'m [R], tick: u64, way: usize) -> [&'m [R]; 2] {
         let ring = &mem[self.first..][..self.len];
         let first = self.at(tick, way) - self.first;
@@ -26,7 +25,7 @@ impl<R: Real> Delay<R> {
     }
 }
 
-/// Waves that arrive now, and their push on the junctions.
+/// Computes the waves that arrive now, and their force on the junctions.
 pub fn arrive<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let w = &layout.waves;
     for d in &w.delays {
@@ -34,7 +33,7 @@ pub fn arrive<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
             Termination::Open => s.links.mem[d.at(s.tick, d.len)],
             Termination::Rigid => -s.links.mem[d.at(s.tick, d.len)],
             Termination::Lossy { loss, memory } => {
-                // a ring three longer than the delay keeps what the taps still hear
+                // the ring is three longer than the delay and so still holds the inputs of the taps
                 let [u0, u1, u2] = [3, 2, 1].map(|less| s.links.mem[d.at(s.tick, d.len - less)]);
                 let [a, b, c] = [loss.a, loss.b, loss.c].map(R::inner);
                 let u = a * u1 + b * (u0 + u2);
@@ -52,7 +51,7 @@ pub fn arrive<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     }
 }
 
-/// Waves that leave, when the junctions have moved.
+/// Stores the waves that leave, after the junctions have moved.
 pub fn depart<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for d in &layout.waves.delays {
         let j = &layout.waves.junctions[d.junction];
@@ -61,7 +60,7 @@ pub fn depart<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     }
 }
 
-/// The sum of squares, eight sums side by side: one after the other they would wait for each other.
+/// Returns the sum of squares, in eight partial sums, which do not wait for each other.
 fn squares<R: Real>(all: &[R]) -> R::Outer {
     let (whole, rest) = all.as_chunks::<8>();
     let mut sums = [R::Outer::ZERO; 8];
@@ -73,11 +72,11 @@ fn squares<R: Real>(all: &[R]) -> R::Outer {
     sums.iter().sum::<R::Outer>() + rest.iter().map(|v| v.outer() * v.outer()).sum::<R::Outer>()
 }
 
-/// After a tick, of which `d0` is the motion into it: energy of the waves under way, and the heat of the ends in that
-/// tick less what the dampers of the junctions gave to the waves \[J\].
+/// Returns the energy of the waves under way after a tick, and the heat of the ends in that tick less the energy that
+/// the dampers of the junctions gave to the waves \[J\]. `d0` is the motion into the tick.
 ///
-/// The taps give (1 − (a+2b)²) and more of what goes in to heat, where b (a+2b) of the square of the older wave they
-/// still hear and (a+b)(a+2b) of the newer one count as stored; an allpass of memory q holds q²/(1 − c²).
+/// The taps turn at least (1 − (a+2b)²) of their input to heat if b (a+2b) of the square of their older input and
+/// (a+b)(a+2b) of the newer one count as stored. An allpass of memory q stores q²/(1 − c²).
 pub fn energy<R: Real>(layout: &Layout<R>, s: &State<R>, d0: &[R]) -> (R::Outer, R::Outer) {
     let w = &layout.waves;
     let (mut stored, mut heat) = (R::Outer::ZERO, R::Outer::ZERO);

@@ -1,10 +1,10 @@
-//! Wide: runs the body of a pass compiled for the widest vectors the processor has.
+//! Runs the body of a pass compiled for the widest vectors of the processor.
 //!
-//! Decides that a body is written once, in plain Rust over slices, and instantiated for each width, portable and AVX2, and
-//! AVX-512 where vectors stand on cache lines ([`widest`]): elsewhere it gains nothing and takes as long to build. The choice
-//! is made by `pulp` (no unsafe of ours), once, at load ([`Vectors`]): to ask the processor in each pass is to test a dozen of its
-//! features in each pass. The operations and their order are the same in all, and no product is fused with a sum, so the bits
-//! do not depend on the processor.
+//! A body is written once, in plain Rust over slices, and instantiated for portable and AVX2 vectors, and for AVX-512
+//! where vectors are aligned to cache lines ([`widest`]); elsewhere that gains nothing and takes as long to build.
+//! `pulp` chooses once, at load ([`Vectors`]), since asking in each pass would test a dozen processor features.
+//!
+//! Operations and their order are the same for all, and no product is fused with a sum, so the bits are the same.
 
 use super::Op;
 use crate::numeric::{Precision, Real};
@@ -14,21 +14,21 @@ use core::marker::PhantomData;
 use pulp::Arch;
 pub use pulp::Simd;
 
-/// The vectors that passes use.
+/// Vector instructions that passes use.
 #[derive(Clone, Copy, Debug)]
 pub struct Vectors {
-    /// passes over arrays as they stand
+    /// for passes over arrays of any alignment
     plain: Arch,
-    /// passes whose vectors stand on cache lines
+    /// for passes whose vectors are aligned to cache lines
     widest: Arch,
 }
 
 impl Vectors {
-    /// What every processor has.
+    /// Vectors that every processor has.
     pub const PORTABLE: Vectors = Vectors { plain: Arch::Scalar, widest: Arch::Scalar };
 
-    /// The widest of this processor, or narrower ones where the environment has `CA_VECTORS=portable` or `avx2`, by which all tests
-    /// and benches can be run as on another processor. Without the feature `std`, the widest this was compiled for.
+    /// Returns the widest vectors of this processor (without `std`, of the compilation target). For tests and benches,
+    /// `CA_VECTORS=portable` or `avx2` in the environment selects narrower ones.
     pub fn detect() -> Vectors {
         let own = Vectors::own();
         #[cfg(feature = "std")]
@@ -48,12 +48,12 @@ impl Vectors {
         Vectors { plain, widest: Arch::new() }
     }
 
-    /// Runs `call` with the vectors for arrays that stand on cache lines.
+    /// Runs `call` with the vectors for arrays aligned to cache lines.
     pub(crate) fn widest<W: pulp::WithSimd>(self, call: W) -> W::Output {
         self.widest.dispatch(call)
     }
 
-    /// All that this processor has, narrowest first: a scene plays the same bits with each.
+    /// Returns all vectors of this processor, narrowest first. A scene plays the same bits with each.
     pub fn all() -> [Vectors; 3] {
         let own = Vectors::own();
         [Vectors::PORTABLE, Vectors { widest: own.plain, ..own }, own]
@@ -66,9 +66,9 @@ impl Default for Vectors {
     }
 }
 
-/// The loops of a pass. Everything `run` calls must be inlined into it, or it stays narrow.
+/// The loops of a pass. Everything that `run` calls must be inlined into it, or it is not vectorised at this width.
 pub trait Body<R: Real> {
-    /// Runs the pass; what is not a plain loop takes its vectors from `simd`.
+    /// Runs the pass. Code other than plain loops takes its vectors from `simd`.
     fn run<S: Simd>(simd: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>);
 }
 
@@ -87,19 +87,19 @@ impl<R: Real, B: Body<R>> pulp::WithSimd for Call<'_, R, B> {
     }
 }
 
-/// A pass whose body is `B`.
+/// Runs a pass with the body `B`.
 pub fn wide<R: Real, B: Body<R>>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     plain(layout, Call { op, layout, s, body: PhantomData::<B> });
 }
 
-/// Runs `call` with the vectors for arrays as they stand.
+/// Runs `call` with the vectors for arrays of any alignment.
 #[inline(always)]
 pub(crate) fn plain<R: Real, W: pulp::WithSimd>(layout: &Layout<R>, call: W) -> W::Output {
-    // a number with its derivatives is a vector of the widest
+    // a dual number is one vector of the widest kind
     if const { matches!(R::PRECISION, Precision::Dual) } {
         return layout.vectors.widest.dispatch(call);
     }
-    // no third width is made of a body that would not gain by it
+    // avoids a third instance of bodies that would not gain by it
     match layout.vectors.plain {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         Arch::V3(simd) => Simd::vectorize(simd, call),
@@ -110,7 +110,7 @@ pub(crate) fn plain<R: Real, W: pulp::WithSimd>(layout: &Layout<R>, call: W) -> 
     }
 }
 
-/// A pass whose body is `B`, over vectors that stand on cache lines or wait for roots.
+/// Runs a pass with the body `B`, for vectors that are aligned to cache lines or limited by square roots.
 pub fn widest<B: Body<f64>>(op: &Op, layout: &Layout, s: &mut State) {
     layout.vectors.widest.dispatch(Call { op, layout, s, body: PhantomData::<B> });
 }

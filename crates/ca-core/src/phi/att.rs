@@ -1,4 +1,4 @@
-//! ATT: an attractor, the detent of a knob; also a pluck without hysteresis.
+//! ATT: an attractor, such as the detent of a knob; also a pluck without hysteresis.
 //!
 //! Equation: F = k e up to |e| = ρd, then falling linearly to 0 at |e| = d, plus (z/T) w inside d; 0 beyond.
 //! Parameters: k \[N/m\], d \[m\] > 0, rho in ]0, 1[, z \[N s/m\]. Source: HSP v2 (contact-detent), LAC 2019 (pluck).
@@ -53,16 +53,15 @@ crate::kind::positions!(KIND: K = "k", D = "d", RHO = "rho", Z = "z", METHOD = "
 
 /// The law of ATT.
 pub static LAW: Law = Law::of::<Att, 5, 0>("ATT").or(&[&STABLE], |p| by_potential(p, at::METHOD).then_some(&STABLE));
-/// Its force falls, so a tick with other such links at its masses may have several solutions, and the solver may find none.
+/// The force falls, so with other such links at the same masses the solver may find none or several solutions.
 static STABLE: Law = potential::alone::<Att, 5, 0>("ATT stable", Law::of::<Att, 5, 0>("ATT"), None);
 
-/// The functions of its law over `R`.
 pub(super) fn laws<R: Real>() -> [LawEntry<R>; 2] {
     let law = LawFns::of::<Att, 5, 0>();
     [(LAW.code, law), (STABLE.code, potential::alone_fns::<R, Att, 5, 0>(law))]
 }
 
-/// Triangle; coefficients k, ρd, d, slope of the fall, z/T.
+/// Triangular force; coefficients k, ρd, d, slope of the fall, z/T.
 pub struct Att;
 
 impl Phi<5, 0> for Att {
@@ -112,7 +111,7 @@ impl Potential<5, 0> for Att {
         let elastic = [k, tip, d, fall, R::ZERO];
         let force = |e: R| Att::force(&elastic, &mut [], tables, e, R::ZERO);
         let (moved, half) = (s - a, R::of(0.5));
-        // the slope of a piece that holds both
+        // slope of the piece that contains both elongations
         let slope = |e: R| {
             if e.abs() < tip {
                 k

@@ -6,10 +6,11 @@
 //!   coulomb    v/v0 clipped to ±1: sliding friction with a viscous hold below v0
 //!   table      the points of `points` \[m/s, N\]
 //! Parameters: f \[N\], v0 \[m/s\], v1 \[m/s\], fd \[N\]. Source: ICMC 2013 (LNL friction), LAC 2019 (nlBow), HSP v2.
-//!   With method "set-valued" of coulomb what sticks stands still, up to f; what slides feels fd (`method`).
-//! Stability: the slope f/v0 counts as a viscosity; with method "ca" slope·T/m < 1.5 for a faithful stick
-//! (docs/numerics.md §3.5), and passive where the curve resists, i.e. always but for a table that does not. "secant"
-//! and "newton" are passive at any slope (`method`). Test: B07.
+//! With the method "set-valued" of coulomb, sticking ends stand still up to f, and sliding ends get the force fd
+//! (`method`).
+//! Stability: the slope f/v0 counts as a viscosity. With method "ca", sticking is accurate for slope·T/m < 1.5
+//! (docs/numerics.md §3.5). The law is passive if the curve resists; only a table may not. "secant" and "newton" are
+//! passive at any slope (`method`). Test: B07.
 
 use super::{ALONG, BETWEEN, Bound, Law, LawEntry, LawFns, PAIRS, ParamBinding, Phi, lnl};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
@@ -19,28 +20,28 @@ use crate::numeric::{NONE, Real, Table};
 use alloc::vec::Vec;
 
 crate::choice::choice! {
-    /// The force over the speed.
+    /// Shape of the curve of force over speed.
     pub enum CurveShape {
         /// u exp(½ − u²/2)
         Smooth = "smooth",
-        /// rises, falls and stays, in straight lines
+        /// piecewise linear: rises, falls, stays constant
         Piecewise = "piecewise",
-        /// rises to a constant
+        /// rises, then stays constant
         Coulomb = "coulomb",
-        /// by points
+        /// given by points
         Table = "table",
     }
 }
 crate::choice::choice! {
-    /// How the force is found.
+    /// Method for the friction force.
     pub enum FrictionMethod {
         /// explicit
         Ca = "ca",
-        /// by the slope from the origin
+        /// secant: slope from the origin at the speed of the tick before
         Secant = "secant",
-        /// by Newton's method
+        /// Newton's method
         Newton = "newton",
-        /// Coulomb's law as it is: any force up to the largest holds
+        /// Coulomb's law itself: any force up to the largest holds
         SetValued = "set-valued",
     }
 }
@@ -96,21 +97,20 @@ bow = [[0, 0], [1, "0.2 m"]]
 
 crate::kind::positions!(KIND: CURVE = "curve", F = "f", V0 = "v0", V1 = "v1", FD = "fd", POINTS = "points", METHOD = "method");
 
-/// The law of BOW, and what it becomes with another curve or method.
+/// The law of BOW, replaced for another curve or method.
 pub static SMOOTH: Law = Law::of::<Smooth, 3, 0>("BOW smooth").with_table(bell).or(OTHERS, |p| {
     let number = |i: usize| p.get(i).and_then(|p: &ParamBinding| p.number());
     let law = LAWS[CurveShape::of(number(at::CURVE)?) as usize][FrictionMethod::of(number(at::METHOD)) as usize];
     (!core::ptr::eq(law, &raw const SMOOTH)).then_some(law)
 });
-/// With `curve = "piecewise"`.
+/// Law with `curve = "piecewise"`.
 pub static PIECEWISE: Law = Law::of::<Piecewise, 5, 0>("BOW piecewise");
-/// With `curve = "coulomb"`.
+/// Law with `curve = "coulomb"`.
 pub static COULOMB: Law = Law::of::<Coulomb, 2, 0>("BOW coulomb");
-/// With `curve = "table"`.
+/// Law with `curve = "table"`.
 pub static TABLE: Law = Law::of::<lnl::TableFriction, 2, 0>("BOW table")
     .loaded_by(|p, tick_dt, out| out.copy_from_slice(&[p[at::POINTS].unwrap_or(NONE), 1.0 / tick_dt]));
 
-/// All laws of [`LAWS`] but the first.
 static OTHERS: &[&Law] = &[
     &SMOOTH_SECANT,
     &SMOOTH_NEWTON,
@@ -126,7 +126,6 @@ static OTHERS: &[&Law] = &[
     &TABLE_NEWTON,
 ];
 
-/// Curves, each by each method.
 static LAWS: [[&Law; 4]; 4] = [
     [&SMOOTH, &SMOOTH_SECANT, &SMOOTH_NEWTON, &SMOOTH_NEWTON],
     [&PIECEWISE, &PIECEWISE_SECANT, &PIECEWISE_NEWTON, &PIECEWISE_NEWTON],
@@ -134,12 +133,12 @@ static LAWS: [[&Law; 4]; 4] = [
     [&TABLE, &TABLE_SECANT, &TABLE_NEWTON, &TABLE_NEWTON],
 ];
 
-/// With `curve = "coulomb"` and `method = "set-valued"`; where it shares a mass with other implicit links, by a curve.
+/// Law with `curve = "coulomb"` and `method = "set-valued"`; on masses with other implicit links a curve runs instead.
 pub static SET_VALUED: Law = coulomb::alone("BOW set-valued", SLIDING, &SLIDING_TOGETHER);
 static SLIDING: Law = Law::of::<SetValued, 3, 0>("BOW sliding");
 static SLIDING_TOGETHER: Law = friction::together::<SetValued, _>("BOW set-valued shared", SLIDING);
 
-/// A curve by method: alone, and together with others.
+/// Makes the laws of a curve by each method, alone and together with others.
 macro_rules! methods {
     ($($curve:ident $phi:ty, $code:literal: $secant:ident $newton:ident $together:ident;)*) => {
         $(
@@ -148,7 +147,6 @@ macro_rules! methods {
             static $together: Law = friction::together::<$phi, _>(concat!($code, " shared"), $curve);
         )*
 
-        /// The functions of its laws over `R`.
         pub(super) fn laws<R: Real>() -> impl IntoIterator<Item = LawEntry<R>> {
             let sliding = LawFns::of::<SetValued, 3, 0>();
             let of_curves = [
@@ -174,7 +172,7 @@ methods! {
     TABLE lnl::TableFriction, "BOW table": TABLE_SECANT TABLE_NEWTON TABLE_TOGETHER;
 }
 
-/// u exp(½ − u²/2) for u in 0 … 8; beyond, the friction is below 1e-12 of its peak.
+/// Returns a table of u exp(½ − u²/2) for u from 0 to 8. Beyond, the friction is below 1e-12 of its peak.
 fn bell() -> Table {
     let n = 4096;
     let points: Vec<[f64; 2]> = (0..=n)
@@ -186,7 +184,7 @@ fn bell() -> Table {
     Table::new(&points).unwrap_or_else(|| unreachable!("4097 rising finite points"))
 }
 
-/// Coefficients f, 1/(v0 T), number of the bell table.
+/// Coefficients f, 1/(v0 T), index of the bell table.
 pub struct Smooth;
 
 impl Phi<3, 0> for Smooth {
@@ -271,10 +269,10 @@ impl Curve<5> for Piecewise {
     }
 }
 
-/// Coefficients f, fd, v0 T of the creep where it is a curve.
+/// Coefficients f, fd, and v0 T, the creep if it runs as a curve.
 pub struct SetValued;
 
-/// The creep where links share a mass, if nothing else is written \[m/s\].
+/// Default creep where links share a mass \[m/s\].
 const CREEP: f64 = 1e-4;
 
 impl Phi<3, 0> for SetValued {

@@ -1,10 +1,11 @@
 //! BUT: a buffer, the one-sided contact.
 //!
-//! Equation: F = k (e − d) + (z/T) w while e < d (sense "outside": keeps the second end above the first) or while
-//! e > d (sense "inside": contains it); 0 otherwise. Not clipped against sticking unless `sticky = false`.
+//! Equation: F = k (e − d) + (z/T) w while e < d (sense "outside": keeps the second end above the first) or while e > d
+//! (sense "inside": contains it), otherwise 0. It may pull (stick) unless `sticky = false`.
 //! Parameters: k \[N/m\], z \[N s/m\], d \[m\]. Source: CMJ 1993, ICMC 2013.
-//! Stability: method "ca" is not passive at any stiffness; unstable while it presses from kT²/m + 2zT/m = 4 on. With kT²/m ≤ 1 and
-//! 0.12 a ≤ zT/m ≤ 1.9 − a one blow on a wall made nothing (docs/numerics.md §3.2). "stable" and "stable3d" are passive at any stiffness (`method`).
+//! Stability: method "ca" is not passive at any stiffness, and from kT²/m + 2zT/m = 4 on it is unstable while
+//! compressed. With a = kT²/m ≤ 1 and 0.12 a ≤ zT/m ≤ 1.9 − a one impact on a wall made no energy (docs/numerics.md
+//! §3.2). "stable" and "stable3d" are passive at any stiffness (`method`).
 //! Test: A17, B05, C01 to C06.
 
 use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, LawEntry, LawFns, METHOD, PAIRS, Phi, Sense};
@@ -66,7 +67,6 @@ static STABLE: Law = gradient::law::<Linear<f64>>(
 static SHARED: Law = cluster::law::<Linear<f64>>(Law::of::<But, 5, 0>("BUT stable, shared"), &STABLE3D);
 static STABLE3D: Law = quadratised::law::<Linear<f64>>(Law::of::<But, 5, 0>("BUT stable3d"));
 
-/// The functions of its laws over `R`.
 pub(super) fn laws<R: Real>() -> [LawEntry<R>; 4] {
     [
         (LAW.code, LawFns::of::<But, 5, 0>()),
@@ -76,7 +76,7 @@ pub(super) fn laws<R: Real>() -> [LawEntry<R>; 4] {
     ]
 }
 
-/// One-sided spring and damper; coefficients k, z/T, d, sign of the sense, 1 where clipped.
+/// One-sided spring and damper; coefficients k, z/T, d, sign of the sense, 1 if clipped.
 pub struct But;
 
 impl Phi<5, 0> for But {

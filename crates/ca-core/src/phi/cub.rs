@@ -51,7 +51,6 @@ pub static LAW: Law = Law::of::<Cub, 3, 0>("CUB").or(&[&STABLE], |p| by_potentia
 static STABLE: Law = potential::alone::<Cub, 3, 0>("CUB stable", Law::of::<Cub, 3, 0>("CUB"), Some(&SHARED));
 static SHARED: Law = potential::shared::<Cub, 3, 0>("CUB stable, shared", Law::of::<Cub, 3, 0>("CUB"));
 
-/// The functions of its law over `R`.
 pub(super) fn laws<R: Real>() -> [LawEntry<R>; 3] {
     let law = LawFns::of::<Cub, 3, 0>();
     [

@@ -42,10 +42,9 @@ out = { from = "bar", gain = 1000 }
 
 crate::kind::positions!(KIND: Z = "z");
 
-/// The law of FRO; REF without stiffness becomes this.
+/// The law of FRO. REF without stiffness runs the same functions.
 pub static LAW: Law = Law::of::<Fro, 1, 0>("FRO");
 
-/// The functions of its law over `R`.
 pub(super) fn laws<R: Real>() -> [LawEntry<R>; 1] {
     [(LAW.code, LawFns::of::<Fro, 1, 0>())]
 }

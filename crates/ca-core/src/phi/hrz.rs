@@ -1,9 +1,10 @@
-//! HRZ: a Hertz contact, one-sided with a power law, with Hunt–Crossley losses.
+//! HRZ: a Hertz contact, one-sided, with a power law and Hunt–Crossley losses.
 //!
 //! Equation: with the penetration η = d − e (sense "outside") or e − d ("inside"), F = ∓k η^p max(0, 1 + h dη/dt) while η > 0.
 //! Parameters: k \[N/m^p\], p (multiple of 1/4; 1.5 for spheres), h [s/m], d \[m\]. Source: Hertz via Bilbao 2009, Hunt 1975.
-//! Stability: method "ca" by rule of thumb T²k p η^(p−1)/m ≤ 1 at the deepest point, unstable there from 4 on with its losses. "stable" and "stable3d" are passive
-//! at any stiffness (`method`). It never pulls. Test: B04.
+//! Stability: with method "ca", by rule of thumb T²k p η^(p−1)/m ≤ 1 at the deepest point; from 4 on, with its losses,
+//! it is unstable there.
+//! "stable" and "stable3d" are passive at any stiffness (`method`). It never pulls. Test: B04.
 
 use super::pow::P;
 use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, LawEntry, LawFns, METHOD, PAIRS, Phi, Sense};
@@ -69,7 +70,6 @@ static STABLE: Law = gradient::law::<Power<f64>>(
 static SHARED: Law = cluster::law::<Power<f64>>(Law::of::<Hrz, 5, 0>("HRZ stable, shared"), &STABLE3D);
 static STABLE3D: Law = quadratised::law::<Power<f64>>(Law::of::<Hrz, 5, 0>("HRZ stable3d"));
 
-/// The functions of its laws over `R`.
 pub(super) fn laws<R: Real>() -> [LawEntry<R>; 4] {
     [
         (LAW.code, LawFns::of::<Hrz, 5, 0>()),

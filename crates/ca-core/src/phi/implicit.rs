@@ -1,20 +1,19 @@
-//! A linear link whose force is taken from before and after the tick: REF, RES and FRO by the methods `centred` and
-//! `implicit` (docs/numerics.md §1.3, eq. 1′, and §3.1).
+//! A linear link whose force depends on the positions before and after the tick: REF, RES and FRO with the methods
+//! `centred` and `implicit` (docs/numerics.md §1.3, eq. 1′, and §3.1).
 //!
 //! Equation: F = k (θ e₊ + (1 − 2θ) e + θ e₋) + z (e₊ − e₋)/2T. `centred` is θ = 0. Parameters: k \[N/m\], z \[N s/m\], θ.
-//! Stability: T²k(1 − 4θ)(1/m₁ + 1/m₂) < 4 for one link, whatever z; from θ = ¼ on any k. Source:
+//! Stability: T²k(1 − 4θ)(1/m₁ + 1/m₂) < 4 for one link, at any z; for θ ≥ ¼ at any k. Source:
 //! docs/numerics.md §3.1. Test: A14, A15, H04.
 //!
-//! Decides that the law itself sees only the explicit part, F₀ = k e + z w, as every law does; with u the change of
-//! motion in the tick, what is missing is (θk + z/2T) times the change of w, which [`crate::method::implicit`] solves for
-//! all such links at once.
+//! The law itself computes only the explicit part, F₀ = k e + z w, like every law. The missing part is (θk + z/2T)
+//! times the change of w in the tick. [`crate::method::implicit`] solves for it for all such links at once.
 
 use super::{Bound, Law, LawEntry, LawFns, Phi, linear_lost, linear_stored};
 use crate::kind::{Need, Param, Type, Unit};
 use crate::numeric::{Real, Table};
 use crate::tuning::Method;
 
-/// The methods of linear links, by name.
+/// Parameter `method` of linear links.
 pub const METHOD: Param = Param::new(
     "method",
     Type::Choice(Method::OF_LINK),
@@ -22,17 +21,17 @@ pub const METHOD: Param = Param::new(
     "ca: explicit, as in the field; centred: viscosity without a limit and of second order; implicit: stiffness without \
      a limit too. Of the group or the model if left out",
 );
-/// The methods of a group, by name: those of links, and the modes of what is linear in it.
+/// Parameter `method` of a group: the methods of links, and `modal`.
 pub const OF_GROUP: Param =
     Param::new("method", Type::Choice(Method::OF_GROUP), Need::Optional, "how linear links and cells are computed");
-/// The methods of the model, by name: those of a group, and one for all masses at once.
+/// Parameter `method` of the model: the methods of a group, and `pefrl` for all masses at once.
 pub const OF_MODEL: Param = Param::new(
     "method",
     Type::Choice(Method::WORDS),
     Need::Optional,
     "how linear links and cells are computed, or, by pefrl, everything",
 );
-/// Weight of the time to come.
+/// Parameter `theta`: weight of the positions before and after the tick, each.
 pub const THETA: Param = Param::number(
     "theta",
     Unit::NONE,
@@ -43,10 +42,9 @@ pub const THETA: Param = Param::number(
 )
 .for_good();
 
-/// The law; parameters k, z and θ in this order, whatever the kind.
+/// The law. Its parameters are k, z and θ in this order, for every kind.
 pub static LAW: Law = Law { implicit: true, ..Law::of::<Implicit, 3, 0>("REF implicit") };
 
-/// The functions of its law over `R`.
 pub(super) fn laws<R: Real>() -> [LawEntry<R>; 1] {
     [(LAW.code, LawFns::of::<Implicit, 3, 0>())]
 }

@@ -1,9 +1,9 @@
-//! LNL: a non-linear interaction drawn as a table.
+//! LNL: a non-linear interaction given by a table.
 //!
-//! Equation: F = table(e), or F = table(de/dt), or their sum. Points [[x, F], …], straight between, held outside.
-//! Parameters: `spring` \[m, N\], `friction` \[m/s, N\]. Source: ICMC 2013 (LNL, look-up tables).
-//! Stability: rule of thumb on the steepest segment that is reached; a friction table is passive where F has the sign of the speed.
-//! The law that runs reads only the tables that are there. Test: conformance suite, table tests.
+//! Equation: F = table(e), or F = table(de/dt), or their sum. The tables are points [[x, F], …], interpolated linearly
+//! and held constant outside. Parameters: `spring` \[m, N\], `friction` \[m/s, N\]. Source: ICMC 2013 (LNL, look-up
+//! tables). Stability: rule of thumb on the steepest segment within reach; a friction table is passive if F has the
+//! sign of the speed. The law that runs reads only the tables that are given. Test: conformance suite, table tests.
 
 use super::{
     ALONG, BETWEEN, Bound, ELASTIC_METHOD, L0, Law, LawEntry, LawFns, PAIRS, ParamBinding, Phi, SOFTEN, by_potential,
@@ -60,7 +60,7 @@ out = { from = "bob", gain = 500 }
 
 crate::kind::positions!(KIND: SPRING = "spring", FRICTION = "friction", METHOD = "method");
 
-/// The law of LNL, and what it becomes with one table only or by the other method.
+/// The law of LNL, replaced if there is only one table or another method.
 pub static LAW: Law = Law::of::<Lnl, 3, 0>("LNL").or(OTHERS, |p| {
     let stable = by_potential(p, at::METHOD);
     match (p[at::SPRING], p[at::FRICTION]) {
@@ -69,15 +69,14 @@ pub static LAW: Law = Law::of::<Lnl, 3, 0>("LNL").or(OTHERS, |p| {
         _ => stable.then_some(&STABLE),
     }
 });
-/// All that it may become.
 static OTHERS: &[&Law] = &[&SPRING, &FRICTION, &STABLE, &SPRING_STABLE, &FRICTION_STABLE];
-/// A spring table alone.
+/// Law with a spring table alone.
 pub static SPRING: Law = Law::of::<TableSpring, 1, 0>("LNL spring");
-/// A friction table alone; BOW with `curve = "table"` runs as this.
+/// Law with a friction table alone. BOW with `curve = "table"` runs the same.
 pub static FRICTION: Law = Law::of::<TableFriction, 2, 0>("LNL friction");
 static STABLE: Law = potential::alone::<Lnl, 3, 0>("LNL stable", RESISTING, Some(&SHARED));
 static SHARED: Law = potential::shared::<Lnl, 3, 0>("LNL stable, shared", RESISTING);
-/// Both tables; the friction only resists.
+/// Both tables, with the friction limited to its resisting part.
 const RESISTING: Law = {
     let law = Law::of::<Lnl, 3, 0>("LNL");
     let bound: fn(&[f64], &[Table]) -> Bound = |c, tables| {
@@ -95,7 +94,6 @@ static FRICTION_STABLE: Law =
 static FRICTION_SHARED: Law = friction::together::<TableFriction, 2>("LNL friction stable, shared", FRICTION_LAW);
 const FRICTION_LAW: Law = Law::of::<TableFriction, 2, 0>("LNL friction");
 
-/// The functions of its laws over `R`.
 pub(super) fn laws<R: Real>() -> [LawEntry<R>; 9] {
     let (both, spring) = (LawFns::of::<Lnl, 3, 0>(), LawFns::of::<TableSpring, 1, 0>());
     let friction = LawFns::of::<TableFriction, 2, 0>();

@@ -1,5 +1,5 @@
-//! LIA: the laws of interaction between two MATs, one file each. What a law is: [`crate::law`]. The files are public:
-//! other crates bring other forms of the same laws (LPR).
+//! LIA: the laws of interaction between two MATs, one file each. [`crate::law`] defines the shape of a law. The files
+//! are public, since other crates provide other forms of the same laws (LPR).
 
 use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Type, Unit};
 use crate::law::{Bound, Phi};
@@ -19,40 +19,40 @@ pub mod pow;
 pub mod ref_;
 pub mod res;
 
-/// The list of files that have a kind and a law, in the order of the documentation.
+/// Lists the files that have a kind and a law, in the order of the documentation.
 macro_rules! files {
     ($($file:ident)*) => {
         /// All LIA kinds.
         pub const KINDS: &[&Kind] = &[$(&$file::KIND),*];
 
-        /// The functions of all laws over `R`, for [`Scene::bind`](crate::Scene::bind).
+        /// Returns the functions of all laws over `R`, for [`Scene::bind`](crate::Scene::bind).
         pub fn laws<R: Real>() -> Laws<R> {
             Laws::default()$(.with($file::laws()))*.with(implicit::laws())
         }
     };
 }
 
-// To add a law: one file, its `mod` above and its name here.
+// To add a law: add its file, its `mod` above and its name here.
 files! { res fro ref_ but cub pow hrz lnl plk att bow }
 
 pub use ref_::KIND as REF;
 
-/// The two ends of a link.
+/// Parameter `between`: the two ends of a link.
 pub const BETWEEN: Param =
     Param::new("between", Type::Between, Need::Required, "the two ends, first and second; lists pair one to one");
-/// Rest length.
+/// Parameter `l0`: the rest length.
 pub const L0: Param =
     Param::number("l0", Unit::METRE, ANY, Need::Optional, "length at which it is slack; the rest distance if left out")
         .for_good();
 
-/// A direction, for links of which one end lives on a line, or that act on a difference along one direction of space.
+/// Parameter `along`: a direction, for links with one end on a line, or with a difference along one direction of space.
 pub const ALONG: Param = Param::new(
     "along",
     Type::Direction,
     Need::Optional,
     "in space: acts on the difference along this direction, as on a line, and not on the distance",
 );
-/// The softening length.
+/// Parameter `soften`: the softening length.
 pub const SOFTEN: Param = Param::number(
     "soften",
     Unit::METRE,
@@ -63,29 +63,29 @@ pub const SOFTEN: Param = Param::number(
 .for_good();
 
 crate::choice::choice! {
-    /// How the force of a one-sided spring is found.
+    /// Method of a one-sided spring.
     pub enum ContactMethod {
         /// explicit
         Ca = "ca",
-        /// by a difference of the potential
+        /// discrete gradient of the potential
         Stable = "stable",
-        /// by an auxiliary variable
+        /// energy quadratisation with an auxiliary variable
         Stable3d = "stable3d",
     }
 }
 
 crate::choice::choice! {
-    /// The method of a law that acts on both sides.
+    /// Method of a law that acts on both sides.
     pub enum ElasticMethod {
         /// explicit
         Ca = "ca",
-        /// by a difference of the potential
+        /// discrete gradient of the potential
         Stable = "stable",
     }
 }
 
 crate::choice::choice! {
-    /// On which side of its threshold a one-sided spring acts.
+    /// Side of its threshold on which a one-sided spring acts.
     pub enum Sense {
         /// below: keeps apart
         Outside = "outside",
@@ -94,7 +94,7 @@ crate::choice::choice! {
     }
 }
 crate::choice::choice! {
-    /// How many links two lists of ends make.
+    /// Pairing of two lists of ends.
     pub enum Pairs {
         /// one to one
         Each = "each",
@@ -104,7 +104,7 @@ crate::choice::choice! {
 }
 
 impl Sense {
-    /// +1 where it acts below its threshold, −1 above.
+    /// Returns +1 if it acts below its threshold, −1 above.
     pub fn sign(self) -> f64 {
         match self {
             Sense::Outside => 1.0,
@@ -130,7 +130,6 @@ pub const ELASTIC_METHOD: Param = Param::new(
     "ca: explicit, as in the field; stable: keeps energy at any stiffness, on a line or with `along`",
 );
 
-/// True where the parameter `at` says that the law runs by its potential.
 fn by_potential(p: &[ParamBinding], at: usize) -> bool {
     p.get(at).and_then(|p| p.number()).is_some_and(|word| ElasticMethod::of(word) == ElasticMethod::Stable)
 }
@@ -143,13 +142,13 @@ pub const PAIRS: Param = Param::new(
     "each: lists pair one to one; all: every pair, once",
 );
 
-/// Energy of the linear part between two ticks, with the negative mass of the backward damper (docs/numerics.md §2.1).
+/// Returns the linear energy between two ticks, with the negative mass of the damper (docs/numerics.md §2.1).
 #[inline(always)]
 fn linear_stored<R: Real>(k: R, z: R, e0: R, e1: R) -> R {
     R::of(0.5) * k * e0 * e1 - R::of(0.25) * z * (e1 - e0) * (e1 - e0)
 }
 
-/// Heat of a linear damper in one tick (docs/numerics.md §2.1); `z` in N per m/tick.
+/// Returns the heat of a linear damper in one tick (docs/numerics.md §2.1); `z` is in N per m/tick.
 #[inline(always)]
 fn linear_lost<R: Real>(z: R, e: [R; 3]) -> R {
     R::of(0.25) * z * (e[2] - e[0]) * (e[2] - e[0])

@@ -1,9 +1,10 @@
 //! PLK: a plectrum, with true hysteresis.
 //!
-//! Equation: engaged, F = k e + (z/T) w; lets go when |e| ≥ d; takes hold again when e changes sign. One-sided, it takes hold
-//! only when e rises through 0 (up) or falls (down), and lets go when e comes back to 0. Parameters:
-//! k \[N/m\], z \[N s/m\], d \[m\] > 0. Source: HSP v2 (contact-pluck), docs/numerics.md §2.2 for the energy: what is
-//! stored at release is entered as lost. Stability: as REF while engaged, but judged as a contact. Test: `tests/suite/laws/pluck.rs`.
+//! Equation: while engaged, F = k e + (z/T) w. It releases when |e| ≥ d, and engages again when e changes sign.
+//! One-sided, it engages only when e rises through 0 (up) or falls through 0 (down), and releases when e returns to 0.
+//! Parameters: k \[N/m\], z \[N s/m\], d \[m\] > 0. Source: HSP v2 (contact-pluck); for the energy docs/numerics.md
+//! §2.2: the energy stored at release is entered as lost. Stability: as REF while engaged, but judged as a contact.
+//! Test: `tests/suite/laws/pluck.rs`.
 
 use super::{
     ALONG, BETWEEN, Bound, ELASTIC_METHOD, Law, LawEntry, LawFns, PAIRS, Phi, by_potential, linear_lost, linear_stored,
@@ -13,9 +14,9 @@ use crate::method::potential::{self, Numbers, Potential};
 use crate::numeric::{NONE, Real, Table};
 
 crate::choice::choice! {
-    /// On which way it plucks.
+    /// Direction of motion in which it plucks.
     pub enum Side {
-        /// both
+        /// both directions
         Both = "both",
         /// when the second end rises past the first
         Up = "up",
@@ -25,7 +26,7 @@ crate::choice::choice! {
 }
 
 impl Side {
-    /// The sign of the elongation in which it holds; 0 where both do.
+    /// Returns the sign of the elongation at which it holds, or 0 for both.
     fn sign(self) -> f64 {
         match self {
             Side::Both => 0.0,
@@ -83,7 +84,6 @@ pub static LAW: Law = Law::of::<Plk, 5, 3>("PLK").or(&[&STABLE], |p| by_potentia
 static STABLE: Law = potential::alone::<Plk, 5, 4>("PLK stable", Law::of::<Plk, 5, 3>("PLK"), Some(&SHARED));
 static SHARED: Law = potential::shared::<Plk, 5, 4>("PLK stable, shared", Law::of::<Plk, 5, 3>("PLK"));
 
-/// The functions of its law over `R`.
 pub(super) fn laws<R: Real>() -> [LawEntry<R>; 3] {
     let law = LawFns::of::<Plk, 5, 3>();
     [
@@ -93,7 +93,8 @@ pub(super) fn laws<R: Real>() -> [LawEntry<R>; 3] {
     ]
 }
 
-/// Coefficients k, z/T, d, sign of the side, 1 where it holds at load; memory: 1 while engaged, the last elongation, energy given up at the last tick.
+/// Coefficients k, z/T, d, sign of the side, 1 if it holds at load. Memory: 1 while engaged, last elongation, energy
+/// lost.
 pub struct Plk;
 
 impl Phi<5, 3> for Plk {
@@ -114,11 +115,11 @@ impl Phi<5, 3> for Plk {
                 *engaged = R::ZERO;
                 *released = R::of(0.5) * k * e * e;
             } else if side * e < R::ZERO {
-                // next to nothing is stored there, and what a tick leaves of it is no heat
+                // almost nothing is stored there, and the remainder within a tick is not counted as heat
                 *engaged = R::ZERO;
             }
         } else if e.abs() < d {
-            // from one sign to the other, or from nothing to the side it holds on
+            // the elongation changed sign, or went from 0 to the side on which it holds
             let (rises, falls) = (*last <= R::ZERO && e >= R::ZERO, *last >= R::ZERO && e <= R::ZERO);
             if (rises && side >= R::ZERO) || (falls && side <= R::ZERO) {
                 *engaged = R::of(1.0);
@@ -140,10 +141,10 @@ impl Phi<5, 3> for Plk {
     }
 }
 
-/// Memory: 1 while engaged, the last elongation, and the elongations between which it is slack.
+/// Memory: 1 while engaged, the last elongation, and the bounds of the slack.
 ///
-/// It takes hold between two ticks. Energy is made unless it holds nothing at both, so their elongations bound a slack, in which its force
-/// is 0. The slack ends once the motion has left it.
+/// It engages between two ticks. To make no energy it must store nothing at both, so their elongations bound a slack in
+/// which its force is 0. The slack ends once the motion has left it.
 impl Potential<5, 4> for Plk {
     fn at_load<R: Real>(c: &[R; 5], e: R) -> [R; 4] {
         let [engaged, last, _] = Plk::start(c, e);
@@ -193,7 +194,6 @@ impl Potential<5, 4> for Plk {
     }
 }
 
-/// The part of an elongation beyond two bounds \[m\].
 fn beyond<R: Real>(low: R, high: R, e: R) -> R {
     if e > high {
         e - high

@@ -12,7 +12,7 @@ use crate::kind::{Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::potential::{self, Numbers, Potential};
 use crate::numeric::{Real, Table, quarter_mean, quarter_power};
 
-/// The exponent of a power law.
+/// Parameter `p`: exponent of a power law.
 pub const P: Param = Param::number("p", Unit::NONE, (1.0, 5.0), Need::Default(1.5), "exponent, a multiple of 1/4");
 
 /// POW in the catalog.
@@ -55,7 +55,6 @@ pub static LAW: Law = Law::of::<Pow, 4, 0>("POW").or(&[&STABLE], |p| by_potentia
 static STABLE: Law = potential::alone::<Pow, 4, 0>("POW stable", Law::of::<Pow, 4, 0>("POW"), Some(&SHARED));
 static SHARED: Law = potential::shared::<Pow, 4, 0>("POW stable, shared", Law::of::<Pow, 4, 0>("POW"));
 
-/// The functions of its law over `R`.
 pub(super) fn laws<R: Real>() -> [LawEntry<R>; 3] {
     let law = LawFns::of::<Pow, 4, 0>();
     [
@@ -95,7 +94,6 @@ impl Phi<4, 0> for Pow {
     }
 }
 
-/// The potential of the power law \[J\].
 #[inline(always)]
 fn power<R: Real>(q: R, n: R, e: R) -> R {
     q * quarter_power(e.abs(), n + R::of(4.0)) / (R::of(0.25) * n + R::of(1.0))

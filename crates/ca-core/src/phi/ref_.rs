@@ -2,7 +2,7 @@
 //!
 //! Equation: F = k e + (z/T) w. Parameters: k \[N/m\] ≥ 0, z \[N s/m\] ≥ 0. Source: CMJ 1993.
 //! Stability: (T²k + 2Tz)(1/m₁ + 1/m₂) < 4 for one link (docs/numerics.md §1.3). Test: A04, A10.
-//! Without viscosity it runs as RES, without stiffness as FRO, unless the parameter may change while playing.
+//! Without viscosity RES runs instead, without stiffness FRO, unless the parameter is live.
 
 use super::implicit::{METHOD, THETA};
 use super::{
@@ -54,11 +54,10 @@ pub static LAW: Law =
         _ => None,
     });
 
-/// FRO with the parameters of REF in their places.
+/// FRO with the parameters of REF.
 pub static ZONLY: Law =
     Law::of::<fro::Fro, 1, 0>("FRO").loaded_by(|p, tick_dt, out| out[0] = p[at::Z].unwrap_or(0.0) / tick_dt);
 
-/// The functions of its law over `R`.
 pub(super) fn laws<R: Real>() -> [LawEntry<R>; 1] {
     [(LAW.code, LawFns::of::<Ref, 2, 0>())]
 }

@@ -44,10 +44,9 @@ out = { from = "bob", gain = 1000 }
 
 crate::kind::positions!(KIND: K = "k");
 
-/// The law of RES; REF without viscosity becomes this.
+/// The law of RES. It also replaces REF without viscosity.
 pub static LAW: Law = Law::of::<Res, 1, 0>("RES");
 
-/// The functions of its law over `R`.
 pub(super) fn laws<R: Real>() -> [LawEntry<R>; 1] {
     [(LAW.code, LawFns::of::<Res, 1, 0>())]
 }

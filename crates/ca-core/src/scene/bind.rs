@@ -1,9 +1,9 @@
-//! Bind: a scene over `f64` as one over another number.
+//! Binds a scene over `f64` to another number type.
 //!
-//! The compiler makes scenes over `f64`. Each number is rounded once to `R`, each pass gets its kernel over `R`, and each
-//! law its functions over `R`. The start is computed anew in single precision; over dual numbers its values have the bits of
-//! `f64`. The scene has to be compiled for the precision of `R`, since kernels in vectors, and rows that stand
-//! folded for them, are over `f64` alone.
+//! The compiler makes scenes over `f64`. Binding rounds each number once to `R`, and gives each pass its kernel and
+//! each law its functions over `R`. In single precision the start is computed anew; over dual numbers its values have
+//! the bits of `f64`. The scene must be compiled for the precision of `R`, since vector kernels and folded rows are for
+//! `f64` alone.
 
 use super::{Before, Scene, start};
 use crate::numeric::{Precision, Real, Table, VerletList};
@@ -20,14 +20,14 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::fmt;
 
-/// Why a scene is not bound to another number.
+/// Why a scene cannot be bound to another number type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unbound {
-    /// no functions over this number were given for the law of this code
+    /// the functions of the law with this code over this number type were not given
     Law(&'static str),
-    /// points of a table coincide, or are beyond the number
+    /// points of a table coincide, or are out of range of the number type
     Table,
-    /// it was compiled for another precision
+    /// the scene was compiled for another precision
     Kernels,
 }
 
@@ -46,7 +46,7 @@ impl fmt::Display for Unbound {
 impl core::error::Error for Unbound {}
 
 impl Scene {
-    /// The same scene over `R`, whose laws have these functions.
+    /// Returns the same scene over `R`; `laws` gives the functions of its laws.
     ///
     /// # Errors
     /// [`Unbound`].
@@ -86,12 +86,12 @@ impl Scene {
     }
 }
 
-/// The form by which the list of forces runs links: rows that a pass of `moves` integrates are summed alone there.
+/// Returns the form of links in the list of forces. Rows that a pass of `moves` integrates are only summed there.
 pub(super) fn listed(form: Form) -> Form {
     Form { integrate: Integrate::No, folded: false, band: Band::None, ..form }
 }
 
-/// Passes with their kernels; `form` says by which form links run.
+/// Converts passes to their kernels over `R`; `form` selects the form of their links.
 fn ops<R: Real>(list: &[Op], laws: &Laws<R>, form: fn(Form) -> Form) -> Result<Vec<Op<R>>, Unbound> {
     let op = |op: &Op| {
         let &Op { kernel: _, pass, law, fns: _, form: of, ports, n, first, mat, coef, mem, tap } = op;
@@ -258,7 +258,6 @@ fn slow_group<R: Real>(g: &SlowGroup, laws: &Laws<R>) -> Result<SlowGroup<R>, Un
     })
 }
 
-/// A state at load.
 fn state<R: Real>(s: &State, layout: &Layout<R>) -> State<R> {
     let ledger = s.ledger.as_ref().map(|l| Box::new(Ledger { kick: reals(&l.kick), ..empty_ledger(layout) }));
     let slow = s.slow.as_ref().zip(layout.rates.slow.as_ref()).map(|(slow, group)| {

@@ -1,26 +1,24 @@
-//! What was proven of a scene's stability, as data; the compiler writes it.
+//! The certificate of a scene's stability, as data. The compiler writes it.
 
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// How sure the statement is.
+/// Level of certainty.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Level {
-    /// every link is linear or of a method that keeps energy, and the bound is below the limit: passive by theorem at every setting;
-    /// changing a parameter or moving a point does work. A contact or a friction at a moving port may still make some
+    /// every link is linear or conserves energy by its method, and the bound is below the limit: passive by theorem at
+    /// every setting. Changing a parameter or moving a point does work. A contact or friction at a moving point may
+    /// make energy
     Proven,
-    /// as `Proven` for small motions about the pose at load; distances in space keep energy to [`Certificate::ripple`],
-    /// without drift
+    /// like `Proven`, for small motions about the pose at load; distances conserve energy up to [`Certificate::ripple`]
     Linearised,
-    /// the linear links are proven; rules of thumb judge contacts and non-linear links, and set-valued friction of shared masses
-    /// creeps
+    /// the linear links are proven, others judged by rules of thumb; set-valued friction of shared masses creeps
     RuleOfThumb,
-    /// neither the bounds nor, where there was one, a factorisation settles it; or groups at the gesture rate have a compensated
-    /// border
+    /// neither bounds nor a factorisation decide, or groups at the gesture rate have a compensated border
     #[default]
     NotProven,
-    /// above the limit, by a module alone or by all together
+    /// above the limit, by one module or by all together
     Unstable,
 }
 
@@ -36,93 +34,93 @@ impl core::fmt::Display for Level {
     }
 }
 
-/// What a factorisation says.
+/// Result of a factorisation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FactorVerdict {
     /// all eigenvalues are below the limit
     Stable,
-    /// one is above it
+    /// one eigenvalue is above the limit
     Unstable,
-    /// it depends on more than was looked at
+    /// undecided: it depends on more than was examined
     Open,
 }
 
-/// A device key and what holds it.
+/// A device key and its links.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Key {
-    /// its name
+    /// name of the key
     pub name: String,
-    /// sum of the largest slopes of all links at it \[N/m\]; of laws that stiffen without end, the slope at rest
+    /// sum of the largest slopes of all links at it \[N/m\]; for laws that stiffen without limit, the slope at rest
     pub k: f64,
-    /// sum of the viscosities of all links at it \[N s/m\], the steepest of a curve
+    /// sum of the viscosities of all links at it \[N s/m\], for a curve the steepest
     pub z: f64,
-    /// friction that sticks holds it: set-valued, so that no slope is known
+    /// true if set-valued friction holds it, which has no known slope
     pub sticks: bool,
-    /// of which modules: name and slope \[N/m\], those of a list or a set together
+    /// modules that contribute to `k`: name and slope \[N/m\], summed over a list or a set
     pub links: Vec<(String, f64)>,
 }
 
-/// Contacts, non-linear links and friction, which are judged by rule (docs/numerics.md §3.2).
+/// Rules of thumb for contacts, non-linear links and friction (docs/numerics.md §3.2).
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Rules {
-    /// largest contact stiffness ratio kT²/m; an explicit contact makes energy at any, see
+    /// largest contact stiffness ratio kT²/m; an explicit contact makes energy at any ratio, see
     /// [`Growth::near`](crate::scene::growth::Growth::near)
     pub contact: f64,
-    /// the contact it belongs to
+    /// name of the contact with this ratio
     pub stiffest: String,
-    /// largest T²k + 2Tz against the masses of a contact while it presses, where it is steepest within reach; at 4 and above it is
-    /// unstable by itself
+    /// largest T²k + 2Tz of a closed contact against its masses, at its steepest within reach; from 4 on it is unstable
     pub closed: f64,
-    /// of what is judged by rule, the link that uses the largest share of its limit
+    /// name of the link that uses the largest share of its limit, among those judged by rule
     pub decides: String,
-    /// hardening links with an unknown largest elongation: the certificate judges them at rest
+    /// hardening links with an unknown largest elongation, which are judged at rest
     pub open: Vec<String>,
-    /// of contacts by a power of their depth, p q η^(p−1) T²/m reaches 1 in this one first, at this depth η \[m\]
+    /// contact by a power of its depth η whose p q η^(p−1) T²/m reaches 1 first, and this depth \[m\]
     pub depth: Option<(String, f64)>,
-    /// steepest friction along a curve against the masses, slope·T/m; recommended up to 1.5
+    /// steepest friction along a curve against the masses, slope·T/m; at most 1.5 is recommended
     pub friction: f64,
 }
 
-/// What the compiler could prove.
+/// Stability statements that the compiler could prove.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Certificate {
-    /// how sure
+    /// level of certainty
     pub level: Level,
-    /// upper bound of the largest eigenvalue of T²K + 2TC against M; the limit is 4. Of a model that goes by `pefrl`
-    /// it is counted in quarters of that method's own, [`crate::method::pefrl::LIMIT`]
+    /// upper bound of the largest eigenvalue of T²K + 2TC against M; the limit is 4. For a model with `pefrl` it is
+    /// scaled so that 4 stands for the limit of that method, [`crate::method::pefrl::LIMIT`]
     pub bound: f64,
-    /// lower bound of the same
+    /// lower bound of the same eigenvalue
     pub lower: f64,
-    /// true where a factorisation decided what the bounds left open
+    /// true if a factorisation decided what the bounds left open
     pub exact: bool,
-    /// the largest eigenvalue itself, from … to, where it was asked for
+    /// interval of the largest eigenvalue itself, if requested
     pub largest: Option<(f64, f64)>,
-    /// where a factorisation decided: how much T²k + 2Tz of one more link from any one mass to the ground may be against
-    /// its mass \[1\], rounded down to a power of two, so that its last digits, which differ between processors, decide nothing.
-    /// `None` where it was not looked at
+    /// after a factorisation: the largest T²k + 2Tz that one more link from any single mass to ground may have against
+    /// its mass \[1\], rounded down to a power of two, since last digits differ between processors; `None` if not
+    /// examined
     pub room: Option<f64>,
-    /// of a linearised scene: by what share of itself the energy above that of rest may at most rise, at any time, above
-    /// what it was at any time before; for motions small against the lengths of links, about a pose of rest in which no
-    /// link is pressed, and left alone. `None` where that is not known
+    /// for a linearised scene: the largest rise of the energy above rest, at any time, over any earlier value, relative
+    /// to that value. It holds for an undisturbed scene, for motions small against the lengths of links, about a pose
+    /// of rest in which links carry no force. `None` if it is not known
     pub ripple: Option<f64>,
-    /// the module nearest to the limit; empty where nothing has one
+    /// module nearest to the limit; empty if no module has one
     pub worst: String,
     /// contacts, non-linear links and friction
     pub rules: Rules,
-    /// items with masses that nothing hears: they are left out, and nothing here is said of them
+    /// items that have masses but do not reach any output: they are left out, and the certificate does not cover them
     pub not_judged: Vec<String>,
-    /// device keys that something stiff holds
+    /// device keys with stiff links
     pub keys: Vec<Key>,
 }
 
 impl Certificate {
-    /// How many times stiffer everything could be: limit over what is known of the largest eigenvalue from above, or what
-    /// the rules leave to the stiffest contact (up to 1, and 4 with its viscosity) and the steepest friction (up to 1.5), where
-    /// that is less.
-    /// Infinite where nothing has a limit: without links, or with methods that have none.
+    /// Returns the factor by which everything could be stiffer: the limit over the upper bound of the largest
+    /// eigenvalue, or the margin of the stiffest contact (up to 1, and 4 with viscosity) or steepest friction (up to
+    /// 1.5), if less.
+    ///
+    /// It is infinite if nothing has a limit: without links, or with methods without a limit.
     pub fn margin(&self) -> f64 {
         let linear = 4.0 / self.largest.map_or(self.bound, |l| l.1).max(0.0);
         let room = |limit: f64, now: f64| if now > 0.0 { limit / now } else { f64::INFINITY };

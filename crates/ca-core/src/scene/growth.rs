@@ -1,14 +1,14 @@
 //! Measured growth of energy at explicit contacts.
 //!
-//! An explicit contact makes or takes energy at each blow, depending on the phase (docs/numerics.md §3.2), so no stiffness is
-//! without growth. This module holds how often energy grew, measured by `tests/suite/compiler/growth.rs`: a ball
-//! between two walls, without losses, its stiffness drawn up to a factor of √2 around each value, place and speed drawn too.
+//! An explicit contact makes or takes energy at each impact, depending on the phase (docs/numerics.md §3.2), at any
+//! stiffness. `tests/suite/compiler/growth.rs` measured how often energy grew: a ball between two lossless walls, its
+//! stiffness drawn up to a factor of √2 around each value, with position and speed drawn too.
 
-/// Starts that were drawn of each stiffness.
+/// Number of random starts per stiffness.
 pub const STARTS: u32 = 24;
-/// Length of each run \[s\], at 48 kHz.
+/// Duration of each run \[s\], at 48 kHz.
 pub const SECONDS: u32 = 60;
-/// Energy over that at load that counts as growth.
+/// Energy relative to load that counts as growth.
 pub const TIMES: f64 = 1.5;
 
 /// Growth at one stiffness.
@@ -16,11 +16,11 @@ pub const TIMES: f64 = 1.5;
 pub struct Growth {
     /// kT²/m
     pub stiffness: f64,
-    /// starts of [`STARTS`] whose energy passed [`TIMES`] within [`SECONDS`]
+    /// number of the [`STARTS`] whose energy exceeded [`TIMES`] within [`SECONDS`]
     pub grew: u32,
 }
 
-/// All that was measured.
+/// All measurements.
 pub const MEASURED: [Growth; 6] = [
     Growth { stiffness: 0.01, grew: 0 },
     Growth { stiffness: 0.03, grew: 2 },
@@ -31,7 +31,7 @@ pub const MEASURED: [Growth; 6] = [
 ];
 
 impl Growth {
-    /// The measurement at the next stiffness from `stiffness` on, or the last.
+    /// Returns the measurement at the next stiffness from `stiffness` on, or the last one.
     pub fn near(stiffness: f64) -> Growth {
         let last = MEASURED[MEASURED.len() - 1];
         MEASURED.into_iter().find(|g| g.stiffness >= stiffness).unwrap_or(last)

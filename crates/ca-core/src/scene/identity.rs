@@ -1,10 +1,10 @@
-//! Identity: which scene a state or a patch belongs to, as one number.
+//! The identity of a scene, to which a state or a patch belongs, as one number.
 //!
-//! Decides on a hash of what the tick reads (arrays, passes and the state at load) rather than on a counter of
-//! compilations: the same model compiled twice is the same scene, so that a snapshot outlives the scene it was taken
-//! of, two such states are equal, and `compile` keeps nothing between two calls. Names, findings and the certificate
-//! are not part of it, since no tick reads them. It is computed once, at load; [`tick`](crate::tick()) compares it,
-//! [`State::apply`](crate::State::apply) too. It tells mistakes apart, not attackers.
+//! It is a hash of what the tick reads (arrays, passes and the state at load), not a counter of compilations. The same
+//! model compiled twice is the same scene: a snapshot remains valid after its scene is gone, two such states are equal,
+//! and `compile` stores nothing between calls. Names, findings and the certificate are not included, since the tick
+//! does not read them. The identity is computed once, at load. [`tick`](crate::tick()) and
+//! [`State::apply`](crate::State::apply) compare it. It detects mistakes, not attacks.
 
 use crate::numeric::Real;
 use crate::numeric::words::word;
@@ -15,17 +15,21 @@ use crate::state::{Identity, State};
 use core::fmt::{self, Write as _};
 use core::hash::Hasher as _;
 
-/// The arithmetic of a tick, by number: what was played by another may differ in last bits, in the scenes that
-/// [`same_since`] names. 0: the distances of the tick before were had from motion, and the outputs of a channel summed one
-/// by one; 1: distances are kept, and many outputs of a channel summed in lanes; 2: what force ports push on a line is added behind
-/// the forces of links, and not before them; 3: links that are written one by one are summed in the order of rows, linear ones on a
-/// line first; 4: contacts that are solved together let go of what they hold below 1e-200 J; 5: set-valued friction sticks from the first tick on where
-/// nothing moves at load; 6: ports at links that count on the motion to come run a tick late, and `stable` contacts that share masses on a line are solved by
-/// discrete gradients. Takes of before 5 and 6 are compiled as
-/// they were, and so play the same bits.
+/// Number of the arithmetic of a tick. Another arithmetic may differ in last bits, in the scenes given by
+/// [`same_since`].
+///
+/// - 0: distances of the tick before were computed from motion, and the outputs of a channel summed one by one.
+/// - 1: distances are stored, and many outputs of a channel are summed in lanes.
+/// - 2: forces of force ports on a line are added after the forces of links instead of before.
+/// - 3: links written one by one are summed in the order of rows, linear ones on a line first.
+/// - 4: contacts that are solved together drop stored energy below 1e-200 J.
+/// - 5: set-valued friction sticks from the first tick on if nothing moves at load.
+/// - 6: ports at links solved with the coming motion run a tick late; shared `stable` contacts use discrete gradients.
+///
+/// Takes from before 5 and 6 are compiled as they were then, and so play the same bits.
 pub const ARITHMETIC: u32 = 6;
 
-/// The oldest arithmetic that plays a scene to the same bits as [`ARITHMETIC`].
+/// Returns the oldest arithmetic that plays a scene with the same bits as [`ARITHMETIC`].
 pub fn same_since<R: Real>(scene: &Scene<R>) -> u32 {
     let measures = |op: &Op<R>| {
         let second = op.ports.onto.map(|onto| onto.0);
@@ -47,7 +51,7 @@ pub fn same_since<R: Real>(scene: &Scene<R>) -> u32 {
     u32::from(scene.passes.forces.iter().any(measures) || !scene.layout.out.output_rows.is_empty())
 }
 
-/// The identity of the scene with these arrays, passes and state at load.
+/// Computes the identity of a scene from its arrays, passes and state at load.
 pub fn identify<R: Real>(layout: &Layout<R>, passes: [&[Op<R>]; 4], initial: &State<R>) -> Identity {
     let mut h = Words(fnv::FnvHasher::default());
     h.layout(layout);
@@ -63,8 +67,7 @@ pub fn identify<R: Real>(layout: &Layout<R>, passes: [&[Op<R>]; 4], initial: &St
     Identity(h.0.finish().max(1))
 }
 
-/// A hash of words. What is long goes in as bits; what is short, as it is written for debugging, which leaves out no
-/// field.
+/// A hash of words. Long arrays enter as bits, short records as their debug text, which omits no field.
 struct Words(fnv::FnvHasher);
 
 impl fmt::Write for Words {
@@ -79,20 +82,18 @@ impl Words {
         word(&mut self.0, v);
     }
 
-    /// A list of numbers, behind its length.
     fn numbers<'n, R: Real>(&mut self, all: impl ExactSizeIterator<Item = &'n R>) {
         self.word(all.len() as u64);
         all.for_each(|v| self.word(v.wide().to_bits()));
     }
 
-    /// The same of places.
     fn places<'n>(&mut self, all: impl ExactSizeIterator<Item = &'n u32>) {
         self.word(all.len() as u64);
         all.for_each(|v| self.word(u64::from(*v)));
     }
 
     fn debug(&mut self, value: &impl fmt::Debug) {
-        // a hash takes all that is written
+        // writing to a hash cannot fail
         let _ = write!(self, "{value:?};");
     }
 
@@ -101,7 +102,7 @@ impl Words {
         self.word(u64::MAX);
     }
 
-    /// All of a layout: who adds an array to it is asked here what to do with it.
+    /// Adds a layout. It names each field, so that adding one requires a decision here.
     fn layout<R: Real>(&mut self, layout: &Layout<R>) {
         let Layout {
             rates: Rates { sample_dt, ratio, frame, slow, substeps },

@@ -1,6 +1,6 @@
-//! Scene: a compiled model. Immutable; shared between threads; everything a tick reads and never writes.
+//! Scene: a compiled model. It is immutable and shared between threads, and holds everything that a tick only reads.
 //!
-//! Counts first, then arrays with their shape. All of it is written once, by the compiler (`ca-compile`), whose findings are not part of it.
+//! Counts come first, then arrays with their shapes, all written once by the compiler (`ca-compile`).
 
 mod bind;
 pub mod certificate;
@@ -34,7 +34,7 @@ pub use plan::{PLAN_VERSION, Plan, PlanError};
 pub use start::{Order, Start, start};
 pub use symbols::{Location, Symbol, Symbols};
 
-/// What stands in a place of [`State::input`].
+/// Meaning of a value in [`State::input`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum InputRole {
@@ -46,26 +46,26 @@ pub enum InputRole {
     Device,
 }
 
-/// One place of [`State::input`].
+/// A value in [`State::input`].
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Input {
     /// name of the port
     pub name: String,
-    /// what it takes
+    /// meaning of the value
     pub role: InputRole,
-    /// the value it has before anything is heard \[m\] or \[N\]
+    /// value before anything has sounded \[m\] or \[N\]
     pub rest: f64,
-    /// its MIDI mapping, if the model has one
+    /// MIDI mapping, if the model has one
     pub midi: Option<MidiMap>,
     /// device and degree of freedom of a TGR
     pub device: Option<(String, u32)>,
-    /// between the hand and this place, for a device
+    /// gains between the device and this value, for a device
     pub gains: Gains,
 }
 
-/// A spring and a damper side by side from a device port to a mass, which has the links of the port instead: the device cannot
-/// render these (docs/numerics.md §5.2). In the numbers of the model.
+/// A virtual coupling: a spring and a damper in parallel, from a device port to a mass that carries the links of the
+/// port, since the device cannot render these itself (docs/numerics.md §5.2). All numbers are in units of the model.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Coupling {
@@ -75,9 +75,9 @@ pub struct Coupling {
     pub k: f64,
     /// viscosity of the damper \[N s/m\]
     pub z: f64,
-    /// the mass \[kg\]
+    /// mass \[kg\]
     pub m: f64,
-    /// the stiffness that is felt of the links at their stiffest \[N/m\]
+    /// stiffness at the device when the links are at their stiffest \[N/m\]
     pub felt: f64,
 }
 
@@ -85,58 +85,59 @@ pub struct Coupling {
 pub struct Scene<R: Real = f64> {
     /// sound rate \[Hz\]
     pub rate: f64,
-    /// what the passes read
+    /// arrays that the passes read
     pub layout: Layout<R>,
-    /// what a tick runs
+    /// passes of a tick
     pub passes: Passes<R>,
     /// indices into [`State::input`]
     pub inputs: Vec<Input>,
-    /// what the outputs are called
+    /// names of the outputs
     pub names: OutputNames,
     /// live coefficients and how to compute them
     pub live: LivePlan,
-    /// what the author says of it
+    /// title, gestures and other statements of the author
     pub about: About,
-    /// name and place of every module, MATs first, in document order
+    /// name and location of every module, MATs first, in document order
     pub symbols: Symbols,
-    /// stability as the compiler could prove it
+    /// stability as proven by the compiler
     pub certificate: Certificate,
-    /// how it is in the hand
+    /// the model at a device
     pub hand: InHand,
     /// the state at load
     pub initial: State<R>,
-    /// what it was made of, where ports are part of the start, or the scene is bound to another precision
+    /// source of the state at load, if ports are part of the start, or the scene is bound to another precision
     pub before: Option<Before<R>>,
 }
 
-/// The parts of which the state at load is made.
+/// The parts from which the state at load is made.
 #[derive(Clone)]
 pub struct Before<R: Real = f64> {
-    /// the rules of the start
+    /// rules of the start
     pub start: Start,
-    /// the state as written
+    /// state as written
     pub state: State<R>,
-    /// the passes that sum forces, in the order in which the start sums them
+    /// passes that sum forces, in the order of the start
     pub forces: Vec<Op<R>>,
 }
 
 impl<R: Real> Scene<R> {
-    /// A state at load, the only allocation of a scene's life.
+    /// Returns a state at load. This allocates; a tick does not.
     pub fn state(&self) -> State<R> {
         self.initial.clone()
     }
 
-    /// What its states and patches are known by: the same of a model that is compiled twice with the same options.
+    /// Returns the identity of its states and patches, which is the same for the same model and compiler options.
     pub fn identity(&self) -> Identity {
         self.initial.scene
     }
 
-    /// A state at load under hands that are at a place and under way: `hand` gives, for an index into [`State::input`], the
-    /// absolute position \[m\] and its change per tick \[m\] at the first tick, or `None` where it stands still at rest.
+    /// Returns a state at load whose ports have an initial position and motion. `hand` gives, for an index into
+    /// [`State::input`], the position \[m\] and its change per tick \[m\] at the first tick, or `None` for a port at
+    /// rest.
     ///
-    /// Only position ports that some link feels by the motion to come are asked for ([`crate::op::layout::Enx::implicit`]): those
-    /// links are of second order or more from the first tick on. All others begin as by [`Scene::state`], from a hand
-    /// that stands where it is.
+    /// It is called only for position ports with links that are solved with the coming motion
+    /// ([`crate::op::layout::Enx::implicit`]). Those links are of second order or more from the first tick on. All
+    /// other ports begin as with [`Scene::state`], standing still.
     pub fn state_from(&self, hand: impl Fn(usize) -> Option<[f64; 2]>) -> State<R> {
         let moves = self.layout.oversample() == 1 && self.layout.ports.enx.iter().any(|p| p.implicit);
         let Some(before) = self.before.as_ref().filter(|_| moves) else { return self.state() };
@@ -153,51 +154,50 @@ impl<R: Real> Scene<R> {
         s
     }
 
-    /// MATs by number, whatever their axes.
+    /// Returns the number of MATs, with any number of axes.
     pub fn mats(&self) -> usize {
         self.symbols.mats()
     }
 
-    /// LIAs by number; [`Counts::n_lia`](crate::op::layout::Counts::n_lia) also counts places in a row that no link takes.
+    /// Returns the number of LIAs. [`Counts::n_lia`](crate::op::layout::Counts::n_lia) also counts the padding of rows.
     pub fn lias(&self) -> usize {
         self.symbols.lias().len()
     }
 
-    /// The index into [`State::input`] of the port `name`.
+    /// Returns the index into [`State::input`] of the port `name`.
     pub fn input(&self, name: &str) -> Option<usize> {
         self.inputs.iter().position(|i| i.name == name)
     }
 
-    /// Name of the MAT at a place of the state; the three places of one in space have its name.
+    /// Returns the name of the MAT at a slot of the state. The three slots of a MAT in space have the same name.
     pub fn mat_name(&self, mat: usize) -> Cow<'static, str> {
         self.symbols.mat(mat).map_or("a moving point".into(), |n| n.to_string().into())
     }
 
-    /// Name of the link with this number in the ledger.
+    /// Returns the name of the link with this number in the ledger.
     pub fn audited_name(&self, link: usize) -> Option<Cow<'static, str>> {
         let of = |a: &&Account<R>| (a.first..a.first + a.n).contains(&link);
         let account = self.layout.ledger.as_ref()?.accounts.iter().find(of)?;
         Some(lia_name(self, account.op, link - account.first))
     }
 
-    /// The live parameters, to be played.
+    /// Returns the live parameters, for playing.
     pub fn controls(&self) -> Controls {
         Controls::new(&self.live, 1.0 / (self.rate * f64::from(self.oversample()))).over::<R>()
     }
 }
 
-/// Name of a link of a scene by op and position.
+/// Returns the name of a link by op and position.
 pub fn lia_name<R: Real>(scene: &Scene<R>, op: usize, i: usize) -> Cow<'static, str> {
     scene.symbols.lia(op, i).map_or("?".into(), |n| n.to_string().into())
 }
 
-/// Modules of a pass of a scene. [`Op::n`] also counts places in a row that no link takes, and of a mesh only one of its
-/// two directions.
+/// Returns the modules of a pass. [`Op::n`] also counts padding, and for a mesh only one of its two directions.
 pub fn modules<R: Real>(scene: &Scene<R>, op: &Op<R>) -> usize {
     if op.law.is_none() || op.form.stride == 0 {
         return op.n;
     }
-    // the links of a pass that integrates are listed behind all other links, both directions of a mesh from one mass on
+    // links that a pass integrates are listed after all others; both directions of a mesh start at the same mass
     let fused = scene.passes.summed().len();
     let runs = |i: usize| {
         let listed = &scene.passes.forces[i];
@@ -206,7 +206,7 @@ pub fn modules<R: Real>(scene: &Scene<R>, op: &Op<R>) -> usize {
     scene.symbols.lias().iter().filter(|l| runs(l[0] as usize)).count()
 }
 
-/// The links in the ledger of a scene, each with its number there: all at once, since one by one they are looked for anew.
+/// Iterates over the links in the ledger, each with its number there. Finding them one by one would search each time.
 pub fn audited_links<R: Real>(scene: &Scene<R>) -> impl Iterator<Item = (usize, Name)> + '_ {
     let accounts = scene.layout.ledger.as_ref().map_or(&[][..], |l| &l.accounts);
     scene.symbols.iter().skip(scene.symbols.mats()).filter_map(|s| {
@@ -216,7 +216,7 @@ pub fn audited_links<R: Real>(scene: &Scene<R>) -> impl Iterator<Item = (usize, 
     })
 }
 
-/// A scene reads as its layout, with names added: `scene.counts.n_mat`, `scene.rates.sample_dt`.
+/// A scene dereferences to its layout: `scene.counts.n_mat`, `scene.rates.sample_dt`.
 impl<R: Real> core::ops::Deref for Scene<R> {
     type Target = Layout<R>;
     fn deref(&self) -> &Layout<R> {

@@ -1,9 +1,9 @@
-//! Numbers: all numbers of the tick that a scene begins with, one after the other, for whoever writes their derivatives.
+//! All numbers with which the tick of a scene begins, in sequence, for code that writes their derivatives.
 //!
-//! Decides that the derivatives of coefficients, places and lengths by a parameter of the model are had from outside, by
-//! differences between scenes that were compiled with other values of it (`ca-gradient`): the compiler computes smooth
-//! functions to the last digits, and its formulas stay written once. What is not a number of the tick decides how it
-//! runs, and has to be the same in all of them: [`structure`].
+//! The derivatives of coefficients, positions and lengths by a model parameter are computed outside, by differences
+//! between scenes compiled with other values of the parameter (`ca-gradient`). The compiler computes smooth functions
+//! to the last digits, and its formulas need no second version. Everything other than these numbers determines how the
+//! tick runs, and must be the same in all of these scenes: [`structure`].
 
 use crate::numeric::Real;
 use crate::op::layout::{Counts, LinkArrays, OutputArrays, Places, PortArrays, Rates};
@@ -11,8 +11,7 @@ use crate::op::layout::{Layout, Termination};
 use crate::scene::{Scene, identify};
 use crate::state::{Identity, State};
 
-/// Calls `visit` for each number; in the same order for scenes of one [`structure`]. Groups at the gesture rate and device
-/// ports are left out.
+/// Calls `visit` for each number (not of slow groups or devices), in the same order for the same [`structure`].
 pub fn numbers<R: Real<Outer = R>>(scene: &mut Scene<R>, visit: &mut impl FnMut(&mut R)) {
     layout(&mut scene.layout, visit);
     state(&mut scene.initial, visit);
@@ -21,7 +20,7 @@ pub fn numbers<R: Real<Outer = R>>(scene: &mut Scene<R>, visit: &mut impl FnMut(
     }
 }
 
-/// The identity of all of a scene but its numbers, which are 0 afterwards.
+/// Sets all numbers of a scene to 0 and returns the identity of the rest.
 pub fn structure<R: Real<Outer = R>>(scene: &mut Scene<R>) -> Identity {
     numbers(scene, &mut |v| *v = R::ZERO);
     identify(
@@ -32,7 +31,7 @@ pub fn structure<R: Real<Outer = R>>(scene: &mut Scene<R>) -> Identity {
 }
 
 fn layout<R: Real<Outer = R>>(layout: &mut Layout<R>, visit: &mut impl FnMut(&mut R)) {
-    // who adds an array to it is asked here what to do with it
+    // names each field, so that adding one requires a decision here
     let Layout {
         links: LinkArrays { reach, e0, ends: _, onto: _, rows: _, pair_sets: _ },
         places:
@@ -81,8 +80,8 @@ fn layout<R: Real<Outer = R>>(layout: &mut Layout<R>, visit: &mut impl FnMut(&mu
     }
 }
 
-/// Of a state at load; what is written in passing, and what nothing has written yet, has no derivative. Forces at load are those that the
-/// start of mi.lib leaves to the first tick, which the ledger knows too.
+/// Visits a state at load. Temporary numbers, and numbers not yet written, have no derivative. The forces at load are
+/// those that the start of mi.lib leaves to the first tick, which are also in the ledger.
 fn state<R: Real<Outer = R>>(s: &mut State<R>, visit: &mut impl FnMut(&mut R)) {
     for all in [&mut s.x, &mut s.d, &mut s.coef, &mut s.links.lengths] {
         all.iter_mut().for_each(&mut *visit);

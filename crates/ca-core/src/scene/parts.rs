@@ -1,4 +1,4 @@
-//! The parts of a scene: its passes, the names of its outputs, the words of the author, the model in the hand.
+//! The parts of a scene: passes, names of outputs, statements of the author, the model at a device.
 
 use super::Coupling;
 use crate::equivalence::Equivalence;
@@ -14,13 +14,13 @@ pub struct Passes<R: Real = f64> {
     pub reads: Vec<Op<R>>,
     /// passes that sum forces at the present positions, then the rows that `moves` sum (see [`Passes::fused`])
     pub forces: Vec<Op<R>>,
-    /// how many of the last of `forces` no tick runs by themselves, since a pass of `moves` sums them and integrates
+    /// number of passes at the end of `forces` that a pass of `moves` runs and integrates in their place
     pub fused: usize,
     /// passes that write outputs
     pub writes: Vec<Op<R>>,
     /// passes that move the MATs
     pub moves: Vec<Op<R>>,
-    /// links are summed, or masses stand, in another order than by arithmetic 2, so that rows are found
+    /// true if links are summed, or masses stored, in another order than in arithmetic 2, so that rows are found
     pub sorted: bool,
 }
 
@@ -29,37 +29,36 @@ pub struct Passes<R: Real = f64> {
 pub struct OutputNames {
     /// names of the sound channels (channels)
     pub channel_names: Vec<String>,
-    /// names of the probes (n_out − channels): the selector, or the module where it chose several, with `.x`, `.y`, `.z`
-    /// for what is in space
+    /// names of the probes (n_out − channels): the selector, or its module if several, with `.x`, `.y`, `.z` in space
     pub probe_names: Vec<String>,
-    /// for each of them the selector that asked for it, a place in the list that the compiler was given
+    /// index of the selector of each probe, in the list given to the compiler
     pub probe_of: Vec<u32>,
 }
 
-/// The words of the author about a model, and the notes of the compiler.
+/// Statements of the author about a model, and notes of the compiler.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct About {
     /// title of the model
     pub title: String,
-    /// how long the author lets it sound \[s\], if said
+    /// duration that the author gives for it \[s\], if any
     pub seconds: Option<f64>,
-    /// the built-in gesture of the model: what it drives and its points \[s, value\]
+    /// built-in gesture of the model: inputs with their points \[s, value\]
     pub gestures: Vec<(String, Vec<[f64; 2]>)>,
-    /// what the passes of the compiler left out, in words
+    /// descriptions of what the compiler left out
     pub left_out: Vec<String>,
 }
 
-/// A model in the hand.
+/// A model at a device.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InHand {
-    /// how large and heavy the model is in the hand
+    /// size and weight of the model at the device
     pub equivalence: Equivalence,
-    /// device ports that are coupled to their links
+    /// device ports with a virtual coupling to their links
     pub couplings: Vec<Coupling>,
 }
 
 impl<R: Real> Passes<R> {
-    /// The passes of [`Passes::forces`] that a tick runs by themselves.
+    /// Returns the passes of [`Passes::forces`] that a tick runs.
     pub fn summed(&self) -> &[Op<R>] {
         &self.forces[..self.forces.len() - self.fused]
     }

@@ -1,4 +1,4 @@
-//! Start: the state at load.
+//! The start: computes the state at load.
 
 use crate::numeric::Real;
 use crate::op::layout::Layout;
@@ -7,33 +7,31 @@ use crate::op::{Op, Pass, pass};
 use crate::state::State;
 use alloc::vec::Vec;
 
-/// How a state becomes that of the first tick.
+/// Order of accuracy of the first tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Order {
-    /// d₀ = v T − ½ (T²/m) F(x₀), docs/numerics.md §1.1: an error of the third order in one tick, of the second in
-    /// speed
+    /// d₀ = v T − ½ (T²/m) F(x₀), docs/numerics.md §1.1: error of third order in one tick, of second order in speed
     Second,
-    /// and + ⅙ of what (T²/m) F gains over the motion v T, the third derivative: for a tick of the fourth order
+    /// adds ⅙ of the change of (T²/m) F over the motion v T, the third derivative; for ticks of fourth order
     Fourth,
-    /// d is motion itself: d₀ = v T
+    /// d is the motion itself: d₀ = v T
     Exact,
 }
 
-/// The rules of a start.
+/// Rules of a start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Start {
-    /// the order of the first tick
+    /// order of the first tick
     pub order: Order,
-    /// whether friction that sticks holds what stands still at load; before arithmetic 5 it began as sliding
+    /// true if set-valued friction holds ends that are at rest at load; before arithmetic 5 it began sliding
     pub sticks: bool,
 }
 
-/// The start: x stays, and d, which is v T, becomes x₀ − x₋₁ of a motion that has this place and speed at load.
+/// Computes the start: x stays, and d, given as v T, becomes x₀ − x₋₁ of a motion with this position and speed at load.
 ///
-/// Decides for what the scheme itself makes of the forces, implicit parts included: from rest the tick before is then the
-/// mirror of the tick after, whatever the order.
+/// The forces include implicit parts, so that from rest the tick before mirrors the tick after, at any order.
 pub fn start<R: Real>(
     layout: &Layout<R>,
     forces: &[Op<R>],
@@ -46,7 +44,7 @@ pub fn start<R: Real>(
         for op in forces {
             let Some((law, fns)) = op.law.zip(op.fns).filter(|(l, _)| l.mem > 0) else { continue };
             for i in 0..op.n {
-                // of what began as sliding the ends are taken to move
+                // friction that began sliding is given a motion
                 let (mut e, mut w) = (layout.links.e0[op.first + i], R::of(if sticks { 0.0 } else { 1.0 }));
                 for (measure, ends, reach) in measure::ports(layout, &op.ports, op.first, i) {
                     let measured = measure::measure(measure, &s.x, &s.d, ends, &reach);
@@ -78,7 +76,7 @@ pub fn start<R: Real>(
         (0..n).map(of).collect()
     };
     let more = (order == Order::Fourth).then(|| {
-        // half a tick of the motion each way, without that which dampers feel
+        // half a tick of the motion each way, without motion that dampers would resist
         let [ahead, behind] = [R::of(0.5), -R::of(0.5)].map(|share| {
             let mut at = s.clone();
             for (x, d) in at.x.iter_mut().zip(&mut at.d) {

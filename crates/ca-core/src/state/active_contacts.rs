@@ -1,56 +1,56 @@
-//! Links that are solved together in a tick, as data: the methods of `method` gather them, and `method/together.rs` solves.
+//! Links solved together in a tick, as data. The modules of `method` collect them, and `method/together.rs` solves.
 //!
-//! Decides for one record per contact with the vectors of the solver in it, instead of an array per vector: few are
-//! ever active at once, and all numbers of one are used together. Room for all is made at load, so no tick allocates.
+//! Each contact is one record with its entries of the solver vectors: few contacts are active at once, and the numbers
+//! of one are used together. Capacity for all is allocated at load.
 
 use crate::numeric::{Real, Table};
 use alloc::vec::Vec;
 
-/// The push of a contact as a curve over the motion to come (`method/cluster.rs`).
+/// Push of a contact as a curve over the motion of the coming tick (`method/cluster.rs`).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Curve<R: Real> {
-    /// the push \[N\] and how it rises \[N/m\], without viscosity
+    /// push \[N\] and its derivative \[N/m\], without viscosity
     pub push: AtChange<R, [R; 2]>,
-    /// the potential before the tick less that after it \[J\]
+    /// potential before the tick less that after it \[J\]
     pub released: AtChange<R, R>,
 }
 
-/// A function of the coefficients of a law, the tables, the penetration before the tick \[m\] and its change over two ticks \[m\].
+/// Function of coefficients, tables, the penetration before the tick \[m\] and its change over two ticks \[m\].
 pub(crate) type AtChange<R, T> = fn(&[R; COEFS], &[Table<R>], R, R) -> T;
 
-/// Coefficients of a law whose push is a curve.
+/// Number of coefficients of a law whose push is a curve.
 pub(crate) const COEFS: usize = 5;
 
-/// The part of a contact in a tick.
+/// Role of a contact in a tick.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Part {
-    /// it touches
+    /// touches
     #[default]
     Acts,
-    /// it touches nothing unless another contact pushes it
+    /// touches nothing, but another contact may push it
     Waits,
-    /// it is left out, since it would pull
+    /// is left out, since it would pull
     LeftOut,
 }
 
-/// One link that acts in this tick; of friction, γ and ψ are 0, and the elongation is a penetration that shrinks.
+/// One link that acts in this tick. For friction, γ and ψ are 0, and the elongation is a penetration that shrinks.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ActiveContact<R: Real = f64> {
-    /// first slot of either end
+    /// first slot of each end
     pub ends: [u32; 2],
     /// axes of an end: 1 on a line, 3 in space
     pub axes: usize,
-    /// gradient of the penetration against the second end; its negative against the first
+    /// gradient of the penetration at the second end; at the first it is the negative
     pub g: [R; 3],
-    /// its memory
+    /// first number of its memory
     pub mem: usize,
-    /// where its force is heard, if it is
+    /// index into [`LinkState::tap`](crate::state::LinkState::tap) if an output or the ledger reads its force
     pub tap: Option<usize>,
-    /// sign that turns its push into the tension of a link
+    /// sign that converts its push into the tension of a link
     pub side: R,
-    /// may only push
+    /// true if it may only push
     pub clip: bool,
-    /// lets go: is not pressed together any more, but still holds energy
+    /// true if it is opening and still stores energy
     pub open: bool,
     /// change of ψ per change of penetration \[√(N/m)\]
     pub gamma: R,
@@ -60,52 +60,51 @@ pub(crate) struct ActiveContact<R: Real = f64> {
     pub z: R,
     /// push per change of penetration over two ticks, γ²/4 + z/2 \[N/m\]
     pub stiff: R,
-    /// the change of penetration over two ticks that all other forces would cause \[m\]
+    /// change of penetration over two ticks that all other forces would cause \[m\]
     pub free: R,
     /// diagonal of the system \[m/N\]
     pub diag: R,
-    /// push beyond `bias` \[N\]: the unknown
+    /// unknown of the system: push beyond `bias` \[N\]
     pub y: R,
-    /// its push where that is not a straight line over the motion to come; none of what goes by ψ and of friction
+    /// its push, if that is not linear in the coming motion; none for links that use ψ and for friction
     pub curve: Option<&'static Curve<R>>,
-    /// coefficients of its law, of a curve
+    /// coefficients of the law of a curve
     pub coef: [R; COEFS],
-    /// penetration before the tick \[m\], of a curve
+    /// penetration before the tick, of a curve \[m\]
     pub from: R,
-    /// the change of penetration over two ticks \[m\]: assumed, then found
+    /// change of penetration over two ticks, first assumed, then found \[m\]
     pub at: R,
-    /// push without motion \[N\]: γψ, or of the tangent
+    /// push without motion \[N\]: γψ, or that of the tangent
     pub bias: R,
     /// mobility of its ends \[m/N\]
     pub own: R,
-    /// the part it takes in this tick
+    /// role in this tick
     pub part: Part,
-    /// push, change of penetration and `y` as found, whose derivatives take a step more
+    /// solution: push, change of penetration and `y`, whose derivatives take one more step
     pub found: [R; 3],
-    /// where a step began: the change of penetration, the push, and by how much the curve is above it there
+    /// values at the start of a step: change of penetration, push, and the excess of the curve over it
     pub last: [R; 3],
     /// residual \[m\]
     pub r: R,
-    /// direction of search \[N\]
+    /// search direction \[N\]
     pub p: R,
-    /// what the system makes of the direction \[m\]
+    /// system matrix times the search direction \[m\]
     pub q: R,
 }
 
-/// The contacts of this tick.
+/// Contacts of this tick.
 #[derive(Clone, Debug, Default)]
 pub struct ActiveContacts<R: Real = f64> {
-    /// how many act so far
     pub(crate) n: usize,
-    /// the first `n` of them act (as long as there are contacts that may)
+    /// contacts, of which the first `n` are active (length: all that can be)
     pub(crate) list: Vec<ActiveContact<R>>,
-    /// ticks in which curves were not solved within the bound on iterations
+    /// number of ticks in which curves were not solved within the iteration limit
     pub unsolved: u64,
-    /// pushes on places, nothing between solutions (`n_mat`, none without such contacts)
+    /// working memory: pushes on slots, zero between solutions (`n_mat`, none without such contacts)
     pub(crate) push: Vec<R>,
 }
 
-/// The list is room for numbers of one tick, and is not compared.
+/// The list is working memory of one tick and is not compared.
 impl<R: Real> PartialEq for ActiveContacts<R> {
     fn eq(&self, other: &ActiveContacts<R>) -> bool {
         (self.n, self.unsolved) == (other.n, other.unsolved)
@@ -113,7 +112,7 @@ impl<R: Real> PartialEq for ActiveContacts<R> {
 }
 
 impl<R: Real> ActiveContacts<R> {
-    /// Room for `contacts` among `places`.
+    /// Allocates for `contacts` links among `places` slots.
     pub fn new(contacts: usize, places: usize) -> ActiveContacts<R> {
         let places = if contacts == 0 { 0 } else { places };
         ActiveContacts {

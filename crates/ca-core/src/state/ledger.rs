@@ -1,25 +1,25 @@
-//! The accounts of energy, as data; [`crate::op::energy`] writes them.
+//! The energy accounts, as data. [`crate::op::energy`] writes them.
 //!
-//! Accounts are [`Real::Outer`]: `f64` in both precisions, and with derivatives over dual numbers, whose [`Ledger::balance`] so
-//! has those of each sum (docs/numerics.md §9). `peak`, `received` and `worst`, and the energy that a hand gives, are `f64`.
+//! Accounts are [`Real::Outer`]: `f64`, or with derivatives over dual numbers, also in [`Ledger::balance`]
+//! (docs/numerics.md §9). `peak`, `received`, `worst` and the energy given at devices are always `f64`.
 
 use crate::numeric::Real;
 use alloc::boxed::Box;
 use alloc::vec::Vec;
 
-/// Links, or masses, that are computed together.
+/// Number of links, or masses, computed together.
 pub const BLOCK: usize = 64;
-/// A number of each link of a block.
+/// One number per link of a block.
 pub type Block<R = f64> = [R; BLOCK];
 
-/// Numbers in passing: a block of each, kept since to clear them takes as long as to enter a few links.
+/// Working memory: some blocks of numbers. It is kept because clearing it takes as long as entering a few links.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Room<R: Real = f64> {
     /// elongations before, at and after the tick
     pub(crate) e: [Block<R>; 3],
-    /// how far the ends moved along the force in the two ticks together
+    /// motion of the ends along the force over the two ticks together
     pub(crate) moved: Block<R>,
-    /// stored, heat
+    /// stored energy, heat
     pub(crate) out: [Block<R>; 2],
 }
 
@@ -29,119 +29,117 @@ impl<R: Real> Default for Room<R> {
     }
 }
 
-/// The largest of each so far \[J\].
+/// Largest values so far \[J\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Extremes {
-    /// largest so far of |h|, or of its part in motion, + Σ|lost|: the scale of the residual
+    /// largest value of |h|, or of its part in motion, + Σ|lost|: the scale of the residual
     pub peak: f64,
-    /// largest so far of h, or of its part in motion, + Σlost, less the energy made by the scheme until then: the most that load,
-    /// ports, changes and weight had given
+    /// largest h (or kinetic energy) + Σlost less the energy made by the scheme: the most that was given from outside
     pub received: f64,
     /// largest imbalance of a single tick
     pub worst: f64,
 }
 
-/// The account of groups at the gesture rate \[J\].
+/// Account of the groups at the gesture rate \[J\].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GroupAccount<R: Real = f64> {
-    /// what their border gave them beyond what it took from the sound, where it is compensated; 0 where it is exact
+    /// energy that a compensated border gave them beyond what it took from the sound side; 0 if it is exact
     pub border: R::Outer,
-    /// energy that these groups hold and lose by a separate ledger, up to the last frame
+    /// energy stored and lost in these groups by their own ledger, up to the last frame
     pub slow: Balance<R>,
 }
 
-/// The accounts \[J\]. `h = h0 + work − lost + scheme_error + changed + residual`.
+/// The accounts \[J\]. They satisfy `h = h0 + work − lost + scheme_error + changed + residual`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ledger<R: Real = f64> {
     /// energy at load
     pub h0: R::Outer,
     /// energy now, between the last tick and the one before
     pub h: R::Outer,
-    /// its part in motion
+    /// part of `h` in motion
     pub kinetic: R::Outer,
-    /// the largest of each so far
+    /// largest values so far
     pub extremes: Extremes,
-    /// heat of MATs with dampers of their own, and of the ends of waveguides
+    /// heat of the dampers in MATs and of the ends of waveguides
     pub lost_mats: R::Outer,
     /// heat of each link (n_lia)
     pub lost: Vec<R::Outer>,
-    /// energy made (+) or taken (−) by the scheme in each link (n_lia); 0 for linear ones
+    /// energy made (+) or taken (−) by the scheme in each link (n_lia); 0 for linear links
     pub scheme_error: Vec<R::Outer>,
     /// work received from each port: position ports, device ports, force ports
     pub work: Vec<R::Outer>,
-    /// work received from a pointer that pulls, see [`crate::pointer`]
+    /// work received from a pointer, see [`crate::pointer`]
     pub pointer: R::Outer,
     /// groups at the gesture rate
     pub groups: GroupAccount<R>,
     /// work received from groups at the gesture rate
     pub(crate) crossed: R::Outer,
-    /// that of the tick which the ledger has not entered yet
+    /// work of the pointer in the tick that the ledger has not entered yet
     pub(crate) pulled: R::Outer,
-    /// what crossed each device port (tgr), counted by frames
+    /// energy that crossed each device port (tgr), counted by frames
     pub hands: Vec<Exchange>,
-    /// energy that came in by changing parameters or moving interaction points
+    /// energy added by changing parameters or moving interaction points
     pub changed: R::Outer,
-    /// d of the tick that the ledger is at (n_mat)
+    /// `d` of the tick that the ledger is at (n_mat)
     pub(crate) d0: Vec<R>,
-    /// magnitude of the heat of each tick so far, kept apart so that no tick sums over all links again
+    /// absolute heat summed over ticks, stored so that no tick sums over all links again
     pub(crate) heat: f64,
-    /// heat so far
+    /// heat summed over ticks
     pub(crate) net_heat: f64,
-    /// error of the scheme so far, kept apart for the same reason
+    /// error of the scheme summed over ticks, stored for the same reason
     pub(crate) made: f64,
     /// force on position and device ports, force given by force ports (ports)
     pub(crate) port: Vec<R::Outer>,
     /// energy stored by each link at the last tick of the ledger (n_lia)
     pub(crate) stored: Vec<R::Outer>,
-    /// where the moving points were when the last tick was entered, and their motion (moving points x 2)
+    /// positions and motion of the moving points when the last tick was entered (moving points x 2)
     pub(crate) points: Vec<[R; 2]>,
-    /// energy stored by each batch of links then (accounts)
+    /// energy stored by each batch of links at that tick (accounts)
     pub(crate) stored_batches: Vec<R::Outer>,
-    /// energy stored by MATs and weight then, and that of motion
+    /// energy stored by MATs and weight at that tick, with kinetic energy
     pub(crate) stored_mats: R::Outer,
-    /// mass of each MAT, as T²C⁻¹; 0 of what no force moves (n_mat)
+    /// mass of each MAT, as T²C⁻¹; 0 for MATs that forces do not move (n_mat)
     pub(crate) mass: Vec<R::Outer>,
-    /// whether it has looked at what everything holds at load: a state at load may be played on from any tick
+    /// whether the energy at load was entered: a state at load may be played from any tick
     pub(crate) begun: bool,
-    /// whether coefficients were on their way then
+    /// whether coefficients were moving at that tick
     pub(crate) turning: bool,
-    /// numbers in passing
     pub(crate) room: Box<Room<R>>,
-    /// force \[N\] that only the first tick has, see the start of mi.lib (n_mat, or none)
+    /// force \[N\] of the first tick only, for the start of mi.lib (n_mat, or none)
     pub(crate) kick: Vec<R>,
 }
 
-/// Gives a ledger the force \[N\] that only the first tick has (n_mat).
+/// Sets the force \[N\] that acts in the first tick only (n_mat).
 pub fn set_kick<R: Real>(ledger: &mut Ledger<R>, kick: Vec<R>) {
     ledger.kick = kick;
 }
 
-/// What crossed the border at one device port, whole frames only \[J\].
+/// Energy that crossed the border at one device port, whole frames only \[J\].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Exchange {
     /// energy the scene received: the force of each frame times the motion of the port in it
     pub received: f64,
-    /// energy the hand gave: the force it was sent, held over the frame, times its own motion
+    /// energy given at the device: the force sent to it, held over the frame, times its own motion
     pub given: f64,
-    /// where the hand was at the last frame, absolute \[m\]
+    /// position of the device at the last frame, absolute \[m\]
     pub(crate) hand: f64,
-    /// the force on the port at the last frame's end \[N\]
+    /// force on the port at the end of the last frame \[N\]
     pub(crate) last: f64,
-    /// the force it has been held since \[N\]
+    /// force held at the device since then \[N\]
     pub(crate) held: f64,
-    /// what has been collected of the force so far \[N\], where no force goes to the hand; kept here rather than in
-    /// [`Border::sum`](crate::state::Border::sum), since it decides nothing of the future
+    /// force summed so far \[N\], if no force goes to the device; stored here instead of in
+    /// [`Border::sum`](crate::state::Border::sum) because it does not affect the future
     pub(crate) sum: f64,
 }
 
 impl Exchange {
-    /// Energy the border made (+) or taken (−), by answering late or not at all.
+    /// Returns the energy that the border made (+) or took (−) by its delay or by sending no force.
     pub fn leak(&self) -> f64 {
         self.received - self.given
     }
 }
 
-/// Sums of the ledgers, for people.
+/// Sums of the ledgers, for display.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Balance<R: Real = f64> {
     /// energy at load \[J\]
@@ -150,13 +148,13 @@ pub struct Balance<R: Real = f64> {
     pub h: R::Outer,
     /// heat \[J\]
     pub lost: R::Outer,
-    /// error of the scheme: what non-linear links, and a compensated border, gave that nothing gave them \[J\]
+    /// error of the scheme: energy made by non-linear links and by a compensated border \[J\]
     pub scheme_error: R::Outer,
-    /// received from ports and a pointer \[J\]
+    /// work received from ports and a pointer \[J\]
     pub work: R::Outer,
-    /// received by changes \[J\]
+    /// energy received by changes \[J\]
     pub changed: R::Outer,
-    /// residual, what the ledger does not explain \[J\]
+    /// residual: energy that the ledger does not explain \[J\]
     pub residual: R::Outer,
     /// scale of the residual \[J\]
     pub peak: f64,
@@ -165,7 +163,7 @@ pub struct Balance<R: Real = f64> {
 }
 
 impl<R: Real> Ledger<R> {
-    /// The sums.
+    /// Returns the sums.
     pub fn balance(&self) -> Balance<R> {
         let (lost, scheme_error) =
             (self.lost_mats + self.lost.iter().sum::<R::Outer>(), self.scheme_error.iter().sum::<R::Outer>());
@@ -185,13 +183,13 @@ impl<R: Real> Ledger<R> {
         }
     }
 
-    /// What one side of the border of groups at the gesture rate gave and the other has not entered yet \[J\], a part of the energy
-    /// now: when a frame is entered, what the links across do in half a tick.
+    /// Returns the energy that one side of the border of groups gave and the other has not entered yet \[J\], a part of
+    /// the present energy: when a frame is entered, the work of the links across in half a tick.
     pub fn under_way(&self) -> R::Outer {
         self.groups.border - (self.crossed + self.groups.slow.work)
     }
 
-    /// The link that made the most energy, with its account; `None` where none made any.
+    /// Returns the link that made the most energy, with its account, or `None` if none made any.
     pub fn largest_error(&self) -> Option<(usize, f64)> {
         let (i, s) = self.scheme_error.iter().enumerate().max_by(|a, b| a.1.wide().total_cmp(&b.1.wide()))?;
         (s.wide() > 0.0).then_some((i, s.wide()))

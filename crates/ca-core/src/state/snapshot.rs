@@ -1,12 +1,13 @@
-//! Snapshot: a state as bytes, to be kept, sent, and gone on from in another process or on another machine.
+//! Snapshots: a state as bytes, to be stored, sent, and continued in another process or on another machine.
 //!
-//! Decides for a list of all numbers in a fixed order, each eight bytes, lowest first: a scene says how many there are, so a
-//! snapshot has no lengths that could be wrong, and what is read back is compared with the shape before anything changes.
-//! A format with names of fields would outlive a change of [`State`], but a state does not: what its numbers mean is the scene's,
-//! whose [`Identity`](super::Identity) stands in the head. One list serves both ways, so what is written is what is read.
+//! A snapshot lists all numbers in a fixed order, each as eight bytes, lowest first. The scene determines how many
+//! there are, so a snapshot contains no lengths that could be wrong, and the size is checked before anything changes.
+//! One function lists the numbers for both writing and reading.
 //!
-//! Left out is what decides nothing of the future and is made anew: lists of near points, contacts of the tick, numbers in
-//! passing.
+//! Field names would let the format outlive a change of [`State`], but the meaning of its numbers depends on the scene
+//! anyway. The head holds the [`Identity`](super::Identity) of the scene.
+//!
+//! A snapshot omits what is computed anew: lists of near points, contacts of the tick, temporary numbers.
 
 use super::{Balance, Between, Border, Cell, Exchange, Ledger, Ramps, SlowState, State, Unknown};
 use crate::state::ledger::{Extremes, GroupAccount};
@@ -15,25 +16,24 @@ use alloc::vec::Vec;
 use core::fmt;
 use core::hash::Hasher as _;
 
-/// The first bytes of a snapshot.
 const MAGIC: &[u8; 8] = b"ca state";
-/// The order of its numbers.
+/// Version of the order of the numbers.
 pub const SNAPSHOT_VERSION: u64 = 3;
-/// Bytes before the numbers: what it is, the version, the identity of the scene.
+/// Bytes before the numbers: magic, version, identity of the scene.
 const HEAD: usize = 24;
-/// Bytes behind them: FNV-1a of all before.
+/// Bytes after the numbers: FNV-1a of everything before.
 const FOOT: usize = 8;
 
-/// Why a state was not put back.
+/// Reason why a state was not restored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NotRestored {
-    /// the bytes are no snapshot
+    /// the bytes are not a snapshot
     NoSnapshot,
-    /// of this version, which is not [`SNAPSHOT_VERSION`]
+    /// the snapshot has this version instead of [`SNAPSHOT_VERSION`]
     Version(u64),
-    /// of another scene: another model, other values, or compiled with other options
+    /// it belongs to another scene: another model, other values, or other compiler options
     OtherScene,
-    /// cut off, or changed since it was written
+    /// it is truncated, or was changed after writing
     Damaged,
 }
 
@@ -56,7 +56,8 @@ impl fmt::Display for NotRestored {
 impl core::error::Error for NotRestored {}
 
 impl State {
-    /// All that decides the future of this state, between two ticks, as bytes. The same on every machine.
+    /// Returns everything that determines the future of this state, between two ticks, as bytes, the same on every
+    /// machine.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::from(MAGIC);
         bytes.extend(SNAPSHOT_VERSION.to_le_bytes());
@@ -67,11 +68,10 @@ impl State {
         bytes
     }
 
-    /// Goes back (or on) to a snapshot of the same scene: what is played from here on is what would have followed there, to
-    /// the bit.
+    /// Restores a snapshot of the same scene, which plays on from there with the same bits.
     ///
     /// # Errors
-    /// [`NotRestored`], and nothing has changed.
+    /// [`NotRestored`]; the state is then unchanged.
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), NotRestored> {
         let mut restored = self.clone();
         let numbers = self.checked(bytes, &mut restored)?;
@@ -83,7 +83,7 @@ impl State {
         Ok(())
     }
 
-    /// The numbers of a snapshot of this scene that is whole; `like` is a state of its shape.
+    /// Returns the numbers of an intact snapshot of this scene. `like` is a state of its shape.
     fn checked<'b>(&self, bytes: &'b [u8], like: &mut State) -> Result<&'b [u8], NotRestored> {
         let word = |at: usize| bytes.get(at..)?.first_chunk::<8>().map(|w| u64::from_le_bytes(*w));
         if bytes.first_chunk() != Some(MAGIC) {
@@ -106,16 +106,16 @@ impl State {
         if sum == Some(checksum(whole)) { Ok(&whole[HEAD..]) } else { Err(NotRestored::Damaged) }
     }
 
-    /// True where every place that a tick looks up is one of this state.
+    /// Returns true if every index that a tick looks up is within this state.
     fn is_valid(&self) -> bool {
         let places = self.x.len();
         let cells = self.links.cells.iter().all(|c| c.n <= 4 && c.node.iter().all(|m| (*m as usize) < places.max(1)));
-        // centuries, and far from where counting would end
+        // centuries, and far below overflow
         let time = self.tick < 1 << 56;
         time && cells && self.ramps.is_valid() && self.slow.as_ref().is_none_or(|slow| slow.state.is_valid())
     }
 
-    /// Every number, in order. Who adds a field is asked here what to do with it.
+    /// Visits every number in order. It names each field, so that adding one requires a decision here.
     fn each(&mut self, w: &mut impl Words) {
         let State {
             scene: _,
@@ -192,7 +192,7 @@ impl Ramps {
         *moving = usize::try_from(count).unwrap_or(usize::MAX);
     }
 
-    /// True where those that move are those with ticks left, each listed once.
+    /// Returns true if the moving entries are exactly those with ticks left, each listed once.
     fn is_valid(&self) -> bool {
         let Some(active) = self.active.get(..self.moving) else { return false };
         let mut listed: Vec<u32> = active.to_vec();
@@ -274,7 +274,7 @@ impl Ledger {
     }
 }
 
-/// Numbers one after the other, to be written, read or counted.
+/// Visits numbers in sequence, to write, read or count them.
 trait Words {
     fn word(&mut self, v: &mut u64);
 
@@ -305,11 +305,9 @@ trait Words {
     }
 }
 
-/// Writes them.
 struct Writer<'b>(&'b mut Vec<u8>);
-/// Reads them from as many bytes as there are.
+/// Reads the numbers. The length was checked before.
 struct Reader<'b>(&'b [u8]);
-/// Counts them.
 struct Counter(usize);
 
 impl Words for Writer<'_> {
@@ -333,7 +331,7 @@ impl Words for Counter {
     }
 }
 
-/// FNV-1a of bytes: not against who wants to deceive, but against what is cut off or changed.
+/// Returns the FNV-1a hash of bytes. It detects truncation and damage, not deliberate forgery.
 pub fn checksum(bytes: &[u8]) -> u64 {
     let mut h = fnv::FnvHasher::default();
     h.write(bytes);

@@ -1,15 +1,14 @@
-//! Tuning: with which stiffness and viscosity a method sounds at a given pitch and decays in a given time.
+//! Tuning: the stiffness and viscosity with which a method gives a pitch and a decay time.
 //!
-//! A mode has the dimensionless stiffness a = T²k/m and viscosity b = Tz/m. Its pole r e^(iφ), φ = 2πfT, r = 10^(−3T/t60),
-//! is that of
-//! - the explicit scheme where a = 1 + r² − 2r cos φ and b = 1 − r² (docs/numerics.md §1.5, [`retune`]);
-//! - the implicit one of share θ, (1 + b/2 + θa) w² − (2 − a(1 − 2θ)) w + (1 − b/2 + θa) = 0, where with
-//!   D = 1/((1 + r²)/2 − θ(1 + r² − 2r cos φ)) a = D(1 + r² − 2r cos φ) and b = D(1 − r²), so that `centred` is θ = 0;
-//! - the mode itself where a = φ² + s² and b = 2s, s = −ln r.
+//! A mode has the dimensionless stiffness a = T²k/m and viscosity b = Tz/m. Its pole is r e^(iφ) with φ = 2πfT and r =
+//! 10^(−3T/t60). This pole requires, by
+//! - the explicit scheme: a = 1 + r² − 2r cos φ and b = 1 − r² (docs/numerics.md §1.5, [`retune`]);
+//! - the implicit scheme with the share θ, (1 + b/2 + θa) w² − (2 − a(1 − 2θ)) w + (1 − b/2 + θa) = 0: a = D(1 + r² −
+//!   2r cos φ) and b = D(1 − r²), where D = 1/((1 + r²)/2 − θ(1 + r² − 2r cos φ)); `centred` is θ = 0;
+//! - the exact mode: a = φ² + s² and b = 2s, where s = −ln r.
 //!
-//! Decides that a pitch is what is heard whatever the method, so that changing the method of a model does not put it out
-//! of tune. The alternative, stiffness by the explicit scheme and whatever pitch another one makes of it, is 15 cents off
-//! at 440 Hz and 48 kHz.
+//! A pitch is the one that sounds with any method, so changing the method does not detune a model. With the stiffness
+//! of the explicit scheme, another method would be 15 cents off at 440 Hz and 48 kHz.
 
 pub(crate) mod problem;
 pub mod wave;
@@ -17,28 +16,29 @@ pub mod wave;
 use core::f64::consts::{LN_10, PI};
 
 crate::choice::choice! {
-    /// How what is linear is computed. A link or a cell knows the first three, a group `modal` too, the model all.
+    /// Method for the linear part. A link or a cell can use the first three, a group also `modal`, the whole model all.
     pub enum Method {
-        /// explicit, as in the field
+        /// explicit, the scheme of CORDIS-ANIMA
         Ca = "ca",
-        /// viscosity from before and after the tick
+        /// viscosity from the positions before and after the tick
         Centred = "centred",
-        /// stiffness too, by a share θ
+        /// stiffness too, with a share θ
         Implicit = "implicit",
         /// by its modes
         Modal = "modal",
-        /// everything, by [`crate::method::pefrl`]
+        /// the whole model, by [`crate::method::pefrl`]
         Pefrl = "pefrl",
     }
 }
 
 impl Method {
-    /// Of a link or a cell.
+    /// Words for a link or a cell.
     pub(crate) const OF_LINK: &'static [&'static str] = Method::WORDS.split_at(3).0;
-    /// Of a group.
+    /// Words for a group.
     pub const OF_GROUP: &'static [&'static str] = Method::WORDS.split_at(4).0;
 
-    /// The share of the force from before and after that it takes, each; `None` for what is not implicit.
+    /// Returns the share θ of the force from before and after the tick, each, or `None` for methods that are not
+    /// implicit.
     pub fn theta(self, written: Option<f64>) -> Option<f64> {
         match self {
             Method::Centred => Some(0.0),
@@ -48,21 +48,21 @@ impl Method {
     }
 }
 
-/// How the linear part of an item is computed.
+/// Scheme for the linear part of a group, a link or a cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Scheme {
-    /// by the explicit scheme
+    /// explicit scheme
     #[default]
     Explicit,
-    /// by this share of the force from the tick before and the tick after, each; 0 is `centred`
+    /// implicit scheme with this share of the force from the tick before and the tick after, each; 0 is `centred`
     Implicit(f64),
-    /// by its modes, without an error in time
+    /// exact modes, without an error in time
     Modal,
 }
 
 impl Scheme {
-    /// That of a medium, by its method and its `theta`.
+    /// Returns the scheme of a medium, by its method and its `theta`.
     pub fn of(method: Method, written: Option<f64>) -> Scheme {
         match method.theta(written) {
             Some(theta) => Scheme::Implicit(theta),
@@ -71,8 +71,9 @@ impl Scheme {
         }
     }
 
-    /// The viscosity b with which modes fall by 60 dB in `t60` \[s\]: all of them, but by a share θ above 0 those whose
-    /// period is long beside a tick; [`Scheme::tuned`] takes the pitch into account.
+    /// Returns the viscosity b with which modes decay by 60 dB in `t60` \[s\].
+    ///
+    /// With a share θ above 0 it holds only for periods long against a tick; [`Scheme::tuned`] also uses the pitch.
     pub fn damped(self, t60: f64, tick_dt: f64) -> f64 {
         let s = 3.0 * LN_10 / t60 * tick_dt;
         match self {
@@ -83,8 +84,8 @@ impl Scheme {
         }
     }
 
-    /// Stiffness a and viscosity b of a mode heard at `f` \[Hz\] that falls by 60 dB in `t60` \[s\]; `None` where this
-    /// scheme has no such pole.
+    /// Returns the stiffness a and viscosity b for a pitch `f` \[Hz\] and a decay `t60` \[s\], or `None` without such a
+    /// pole.
     pub fn tuned(self, f: f64, t60: f64, tick_dt: f64) -> Option<(f64, f64)> {
         let (s, phi) = (3.0 * LN_10 / t60 * tick_dt, 2.0 * PI * f * tick_dt);
         match self {
@@ -99,7 +100,7 @@ impl Scheme {
         }
     }
 
-    /// Stiffness a of a mode heard at `f` \[Hz\] whose viscosity b is given; `None` where this scheme has no such pole.
+    /// Returns the stiffness a for a pitch `f` \[Hz\] at the viscosity b, or `None` if the scheme lacks such a pole.
     pub fn stiffness(self, f: f64, b: f64, tick_dt: f64) -> Option<f64> {
         let phi = 2.0 * PI * f * tick_dt;
         match self {
@@ -109,7 +110,7 @@ impl Scheme {
                 Some((1.0 - r) * (1.0 - r) + 4.0 * r * half * half)
             }
             Scheme::Implicit(theta) => {
-                // r² = 1 − b/D, and D hangs on r a little
+                // r² = 1 − b/D, and D depends on r a little
                 let (mut square, mut a) = (0.0_f64, None);
                 for _ in 0..64 {
                     let r = libm::sqrt((1.0 - square).max(0.0));
@@ -128,7 +129,7 @@ impl Scheme {
         }
     }
 
-    /// Largest stiffness a of a mode that is stable, over that of the explicit scheme.
+    /// Returns the largest stable stiffness a of a mode, relative to the explicit scheme.
     pub fn room(self) -> f64 {
         match self {
             Scheme::Explicit => 1.0,
@@ -138,15 +139,16 @@ impl Scheme {
     }
 }
 
-/// 1 + r² − 2r cos φ, written so that nothing cancels; `loss` is 1 − r.
+/// Returns 1 + r² − 2r cos φ in a form without cancellation; `loss` is 1 − r.
 fn bend(r: f64, loss: f64, phi: f64) -> f64 {
     let half = libm::sin(0.5 * phi);
     loss * loss + 4.0 * r * half * half
 }
 
-/// The dimensionless stiffness a = kT²/m and viscosity b = zT/m with which the scheme oscillates at exactly `f` \[Hz\]
-/// and loses 60 dB in exactly `t60` \[s\] (docs/numerics.md §1.5). `t60` may be infinite. Written so that nothing
-/// cancels at low frequency, where 1 − 2r cos θ + r² loses five digits.
+/// Returns the dimensionless stiffness a = kT²/m and viscosity b = zT/m with which the explicit scheme oscillates at
+/// exactly `f` \[Hz\] and loses 60 dB in exactly `t60` \[s\] (docs/numerics.md §1.5).
+///
+/// `t60` may be infinite. The form avoids cancellation at low frequency, where 1 − 2r cos θ + r² loses five digits.
 pub fn retune(f: f64, t60: f64, tick_dt: f64) -> (f64, f64) {
     let s = 3.0 * core::f64::consts::LN_10 / t60;
     let q = -libm::expm1(-s * tick_dt);

@@ -1,14 +1,14 @@
-//! Problem: why parameters that make sense one by one have no solution together.
+//! The error for parameters that make sense one by one but cannot be met together.
 
 use alloc::string::String;
 
-/// Why a generator cannot do what was asked.
+/// Why a generator cannot do what the model asks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
-    /// one line
+    /// one-line message
     pub title: String,
-    /// the parameter to point at
+    /// parameter to point at
     pub param: &'static str,
-    /// what to do
+    /// suggested remedy
     pub help: String,
 }

@@ -1,20 +1,21 @@
-//! What a waveguide is made of: whole delays between its junctions, and at the far end a filter for what is left.
+//! Tunes a waveguide: whole delays between its junctions, and a filter at the far end for the fraction of a sample.
 //!
 //! ```text
 //!   rigid ─┬─ D₁ ─┬─ junction ─┬─ D₂ ─┬─ junction ─┬─ N, loss, allpass ─┬─ rigid
 //!          └──────┘            └──────┘            └────────────────────┘
 //! ```
-//! A velocity wave that leaves a junction comes back from the near end turned over, D₁ samples later and through a loss
-//! of its own, a + b (z + 1/z) with a + 2b = 1; from the far end
-//! H(z) = z^−(N+1) · (a + b (z + 1/z)) · (c + 1/z)/(1 + c/z) later, turned over too (docs/numerics.md §7.1). The loss
-//! has linear phase and makes no energy where a, b ≥ 0 and a + 2b ≤ 1; the allpass makes up for the fraction of a
-//! sample.
+//! A velocity wave from a junction towards the near end comes back inverted, D₁ samples later and through a loss filter
+//! a + b (z + 1/z) with a + 2b = 1. Towards the far end it comes back inverted through H(z) = z^−(N+1) · (a + b (z +
+//! 1/z)) · (c + 1/z)/(1 + c/z) (docs/numerics.md §7.1). The loss has linear phase and makes no energy for a, b ≥ 0 and
+//! a + 2b ≤ 1. The allpass supplies the fraction of a sample.
 //!
-//! Decides to solve for the pole itself, at the complex z of the pitch and the decay that were asked for, through all
-//! junctions and their masses, instead of for a phase at a real frequency: pitch and decay of the fundamental are then
-//! exact to rounding, whatever hangs in the string. The near end takes half of what high frequencies lose more than the
-//! lowest, or they would be caught between it and a heavy junction, and nothing at 0 Hz: so it holds the string to its
-//! place, where a loss would let it slip under a steady pull. All else is lost at the far end.
+//! Tuning solves for the pole itself, at the complex z of the requested pitch and decay, through all junctions and
+//! their masses. Pitch and decay of the fundamental are then exact to rounding, whatever the junctions weigh. A
+//! solution for the phase at a real frequency would not be.
+//!
+//! The near end takes half of the additional loss at high frequencies, which else would be trapped between it and a
+//! heavy junction. It loses nothing at 0 Hz, so the string does not slip under a steady force. The far end takes all
+//! other losses.
 
 use super::problem::Problem;
 use crate::numeric::Plain;
@@ -23,76 +24,77 @@ use alloc::vec::Vec;
 use core::f64::consts::{LN_10, TAU};
 use nalgebra::Complex;
 
-/// Samples that a wave may take to go up and down a string.
+/// Longest round trip of a wave on a string, in samples.
 const LONGEST: f64 = 1e6;
-/// Steps of the solution; each gains several digits.
+/// Iterations of the solution; each gains several digits.
 const STEPS: u32 = 40;
 
-/// A string as it was asked for, in SI.
+/// Requested properties of a string, in SI.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WaveguideSpec {
     /// fundamental \[Hz\]
     pub f: f64,
-    /// its time to decay by 60 dB \[s\]; infinite for none
+    /// decay time of the fundamental by 60 dB \[s\]; infinite for none
     pub t60: f64,
-    /// another frequency \[Hz\], and the time there \[s\]
+    /// another frequency \[Hz\] and the decay time there \[s\]
     pub high: Option<[f64; 2]>,
     /// wave impedance \[kg/s\]
     pub z: f64,
-    /// where the junctions are, from 0 to 1, rising
+    /// positions of the junctions, from 0 to 1, rising
     pub at: Vec<f64>,
-    /// mass of each junction \[kg\], if written
+    /// mass of each junction \[kg\], if specified
     pub m: Option<f64>,
 }
 
 impl WaveguideSpec {
-    /// Mass of a junction \[kg\]: as written, or what its links `need`, and no less than a 16th of what the string has
-    /// in a sample, so that what it rings with by itself, at half the sound rate, dies within a millisecond or so.
+    /// Returns the mass of a junction \[kg\]: the specified one, or what its links `need`.
+    ///
+    /// The minimum is a 16th of the mass that the string has per sample. The junction's own oscillation, at half the
+    /// sound rate, then decays within about a millisecond.
     pub fn mass(&self, need: f64, tick_dt: f64) -> f64 {
         self.m.unwrap_or(need.max(self.z * tick_dt / 16.0))
     }
 
-    /// Mass of the CEL that a junction of mass `m` is, beside a damper of 2z \[kg\].
+    /// Returns the mass of the CEL that represents a junction of mass `m`, beside a damper of 2z \[kg\].
     pub fn cell(&self, m: f64, tick_dt: f64) -> f64 {
         m + self.z * tick_dt
     }
 }
 
-/// The filter at an end.
+/// Filter at an end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Loss<N = f64> {
     /// middle tap
     pub a: N,
-    /// each of the taps beside it
+    /// each of the two outer taps
     pub b: N,
-    /// of the allpass, 0 for a delay of one sample
+    /// coefficient of the allpass, 0 for a delay of one sample
     pub c: N,
 }
 
 impl Loss {
-    /// The same in the numbers of a tick, as `to` makes them.
+    /// Converts the coefficients with `to`, usually to the number type of a tick.
     pub fn map<N>(self, to: impl Fn(f64) -> N) -> Loss<N> {
         Loss { a: to(self.a), b: to(self.b), c: to(self.c) }
     }
 
-    /// Gain of the taps, but for their delay of one sample, where `wave` is (z + 1/z)/2.
+    /// Returns the gain of the taps without their delay of one sample; `wave` is (z + 1/z)/2.
     fn gain(&self, wave: Complex<f64>) -> Complex<f64> {
         wave * (2.0 * self.b) + self.a
     }
 }
 
-/// A string in samples.
+/// A tuned string, in samples.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tuned {
-    /// to the near end and back with its filter, from each junction to the next, to the far end and back without its
-    /// filter \[samples\]
+    /// delays \[samples\]: near end and back with its filter, between junctions, far end and back without its filter
     pub delays: Vec<usize>,
-    /// at the near end, where it loses anything
+    /// filter of the near end, if it has losses
     pub near: Option<Loss>,
-    /// at the far end
+    /// filter of the far end
     pub loss: Loss,
-    /// the decay time at the second frequency \[s\], where the one asked for is out of reach
+    /// decay time at the second frequency \[s\], if the requested one cannot be reached
     pub reached: Option<f64>,
 }
 
@@ -100,10 +102,10 @@ fn problem<T>(param: &'static str, title: impl Into<alloc::string::String>, help
     Err(Problem { title: title.into(), param, help: help.into() })
 }
 
-/// Brings a string into tune, with junctions of these `masses` \[kg\], at a tick of `tick_dt` \[s\].
+/// Tunes a string with junctions of these `masses` \[kg\], at a tick of `tick_dt` \[s\].
 ///
 /// # Errors
-/// Where no delay line has this pitch and decay, with the parameter to change.
+/// If no delay line has this pitch and decay, with the parameter to change.
 pub fn tune(asked: &WaveguideSpec, masses: &[f64], tick_dt: f64) -> Result<Tuned, Problem> {
     let dies = || problem("t60", "it dies out before it has swung once", "use a longer `t60`");
     if asked.f * asked.t60 < 0.25 {
@@ -120,7 +122,7 @@ pub fn tune(asked: &WaveguideSpec, masses: &[f64], tick_dt: f64) -> Result<Tuned
         let size = libm::exp(3.0 * LN_10 * tick_dt / asked.t60 * n);
         Complex::new(size * libm::cos(omega * n), -size * libm::sin(omega * n))
     };
-    // what the near end and all junctions give back to a wave from the far end
+    // reflectance of the near end and all junctions for a wave from the far end
     let wave = (z + z.inv()) * 0.5;
     let near = near(asked, tick_dt).filter(|_| delays[0] >= 3);
     let mut back = -later(delays[0] as f64) * near.map_or(Complex::from(1.0), |l| l.gain(wave));
@@ -128,7 +130,7 @@ pub fn tune(asked: &WaveguideSpec, masses: &[f64], tick_dt: f64) -> Result<Tuned
         if i > 0 {
             back *= later(2.0 * delays[i] as f64);
         }
-        // a mass of the scheme is 2m/T (z−1)/(z+1) to waves
+        // to waves, a mass of the scheme is the impedance 2m/T (z−1)/(z+1)
         let mass = (z - 1.0) / (z + 1.0) * (2.0 * m / (tick_dt * asked.z)) * (back + 1.0);
         back = (back * 2.0 - mass) / (mass + 2.0);
     }
@@ -136,7 +138,7 @@ pub fn tune(asked: &WaveguideSpec, masses: &[f64], tick_dt: f64) -> Result<Tuned
     let heard = delays[0] as f64 + 2.0 * delays[1..].iter().sum::<usize>() as f64;
     let lag = -libm::atan2(wanted.im, wanted.re);
     let left = if lag < 0.0 { lag + TAU } else { lag } / omega;
-    // beyond a whole turn the masses have made it another mode
+    // beyond a full turn the masses have made it another mode
     let wrapped = left > 1.0 / (asked.f * tick_dt) - heard + 0.5;
     if wrapped || left.is_nan() || left < 2.5 {
         return problem(
@@ -164,7 +166,7 @@ pub fn tune(asked: &WaveguideSpec, masses: &[f64], tick_dt: f64) -> Result<Tuned
     Ok(Tuned { delays, near, loss, reached })
 }
 
-/// Whole delays up to the last junction; the place of a junction is met to half a sample.
+/// Returns the whole delays up to the last junction. The position of a junction is accurate to half a sample.
 fn places(asked: &WaveguideSpec, tick_dt: f64) -> Result<Vec<usize>, Problem> {
     let whole = 1.0 / (asked.f * tick_dt);
     if whole > LONGEST {
@@ -177,7 +179,7 @@ fn places(asked: &WaveguideSpec, tick_dt: f64) -> Result<Vec<usize>, Problem> {
     let mut delays = Vec::with_capacity(asked.at.len() + 1);
     let mut before = 0.0;
     for at in &asked.at {
-        // the near end is reached and left in one delay; further on each way has its own
+        // the near end is reached and left in one delay; further on each direction has its own
         let share = if delays.is_empty() { 1.0 } else { 0.5 };
         let delay = libm::round(share * (at * whole - before));
         if delay < 1.0 {
@@ -200,12 +202,12 @@ fn places(asked: &WaveguideSpec, tick_dt: f64) -> Result<Vec<usize>, Problem> {
     Ok(delays)
 }
 
-/// Gain of a round trip that decays by 60 dB in `t60`.
+/// Returns the gain of a round trip that decays by 60 dB in `t60`.
 fn turn(asked: &WaveguideSpec, t60: f64) -> f64 {
     libm::exp(-3.0 * LN_10 / (t60 * asked.f))
 }
 
-/// The taps of the near end: half of the loss between the two frequencies, no more than half of that at the first.
+/// Returns the near taps: half of the loss between the two frequencies, at most half of the loss at the first.
 fn near(asked: &WaveguideSpec, tick_dt: f64) -> Option<Loss> {
     let [f, t60] = asked.high?;
     let [low, high] = [asked.f, f].map(|f| 1.0 - libm::cos(TAU * f * tick_dt));
@@ -215,14 +217,14 @@ fn near(asked: &WaveguideSpec, tick_dt: f64) -> Option<Loss> {
     (double > 0.0).then_some(Loss { a: 1.0 - double, b: 0.5 * double, c: 0.0 })
 }
 
-/// The taps of the far end with gain `g0` at the pole, and such a gain at the second frequency that its decay is as
-/// asked for; or as near to that as no energy is made, with the decay time that is reached.
+/// Returns the far taps, with gain `g0` at the pole and the requested decay at the second frequency. If that would make
+/// energy, it takes the nearest gain that does not, and returns the decay time reached.
 fn far(asked: &WaveguideSpec, near: Option<&Loss>, wave: Complex<f64>, g0: f64, tick_dt: f64) -> (Loss, Option<f64>) {
     let Some([f, t60]) = asked.high else { return (Loss { a: g0, b: 0.0, c: 0.0 }, None) };
     let (low, high) = (wave.re, libm::cos(TAU * f * tick_dt));
     let before = near.map_or(1.0, |l| l.gain(Complex::from(high)).re);
     let ideal = (g0 - turn(asked, t60) / before) / (low - high);
-    // a ≥ 2b keeps the highest frequencies from turning over, a + 2b ≤ 1 the lowest from growing
+    // a ≥ 2b avoids inverting the highest frequencies, a + 2b ≤ 1 avoids growth of the lowest
     let most = (g0 / (1.0 + low)).min((1.0 - g0) / (1.0 - low));
     let double = ideal.min(most).max(0.0);
     let side = double * wave.im;

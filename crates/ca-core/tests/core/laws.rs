@@ -1,5 +1,5 @@
-//! What every law promises, tested by its traits and not by its name: force and energy agree, dampers only resist, a
-//! contact is silent where it says so, and a cheaper law is the same law.
+//! Properties of every law, tested by its traits and not by its name: force and energy agree, dampers only resist, a
+//! contact exerts no force where it declares none, and a cheaper law equals the original.
 
 use crate::numbers;
 use ca_core::internal::op::{SolveStage, family, loaded, started};
@@ -7,7 +7,7 @@ use ca_core::{Dual, Kind, Law, Need, ParamBinding, Real, Role, TANGENTS, Table, 
 
 const DT: f64 = 1.0 / 48_000.0;
 
-/// A table that only returns, as stiffness, and only resists, as friction.
+/// Makes a table that pulls back, as stiffness, and resists, as friction.
 fn tables(law: &Law) -> Vec<Table> {
     let points: Vec<[f64; 2]> = (-20..=20).map(|i| [0.05 * f64::from(i), 3.0 * f64::from(i)]).collect();
     let mut all = vec![Table::new(&points).unwrap()];
@@ -15,7 +15,7 @@ fn tables(law: &Law) -> Vec<Table> {
     all
 }
 
-/// Parameters of a kind as somebody might write them, drawn for what is a plain number.
+/// Draws parameters of a kind: random plain numbers, defaults for choices.
 fn drawn(kind: &Kind, next: &mut impl FnMut() -> f64) -> Vec<Option<f64>> {
     let one = |p: &ca_core::Param, v: f64| match p.ty {
         Type::Number { min, max, .. } => Some((0.1 + v).clamp(min, max.min(1e3))),
@@ -32,7 +32,7 @@ fn drawn(kind: &Kind, next: &mut impl FnMut() -> f64) -> Vec<Option<f64>> {
         .map(|p| match p.name {
             // a multiple of a quarter
             "p" => Some(1.5),
-            // a damper and a threshold small enough that both sides of a contact are met
+            // small damper and threshold, so that both sides of a contact are reached
             "z" | "d" => one(p, 0.0).map(|v| 0.1 * v),
             "rho" => Some(0.5),
             _ => one(p, next()),
@@ -40,7 +40,7 @@ fn drawn(kind: &Kind, next: &mut impl FnMut() -> f64) -> Vec<Option<f64>> {
         .collect()
 }
 
-/// Every law of the catalog with drawn parameters: its coefficients, and the tables it reads.
+/// Visits every law of the catalog with random parameters, its coefficients, and the tables it reads.
 fn each(mut visit: impl FnMut(&Kind, &'static Law, &[Option<f64>], &[f64], &[Table])) {
     let mut next = numbers(7);
     let mut met = 0;
@@ -49,7 +49,7 @@ fn each(mut visit: impl FnMut(&Kind, &'static Law, &[Option<f64>], &[f64], &[Tab
         let tables = tables(law);
         for _ in 0..20 {
             let mut values = drawn(kind, &mut next);
-            // a table of the law's own is handed over after the last parameter
+            // the index of the law's table follows the last parameter
             values.extend(law.table.map(|_| Some(1.0)));
             let c = loaded(law, &values, DT);
             assert!(c.iter().all(|c| c.is_finite() || c.is_nan()), "{}: {c:?}", kind.code);
@@ -64,7 +64,7 @@ fn each(mut visit: impl FnMut(&Kind, &'static Law, &[Option<f64>], &[f64], &[Tab
 fn force_is_the_slope_of_the_stored_energy() {
     let mut checked = 0;
     each(|kind, law, _, c, tables| {
-        // what remembers has no potential that is known from the elongation alone
+        // the elongation alone does not determine the potential of a law with memory
         if law.mem > 0 {
             return;
         }
@@ -90,7 +90,7 @@ fn what_hangs_on_motion_only_resists() {
             let mut mem = started(law, c, e);
             let still = (law.fns.force)(c, &mut mem.clone(), tables, e, 0.0);
             let moving = (law.fns.force)(c, &mut mem, tables, e, w);
-            // F > 0 pulls together, and w > 0 goes apart
+            // F > 0 pulls together, and w > 0 moves apart
             assert!((moving - still) * w >= 0.0, "{} at {e}, {w}: {still} to {moving}", kind.code);
         }
     });
@@ -138,7 +138,7 @@ fn slopes_are_within_the_bound() {
 fn a_cheaper_law_is_the_same_law() {
     let mut cheaper = 0;
     each(|kind, law, values, _, tables| {
-        // with each number in turn at nothing
+        // set each number in turn to zero
         for k in 0..kind.params.len() {
             if !matches!(kind.params[k].ty, Type::Number { .. }) {
                 continue;
@@ -161,8 +161,8 @@ fn a_cheaper_law_is_the_same_law() {
     assert!(cheaper >= 20, "{cheaper}");
 }
 
-/// Each law, and each that takes its place by a choice, a missing table or a shared mass, has functions that a scene is bound to,
-/// and their force equals the force of the law.
+/// The functions of each law, and of each law that replaces it by a choice, a missing table or a shared mass, can be
+/// bound by code, and their force equals the force of the law.
 #[test]
 fn functions_of_every_law_are_found_by_its_code() {
     let laws = ca_core::internal::phi::laws::<f64>();
@@ -209,7 +209,7 @@ fn functions_of_every_law_are_found_by_its_code() {
     assert!(met.len() > 30, "{met:?}");
 }
 
-/// A law takes any function of `libm`, over every number of a tick.
+/// A law can use any function of `libm`, over every number type of a tick.
 #[test]
 fn a_function_of_libm_has_its_value_and_its_derivatives() {
     fn log1p<R: Real>(e: R) -> R {

@@ -1,12 +1,11 @@
-//! The run-time by itself: laws as functions, scenes laid out by hand, solvers and lists. What a model text becomes is
-//! tested with the compiler, in the suite of the workspace.
+//! Tests of the run-time by itself: laws, scenes built by hand, solvers and lists. The workspace suite tests models.
 #![allow(clippy::unwrap_used)]
 
 mod laws;
 mod parts;
 mod scenes;
 
-/// A small generator of numbers, the same on every machine: Knuth's linear congruence, in 0 … 1.
+/// A small random number generator, the same on every machine: Knuth's linear congruence, in 0 … 1.
 fn numbers(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed;
     move || {

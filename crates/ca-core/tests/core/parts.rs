@@ -1,4 +1,4 @@
-//! Parts that stand alone: the factor of implicit links, the Verlet list, tables, tuning.
+//! Tests of separate parts: the factor of implicit links, the Verlet list, tables, tuning.
 
 use crate::numbers;
 use ca_core::Table;
@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 fn a_factor_solves_what_elimination_solves() {
     let mut next = numbers(3);
     for n in [1_usize, 2, 7, 40] {
-        // a connected pattern with some ties across
+        // a connected pattern with some additional couplings
         let mut ties: Vec<(u32, u32, f64)> = (1..n).map(|i| ((i - 1) as u32, i as u32, -(0.1 + next()))).collect();
         for _ in 0..n / 3 {
             let (i, j) = ((next() * n as f64) as u32, (next() * n as f64) as u32);
@@ -21,7 +21,7 @@ fn a_factor_solves_what_elimination_solves() {
         }
         let sums: Vec<f64> = (0..n).map(|_| 0.5 + next()).collect();
         let right: Vec<f64> = (0..n).map(|_| next() - 0.5).collect();
-        // the matrix itself: off the diagonal the ties, on it what makes the row sums
+        // the matrix itself: couplings off the diagonal, and on it what gives the row sums
         let mut a = vec![vec![0.0; n]; n];
         for (i, j, v) in &ties {
             a[*i as usize][*j as usize] += v;
@@ -47,7 +47,7 @@ fn a_factor_solves_what_elimination_solves() {
     }
 }
 
-/// Rows are eliminated by the fewest neighbours left, the first of those that have as many, and join what is around them.
+/// Rows are eliminated by fewest remaining neighbours, then lowest index, and their neighbours become coupled.
 #[test]
 fn a_factor_has_the_order_and_the_entries_of_plain_elimination() {
     let mut next = numbers(5);
@@ -82,7 +82,7 @@ fn a_factor_has_the_order_and_the_entries_of_plain_elimination() {
     }
 }
 
-/// Gauss with the largest pivot.
+/// Solves by Gaussian elimination with the largest pivot.
 fn eliminated(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
     let n = b.len();
     for k in 0..n {
@@ -141,7 +141,7 @@ fn a_table_is_straight_between_and_constant_beyond() {
     let t = Table::new(&[[-1.0, 2.0], [0.0, 0.0], [3.0, 6.0]]).unwrap();
     for (x, y, slope) in [(-5.0, 2.0, 0.0), (-0.5, 1.0, -2.0), (1.5, 3.0, 2.0), (9.0, 6.0, 0.0)] {
         assert_eq!((t.at(x), t.slope(x)), (y, slope), "at {x}");
-        // the integral is that of the line
+        // the derivative of the integral is the value
         let h = 1e-3;
         let rise = (t.integral(x + h) - t.integral(x - h)) / (2.0 * h);
         assert!((rise - y).abs() < 1e-9, "at {x}: {rise}");
@@ -152,7 +152,7 @@ fn a_table_is_straight_between_and_constant_beyond() {
     }
 }
 
-/// The poles of each scheme are where `tuned` says (docs/numerics.md §1.5).
+/// The poles of each scheme are at the values given by `tuned` (docs/numerics.md §1.5).
 #[test]
 fn a_tuned_mode_has_its_pole() {
     let dt = 1.0 / 48_000.0;
@@ -162,8 +162,7 @@ fn a_tuned_mode_has_its_pole() {
             let method = if theta.is_some() { Method::Implicit } else { Method::Ca };
             let scheme = Scheme::of(method, theta);
             let (a, b) = scheme.tuned(f, t60, dt).unwrap();
-            // (1 + b/2 + θa) w² − (2 − a(1 − 2θ)) w + (1 − b/2 + θa) at w = r e^(iφ); the explicit scheme has its
-            // damping backward
+            // (1 + b/2 + θa) w² − (2 − a(1 − 2θ)) w + (1 − b/2 + θa) at w = r e^(iφ); the explicit damper is backward
             let [p2, p1, p0] = match theta {
                 Some(t) => [1.0 + 0.5 * b + t * a, -(2.0 - a * (1.0 - 2.0 * t)), 1.0 - 0.5 * b + t * a],
                 None => [1.0, -(2.0 - a - b), 1.0 - b],

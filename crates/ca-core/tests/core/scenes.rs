@@ -1,4 +1,4 @@
-//! Scenes laid out by hand, without a compiler: the tick against closed forms and against a plain loop.
+//! Tests of scenes built by hand, without a compiler: the tick against closed forms and against a plain loop.
 
 use crate::numbers;
 use ca_core::equivalence::{Equivalence, Gains};
@@ -11,7 +11,6 @@ use ca_core::{Certificate, Input, InputRole, Law, Role, Scene, State, Symbols, i
 
 const RATE: f64 = 48_000.0;
 
-/// A scene of masses in a row.
 struct Row {
     layout: Layout,
     state: State,
@@ -22,7 +21,7 @@ struct Row {
 }
 
 impl Row {
-    /// `n` MATs of these coefficients P, Q and C, at rest.
+    /// Makes MATs at rest with these coefficients P, Q and C.
     fn new(mats: &[[f64; 3]]) -> Row {
         let n = mats.len();
         let layout = Layout {
@@ -40,7 +39,7 @@ impl Row {
         Row { layout, state, reads: Vec::new(), forces: Vec::new(), moves, inputs: Vec::new() }
     }
 
-    /// Joins neighbours by links of `law`: one by one, or as a row.
+    /// Joins neighbours by links of `law`, one by one or as a row.
     fn join(mut self, law: &'static Law, coefs: &[Vec<f64>], row: bool) -> Row {
         let (n, l) = (coefs.len(), &mut self.layout);
         let form = Form { stride: usize::from(row), ..Form::default() };
@@ -54,12 +53,11 @@ impl Row {
         self
     }
 
-    /// Adds coefficients.
     fn more(&mut self, coefs: impl IntoIterator<Item = f64>) {
         self.state.coef = self.state.coef.iter().copied().chain(coefs).collect();
     }
 
-    /// Hears the position of a MAT.
+    /// Adds an output of the position of a MAT.
     fn hear(mut self, mat: u32) -> (Scene, State) {
         let channel = self.layout.out.outputs.len() as u32;
         self.layout.out.outputs.push(Output { tap: Tap::Position(mat), channel });
@@ -119,7 +117,7 @@ fn an_oscillator_is_its_closed_form() {
     assert!(worst < 1e-9, "{worst}");
 }
 
-/// The same links one by one, as a row, and as a plain loop over modules give the same bits.
+/// The same links give the same bits one by one, as a row, and in a plain loop over modules.
 #[test]
 fn a_row_is_its_links_one_by_one() {
     let n = 67;
@@ -153,7 +151,7 @@ fn a_row_is_its_links_one_by_one() {
     assert_eq!(one.bits(), all.bits());
 }
 
-/// The energy that the explicit scheme keeps, ½ d²/c + ½ Σ k e₀e₁, does not drift.
+/// The energy of the explicit scheme, ½ d²/c + ½ Σ k e₀e₁, does not drift.
 #[test]
 fn a_string_without_loss_keeps_its_energy() {
     let n = 40;
@@ -185,7 +183,7 @@ fn inputs_that_are_not_finite_are_refused() {
     row.inputs = vec![input("bow", InputRole::Position), input("push", InputRole::Force)];
     row.state.input = vec![0.0; 2];
     row.reads = vec![Op::pass(Pass::Enx, 1), Op::pass(Pass::Enf { counted: true }, 1)];
-    // a port is moved by what it is given alone
+    // only the input moves the port
     row.moves = vec![Op { mat: 1, ..Op::pass(Pass::IntegrateFree, 1) }];
     let (scene, mut s) = row.hear(1);
     s.input = vec![0.25, 2.0];
@@ -202,7 +200,7 @@ fn inputs_that_are_not_finite_are_refused() {
 fn what_does_not_fit_is_not_played() {
     let (scene, mut s) = Row::new(&[[1.0, -0.1, 1.0]]).hear(0);
     s.x[0] = 1.0;
-    // rows of one output each; an empty buffer is no row
+    // rows of one output each; an empty buffer has zero rows
     assert!(process(&scene, &mut s, &mut []) && s.tick == 0);
     let clone = s.clone();
     integrate(&scene, &mut s);

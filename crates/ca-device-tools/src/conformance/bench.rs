@@ -1,5 +1,5 @@
-//! An engine of its own for one device: the real engine, guard and gateway, in one thread, with a scene that pulls a
-//! little at each degree of freedom.
+//! Test engine for one device: the real engine, guard and gateway, in one thread, with a scene that pulls slightly at
+//! each degree of freedom.
 
 use crate::ToolError;
 use ca_compile::Options as Compile;
@@ -16,50 +16,51 @@ use cordis_anima::catalog;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-/// Frames of the device that are looked at in a phase.
+/// Frames of the device that are examined in a phase.
 pub(super) const LOOK: usize = 200;
 /// Engine frames of a phase at rest.
 pub(super) const REST: u32 = 600;
-/// How long a device may take for its first word, and for a phase \[ns\].
+/// Longest wait for the first frame of a device, and for a phase \[ns\].
 pub(super) const PATIENCE: u64 = 5_000_000_000;
 
-/// How often forces are tried to be on: a machine that is busy trips watchdogs, which is not the device's fault.
+/// Attempts to switch forces on: a busy machine trips watchdogs, which is not the fault of the device.
 pub(super) const TRIES: u32 = 8;
 
-/// How far the known spring is from where the device is, at most \[m\], and as part of its travel.
+/// Largest distance from the device to the rest position of the known spring: \[m\], and as a share of its travel.
 const STRETCH: [f64; 2] = [0.002, 0.1];
 
-/// Where the springs of the scene end, beyond the hand \[m\]: so far that their force hardly depends on where it is.
+/// Distance of the far ends of the pulling springs from the hand \[m\]: so large that their force hardly depends on the
+/// position.
 const REACH: f64 = 1.0;
 
-/// One device, and what passed between it and us.
+/// Connection to one device, with the frames exchanged.
 pub struct Bench {
     lines: Gateway,
     name: String,
     calibration: Calibration,
-    /// frames of the device since [`Bench::forget`], positions in metres
+    /// Frames of the device since [`Bench::forget`], with positions in metres.
     pub frames: Vec<DeviceFrame>,
-    /// force frames sent since then
+    /// Force frames sent since then.
     pub sent: Vec<ForceFrame>,
-    /// frames of other versions or devices
+    /// Number of frames of other versions or devices.
     pub foreign: u64,
     due: f64,
     waits: Waits,
 }
 
-/// An engine, and the parameter of its scene.
+/// An engine, and the parameters of its scene.
 pub struct Player {
     pub engine: Engine,
     controls: Controls,
     period: f64,
-    /// where the two known springs of each degree of freedom are at rest, on either side of where the device was \[m\]
+    /// Rest positions of the two known springs of each degree of freedom, on either side of the device \[m\].
     pub rest: [[f64; DOF]; 2],
-    /// how far that is \[m\]
+    /// Their distance from the device \[m\].
     pub stretch: f64,
 }
 
 impl Bench {
-    /// Takes the lines of a server.
+    /// Opens the services of the device as its server.
     pub fn open(site: &Site, name: &str, calibration: Calibration) -> Result<Bench, HostError> {
         Ok(Bench {
             lines: Gateway::open(site, &[name])?,
@@ -73,7 +74,7 @@ impl Bench {
         })
     }
 
-    /// What the device says of itself.
+    /// Returns the description that the device sends of itself.
     pub fn about(&self) -> Option<About> {
         self.lines.about(0).copied()
     }
@@ -99,7 +100,7 @@ impl Bench {
         }
     }
 
-    /// Listens without a word until so many frames came, or for so long \[ns\].
+    /// Receives without sending, until `frames` frames came or `patience` \[ns\] is over.
     pub fn listen(&mut self, frames: usize, patience: u64) {
         let end = now_ns() + patience;
         while self.frames.len() < frames && now_ns() < end {
@@ -108,12 +109,12 @@ impl Bench {
         }
     }
 
-    /// So many frames of an engine, at its rate.
+    /// Runs an engine for `frames` frames, at its rate.
     pub fn play(&mut self, player: &mut Player, frames: u32) {
         for _ in 0..frames {
             self.due += player.period;
             let now = self.waits.until(self.due as u64) as f64;
-            // late by more than a frame: what was missed is not made up for
+            // late by more than a frame: missed frames are not made up for
             if now > self.due + player.period {
                 self.due = now;
             }
@@ -129,19 +130,19 @@ impl Bench {
         }
     }
 
-    /// A force frame as it is, stamped with the time.
+    /// Sends a force frame unchanged but for the time.
     pub fn send(&mut self, frame: &mut ForceFrame) {
         frame.t_host_ns = now_ns();
         self.lines.send(0, frame);
         self.sent.push(*frame);
     }
 
-    /// Mode and cause of the last force.
+    /// Returns the mode and cause of the last force.
     pub fn mode(&self) -> (Mode, Cause) {
         self.sent.last().map_or((Mode::Off, Cause::Disarmed), |f| (Mode::read(f.mode), Cause::read(f.cause)))
     }
 
-    /// An engine whose scene has the device where it is now.
+    /// Makes an engine whose scene has the device at its present position.
     pub fn player(&self, profile: &Profile) -> Result<Player, ToolError> {
         let x = self.frames.last().map_or([0.0; DOF], |f| f.pos);
         let [low, high] = profile.range;
@@ -162,17 +163,16 @@ impl Bench {
 }
 
 impl Player {
-    /// Forces on, or off.
     pub fn order(&mut self, order: Order) {
         self.engine.command(EngineCommand::Order(None, order));
     }
 
-    /// Pulls at each degree of freedom with so much \[N\].
+    /// Pulls at each degree of freedom with this force \[N\].
     pub fn pull(&mut self, force: f64) -> Result<(), ToolError> {
         self.set("pull", force / REACH)
     }
 
-    /// Holds each degree of freedom by springs of this stiffness \[N/m\], at rest at [`Player::rest`].
+    /// Holds each degree of freedom by springs of this stiffness \[N/m\], with rest positions [`Player::rest`].
     pub fn springs(&mut self, k: [f64; 2]) -> Result<(), ToolError> {
         self.set("below", k[0])?;
         self.set("above", k[1])
@@ -185,8 +185,8 @@ impl Player {
     }
 }
 
-/// A spring that pulls at each degree of freedom, as much as the parameter `pull` says, and two that hold it near where
-/// it is, as stiff as `below` and `above` say.
+/// Makes a scene with three springs at each degree of freedom: a pulling one with the live parameter `pull`, and two
+/// around the position with the stiffness parameters `below` and `above`.
 fn scene(name: &str, n: usize, x: &[f64; DOF], rest: &[[f64; DOF]; 2]) -> Result<Scene, ToolError> {
     let mut text = String::from("[param]\n");
     for (param, most) in [("pull", 100), ("below", 10_000), ("above", 10_000)] {

@@ -1,5 +1,5 @@
-//! What is looked at with small forces on: whether they come, whether a known spring is felt as one, and whether they end with
-//! the engine, under another one and once disarmed.
+//! Tests with small forces: they arrive, a known spring is rendered as one, and they end when the engine dies, is
+//! replaced, or is disarmed.
 
 use super::bench::{Bench, LOOK, PATIENCE, Player, REST, TRIES};
 use super::quiet::{late, unexpected_forces};
@@ -10,21 +10,21 @@ use ca_haptic::guard::Order;
 use ca_haptic::profile::Profile;
 use ca_model::quantity::short;
 
-/// The most that a force may live \[s\], in tries after a watchdog; what no device outlives is 0.1 s.
+/// Longest time to live of a force in retries after a watchdog \[s\]; a device ends every force after 0.1 s.
 const PATIENT: f64 = 0.08;
-/// How long a device may say nothing before it has left \[ns\].
+/// Time without frames after which a device has left \[ns\].
 const LEFT: u64 = 1_000_000_000;
-/// Frames of the device until a spring that is new has its stiffness.
+/// Frames of the device until a new spring has its stiffness.
 const RISE: usize = 10;
-/// How much more than the force of the stretched spring a device may come to feel, which swings about its rest.
+/// Largest force relative to the force of the stretched spring, because the device swings about the rest position.
 const BEYOND: f64 = 1.5;
-/// ... and how much the guard may add, as part of the largest force of the device.
+/// Allowed addition by the guard, as a share of the largest force of the device.
 const GUARD: f64 = 0.1;
-/// A hand that moves by more than this part of the stretch without a force is not held still.
+/// Motion without a force, as a share of the stretch, beyond which the hand is not still.
 const MOVED: f64 = 0.5;
 
-/// Another engine after a watchdog, whose frames live twice as long: what stands still for milliseconds is this machine,
-/// and how long a force lives is no matter of the device, as long as it ends then.
+/// After a watchdog fault, replaces the engine by one whose frames live twice as long. A pause of milliseconds is the
+/// fault of this machine. The time to live does not matter for the device, as long as it ends the force then.
 pub(super) fn patient(b: &mut Bench, p: &mut Player, profile: &mut Profile) -> Result<(), ToolError> {
     let late = matches!(b.mode(), (Mode::Fault, Cause::WatchdogOut | Cause::WatchdogIn));
     if late && profile.guard.ttl < PATIENT {
@@ -37,7 +37,7 @@ pub(super) fn patient(b: &mut Bench, p: &mut Player, profile: &mut Profile) -> R
     Ok(())
 }
 
-/// Forces on; false where they cannot be.
+/// Switches forces on; returns false if this fails.
 pub(super) fn on(b: &mut Bench, p: &mut Player, profile: &mut Profile) -> Result<bool, ToolError> {
     for _ in 0..TRIES {
         patient(b, p, profile)?;
@@ -47,7 +47,7 @@ pub(super) fn on(b: &mut Bench, p: &mut Player, profile: &mut Profile) -> Result
             let before = b.frames.len();
             b.play(p, 100);
             if b.frames.len() == before {
-                // it has left, or this machine lets it wait
+                // the device has left, or this machine delays it
                 b.listen(before + 1, LEFT);
                 if b.frames.len() == before {
                     return Ok(false);
@@ -63,7 +63,7 @@ pub(super) fn on(b: &mut Bench, p: &mut Player, profile: &mut Profile) -> Result
     Ok(false)
 }
 
-/// Small forces. True where the device was left with them.
+/// Tests small forces. Returns true if the device still has them at the end.
 pub(super) fn forces(
     b: &mut Bench,
     p: &mut Player,
@@ -108,8 +108,8 @@ pub(super) fn forces(
     Ok(false)
 }
 
-/// A known spring to either side of where the device is: forces are those of the spring at the positions they answer, and
-/// none is much larger than where it began.
+/// Tests a known spring on either side of the position: each force is the spring force at the position that it
+/// answers, and none is much larger than the first.
 pub(super) fn spring(
     b: &mut Bench,
     p: &mut Player,
@@ -118,7 +118,7 @@ pub(super) fn spring(
     t: &mut CheckTable,
 ) -> Result<(), ToolError> {
     for attempt in 1..=TRIES {
-        // from where it is now, which pulls before may have changed
+        // at the present position, which earlier pulls may have changed
         *p = b.player(profile)?;
         b.forget();
         b.play(p, REST);
@@ -134,7 +134,7 @@ pub(super) fn spring(
             p.springs([[k, 0.0], [0.0, k]][side])?;
             b.play(p, REST);
             for s in &b.sent {
-                // the first frames are on their way to the spring
+                // skips the transient at the first frames
                 let Some(f) = b.frames.iter().skip(RISE).find(|f| f.seq == s.ack) else { continue };
                 for (d, sent) in s.force.iter().enumerate().take((f.n as usize).min(DOF)) {
                     let (sent, spring) = (f64::from(*sent), k * (p.rest[side][d] - f.pos[d]));
@@ -148,10 +148,10 @@ pub(super) fn spring(
         }
         p.springs([0.0; 2])?;
         b.play(p, 100);
-        // the guard may add to it for a moment, and not for half of the time
+        // the guard may add to the force briefly, but not half of the time
         offs.sort_by(f64::total_cmp);
         let off = offs.get(offs.len() / 2).copied().unwrap_or(f64::INFINITY);
-        // one that followed the first spring begins the second as far away again
+        // a device that followed the first spring is twice as far from the second
         let limit = 2.0 * BEYOND * force + GUARD * profile.force;
         let pass = most <= limit && off <= 0.1 * force;
         let what = format!(
@@ -177,7 +177,7 @@ pub(super) fn spring(
     Ok(())
 }
 
-/// Travel of a hand at the degree of freedom that went farthest \[m\].
+/// Returns the travel of the hand at the degree of freedom that moved most \[m\].
 fn travelled(frames: &[DeviceFrame]) -> f64 {
     let n = frames.iter().map(|f| f.n as usize).max().unwrap_or(0).min(DOF);
     let way = |d: usize| {
@@ -189,7 +189,7 @@ fn travelled(frames: &[DeviceFrame]) -> f64 {
     (0..n).map(way).fold(0.0, f64::max)
 }
 
-/// Forces it measured and those it was given, of the last frame whose force is known; `None` where it measures none.
+/// Returns measured and requested forces of the last frame whose force is known; `None` if the device measures none.
 pub(super) fn measured(b: &Bench) -> Option<(Vec<f64>, Vec<f64>)> {
     let n = |f: &DeviceFrame| (f.n as usize).min(DOF);
     b.frames.iter().rev().find_map(|f| {
@@ -201,13 +201,14 @@ pub(super) fn measured(b: &Bench) -> Option<(Vec<f64>, Vec<f64>)> {
     })
 }
 
-/// Forces are off where they should have been on: what would have been asked with them is left open.
+/// Reports that forces could not be switched on, so that the test after `before` is left out.
 fn never_on(b: &Bench, t: &mut CheckTable, before: &str) {
     let (mode, cause) = b.mode();
     t.row("arms again", false, format!("before {before}: mode {}, {}", mode.name(), cause.name()));
 }
 
-/// The engine dies while the device gives a force: one that has none already would pass without a watchdog.
+/// Tests that forces end when the engine dies. The device must have a force at that moment, since otherwise it would
+/// pass without a watchdog.
 pub(super) fn silence(
     b: &mut Bench,
     p: &mut Player,
@@ -238,7 +239,7 @@ pub(super) fn silence(
     b.listen(quarter.max(LOOK), PATIENCE);
     let over = last.t_host_ns + u64::from(last.ttl_us) * 1000;
     let mut expired: Vec<DeviceFrame> = b.frames.iter().filter(|f| f.t_host_ns > over).copied().collect();
-    // the frame under way when the life of the force ends, and the one after it
+    // skips the frame under way when the force expires, and the next one
     expired.drain(..expired.len().min(2));
     let goes_on = expired.len() * 2 > LOOK;
     t.row("goes on", goes_on, format!("{} frames after the engine fell silent", expired.len()));
@@ -251,7 +252,6 @@ pub(super) fn silence(
     Ok(())
 }
 
-/// Another engine.
 pub(super) fn another(b: &mut Bench, profile: &mut Profile, force: f64, t: &mut CheckTable) -> Result<(), ToolError> {
     let mut p = b.player(profile)?;
     b.forget();

@@ -1,9 +1,10 @@
-//! Conformance: whether a device process keeps what the engine relies on.
+//! Conformance: tests that a device process does what the engine relies on.
 //!
-//! Decides to look only at what the device says on its lines, since that is all an engine has: no driver is opened, no
-//! code of the device is linked. The script plays a whole life: silence, an engine at rest, small forces, an engine that
-//! dies, another one, one that was never at rest, frames that are not for it. Forces go through the real guard, with the
-//! device's own numbers as limits. What the device does not tell (measured forces are optional) is not held against it.
+//! The tests use only the frames of the device, since these are all that an engine has: they open no driver and link no
+//! code of the device. The script covers a whole life: silence, an engine at rest, small forces, an engine that dies,
+//! another one, one that was never at rest, frames for other devices. Forces pass through the real guard, with limits
+//! from the device's own description. Optional data that the device does not send, such as measured forces, are not a
+//! failure.
 
 mod bench;
 mod forced;
@@ -17,21 +18,21 @@ use ca_haptic::rt::{self, RtRequest};
 use ca_model::quantity::short;
 pub use table::{CheckRow, CheckTable};
 
-/// A test of a running device process.
+/// Options of a test of a running device process.
 #[derive(Clone, Debug)]
 pub struct Conformance {
-    /// the device
+    /// Name of the device.
     pub name: String,
-    /// the profile that it is played with, as of [`store::profile_of`]
+    /// Profiles to choose from, as in [`store::profile_of`].
     pub profile: Vec<String>,
-    /// largest force \[N\], at most a twentieth of what the device says it can give; 0 tests without forces
+    /// Largest force \[N\], at most a twentieth of the device's own limit; 0 tests without forces.
     pub force: f64,
 }
 
 /// Tests a device.
 ///
 /// # Errors
-/// If no device of that name speaks, or a profile or calibration cannot be read.
+/// If no device of that name is running, or a profile or calibration cannot be read.
 pub fn run(asked: &Conformance, say: &mut dyn FnMut(Message)) -> Result<CheckTable, ToolError> {
     let calibration = store::calibration_of(&asked.name, &[])?;
     let mut bench = Bench::open(&Site::of_user()?, &asked.name, calibration)?;
@@ -40,7 +41,7 @@ pub fn run(asked: &Conformance, say: &mut dyn FnMut(Message)) -> Result<CheckTab
     if let Some(about) = quiet::presented(&mut bench, &mut table)? {
         let mut profile = quiet::profile(&about);
         let force = asked.force.min(0.05 * profile.force) / f64::from(profile.axes);
-        // nothing of the guard's own is stronger: no edge, and a brake that is as weak as the pull
+        // no force of the guard itself is stronger: no edge, and a brake as weak as the pull
         profile.guard.edge = 0.0;
         profile.guard.brake = force / profile.guard.speed;
         if force > 0.0 {

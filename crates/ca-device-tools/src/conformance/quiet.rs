@@ -1,5 +1,5 @@
-//! What is looked at while no force is asked for: who a device is, what it sends unasked, an engine at rest, and frames
-//! that are not for it.
+//! Tests without forces: the description of the device, its frames, an engine at rest, and frames that the device must
+//! ignore.
 
 use super::Conformance;
 use super::bench::{Bench, LOOK, PATIENCE, Player, REST, TRIES};
@@ -11,12 +11,12 @@ use ca_haptic::guard::wait::Wait;
 use ca_haptic::profile::Profile;
 use ca_model::quantity::Plain;
 
-/// What is wrong with a force frame, and how it is made so.
+/// Name of a fault, and the function that puts it into a force frame.
 type Wrong = (&'static str, fn(&mut ForceFrame));
-/// Added to the number of a frame that must not be used, so that it is known again.
+/// Added to the number of a frame that must not be used, to recognise it.
 const FAR: u64 = 1_000_000;
 
-/// Who it is. `None` where nothing more can be asked.
+/// Tests the description of the device. Returns `None` if the tests cannot continue.
 pub(super) fn presented(b: &mut Bench, t: &mut CheckTable) -> Result<Option<About>, ToolError> {
     b.forget();
     b.listen(1, PATIENCE);
@@ -29,7 +29,7 @@ pub(super) fn presented(b: &mut Bench, t: &mut CheckTable) -> Result<Option<Abou
             "no device of that name speaks; start it, `ca device list` shows those that do".into(),
         ));
     }
-    // it says who it is once a second
+    // a device sends its description once a second
     for _ in 0..20 {
         if b.about().is_some() {
             break;
@@ -49,7 +49,7 @@ pub(super) fn presented(b: &mut Bench, t: &mut CheckTable) -> Result<Option<Abou
     Ok(fine.then_some(a))
 }
 
-/// Limits of the guard: the device's own words.
+/// Makes a profile with the limits that the device describes.
 pub(super) fn profile(a: &About) -> Profile {
     let n = a.n as usize;
     let fold = |v: &[f32], f: fn(f64, f64) -> f64, from: f64| v[..n].iter().fold(from, |m, x| f(m, f64::from(*x)));
@@ -63,7 +63,7 @@ pub(super) fn profile(a: &About) -> Profile {
     p
 }
 
-/// What it sends, unasked.
+/// Tests the frames that the device sends unasked.
 pub(super) fn alive(b: &mut Bench, a: &About, t: &mut CheckTable) {
     b.forget();
     b.listen((a.rate as usize / 2).max(LOOK), PATIENCE);
@@ -81,7 +81,7 @@ pub(super) fn alive(b: &mut Bench, a: &About, t: &mut CheckTable) {
     );
     let clocks = frames.windows(2).all(|w| w[1].t_host_ns > w[0].t_host_ns && w[1].t_device_ns >= w[0].t_device_ns);
     t.row("clocks", clocks, "of host and device run forward");
-    // of neighbours only, and their median: what the machine delayed says nothing of the device
+    // the median between consecutive frames, since delays by this machine do not count
     let mut gaps: Vec<u64> = frames
         .windows(2)
         .filter(|w| w[1].seq == w[0].seq.wrapping_add(1))
@@ -106,7 +106,7 @@ pub(super) fn alive(b: &mut Bench, a: &About, t: &mut CheckTable) {
     t.row("status", ready, "connected and powered");
 }
 
-/// Whether `ca serve` would use its frames, with the profile it would take, and give it forces.
+/// Tests that `ca serve` would use the frames of the device with its profile, and would give it forces.
 pub(super) fn served(
     b: &mut Bench,
     asked: &Conformance,
@@ -142,7 +142,7 @@ pub(super) fn served(
         (taken, dropped, wait) = (p.engine.counts.taken, p.engine.counts.dropped, p.engine.ports[0].chain.wait());
         p.order(Order::Disarm);
         b.play(&mut p, 10);
-        // a machine that stood still at this moment
+        // tries again if this machine paused at this moment
         if wait != Wait::Stale {
             break;
         }
@@ -156,7 +156,7 @@ pub(super) fn served(
     Ok(())
 }
 
-/// Frames that should have no force, and have one or give no reason; none where all is well.
+/// Describes frames that should have no force, but have one or give no reason; `None` if there are none.
 pub(super) fn unexpected_forces(frames: &[DeviceFrame]) -> Option<String> {
     let none = |f: &&DeviceFrame| Cause::read(f.cause) == Cause::None;
     let pushes = |f: &DeviceFrame| f.force_measured[..(f.n as usize).min(DOF)].iter().any(|x| *x != 0.0);
@@ -165,12 +165,11 @@ pub(super) fn unexpected_forces(frames: &[DeviceFrame]) -> Option<String> {
         .then(|| format!("of {} frames {silent} give no reason and {pushing} give a force", frames.len()))
 }
 
-/// The frames of a phase after the device must have heard: those that ack what we sent first, and a few.
+/// Returns the second half of the frames of a phase, in which the device must have received the first force frames.
 pub(super) fn late(b: &Bench) -> &[DeviceFrame] {
     &b.frames[b.frames.len() / 2..]
 }
 
-/// An engine at rest.
 pub(super) fn rest(b: &mut Bench, p: &mut Player, t: &mut CheckTable) {
     b.forget();
     b.play(p, REST);
@@ -182,8 +181,8 @@ pub(super) fn rest(b: &mut Bench, p: &mut Player, t: &mut CheckTable) {
     t.row("rest", !frames.is_empty() && bad.is_none(), bad.unwrap_or_else(|| "no force from an engine at rest".into()));
 }
 
-/// What must not be used: an engine that was never at rest, frames of another layout, of another device, of the past.
-/// All of them ask for no force.
+/// Tests frames that must not be used: from an engine that was never at rest, of another layout, version or device, and
+/// of the past. All of them have zero force.
 pub(super) fn strangers(b: &mut Bench, t: &mut CheckTable) {
     let n = b.frames.last().map_or(1, |f| f.n as usize);
     let name = b.frames.last().map(|f| text(&f.device)).unwrap_or_default();

@@ -1,20 +1,20 @@
-//! The table of a conformance run: what was asked, whether it holds, and what was found.
+//! Results of a conformance run.
 
-/// One thing that is asked of a device.
+/// One requirement on a device.
 #[derive(Clone, Debug)]
 pub struct CheckRow {
-    /// its name
+    /// Name of the requirement.
     pub name: &'static str,
-    /// whether it holds
+    /// True if it is met.
     pub pass: bool,
-    /// a description of what was found
+    /// Description of the finding.
     pub found: String,
 }
 
-/// The table.
+/// Results of all tests.
 #[derive(Clone, Debug, Default)]
 pub struct CheckTable {
-    /// in the order of the test
+    /// Requirements, in the order of the test.
     pub rows: Vec<CheckRow>,
 }
 
@@ -23,7 +23,7 @@ impl CheckTable {
         self.rows.push(CheckRow { name, pass, found: found.into() });
     }
 
-    /// Rows that do not hold.
+    /// Returns the number of requirements that are not met.
     pub fn failed(&self) -> usize {
         self.rows.iter().filter(|r| !r.pass).count()
     }

@@ -1,4 +1,5 @@
-//! The force log of a simulated device: number, time, number of the force, its mode, why off, positions, forces held.
+//! Force log of a simulated device. Each line has the number and time of a frame; the number of the force, the frame
+//! that it answers, its mode, the reason for no force, and its flags; then the positions and the forces held.
 
 use crate::ToolError;
 use ca_haptic::frame::{Cause, DeviceFrame, ForceFrame, Mode};
@@ -10,7 +11,7 @@ use std::io::{BufWriter, Write as _};
 use std::os::unix::fs::OpenOptionsExt as _;
 use std::path::Path;
 
-/// A line for each frame of a simulated device.
+/// Writes a line for each frame of a simulated device.
 pub(super) struct Log {
     to: BufWriter<File>,
     path: String,

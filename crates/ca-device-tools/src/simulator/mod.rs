@@ -1,9 +1,9 @@
 //! A device process without hardware.
 //!
-//! It does as much as a driver of a real device: once a period it sends the position of the hand, and gives its motors the force
-//! that [`DeviceClient::safe_force`] lets through. A period that is over is left out and counted, never made up for in a burst; a
-//! process that was suspended goes on from where it stopped. In lock-step the answer of the engine is the clock: the force is used as
-//! it comes, and the loop is the same every time, however slow the machine.
+//! It works like the driver of a real device: once a period it sends the position of the hand, and gives its motors the
+//! force from [`DeviceClient::safe_force`]. A missed period is skipped and counted, never made up for in a burst; a
+//! suspended process resumes where it stopped. In lock-step the answer of the engine is the clock: the force is used as
+//! it comes, so the loop is deterministic on a machine of any speed.
 
 mod log;
 
@@ -19,70 +19,71 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
-/// In lock-step: how long an answer may take before the position is said again \[ns\]. Longer than the engine waits.
+/// In lock-step: time without an answer after which the position is sent again \[ns\]. It exceeds the wait of the
+/// engine.
 const AGAIN: u64 = 300_000_000;
-/// Shortest wait for an answer, in lock step for a given time \[ns\].
+/// Shortest wait for an answer in lock-step with a given duration \[ns\].
 const PATIENCE: f64 = 2e9;
-/// Frames whose times are remembered.
+/// Frames whose times are stored.
 const KEPT: usize = 4096;
 
-/// A simulated device.
+/// Options of a simulated device.
 #[derive(Clone, Debug)]
 pub struct Simulation {
-    /// the name by which models know it
+    /// Name by which models know the device.
     pub name: String,
-    /// the hardware that is simulated, and its rate
+    /// Simulated hardware, with its rate.
     pub profile: Profile,
-    /// the hand that holds it
+    /// Hand that holds the device.
     pub hand: Hand,
-    /// the motion of the hand
+    /// Motion of the hand.
     pub script: Script,
-    /// frames that a force is under way before the motors have it, fewer than [`DOF`]
+    /// Delay of a force on its way to the motors \[frames\], less than [`DOF`].
     pub delay: usize,
-    /// seed of the noise on its positions
+    /// Seed of the noise on its positions.
     pub seed: u64,
-    /// how long it plays \[s\]; until it is stopped if none
+    /// Duration \[s\]; `None` runs until stopped.
     pub seconds: Option<f64>,
-    /// the script begins once forces come
+    /// Starts the script when forces come.
     pub waits: bool,
-    /// the answer of the engine is its clock
+    /// Uses the answers of the engine as the clock.
     pub lockstep: bool,
-    /// a file with a line for each frame
+    /// File that gets a line for each frame.
     pub force_log: Option<PathBuf>,
-    /// priority (SCHED_FIFO); it asks for none if none
+    /// Real-time priority (SCHED_FIFO) to request, if any.
     pub priority: Option<u8>,
 }
 
-/// Summary of what a simulated device sent and felt.
+/// Statistics of a simulated device.
 #[derive(Clone, Debug, Default)]
 pub struct Summary {
-    /// its name
+    /// Name of the device.
     pub device: String,
-    /// frames a second
+    /// Frames a second.
     pub rate: f64,
-    /// frames that it sent
+    /// Number of frames sent.
     pub frames: u64,
-    /// frames without a reader
+    /// Number of frames without a reader.
     pub unread: u64,
-    /// number of its first position that was answered
+    /// Number of its first position that was answered.
     pub first_answered: u64,
-    /// periods that it left out
+    /// Number of skipped periods.
     pub left_out: u64,
-    /// positions that it said again
+    /// Number of positions sent again.
     pub again: u64,
-    /// forces that came
+    /// Number of forces received.
     pub forces: u64,
-    /// largest force at each degree of freedom \[N\]
+    /// Largest force at each degree of freedom \[N\].
     pub largest: Vec<f64>,
-    /// times from a position to its force
+    /// Times from a position to its force.
     pub loops: Percentiles,
-    /// frames under each cause, in the order of [`CAUSES`]
+    /// Number of frames under each cause, in the order of [`CAUSES`].
     pub causes: [u64; CAUSES.len()],
-    /// times that another engine came
+    /// Number of changes to another engine.
     pub restarts: u64,
 }
 
-/// A simulated device under way.
+/// A running simulated device.
 pub struct Simulator {
     title: String,
     priority: Option<u8>,
@@ -94,22 +95,22 @@ pub struct Simulator {
     n: usize,
     frame_dt: f64,
     delay: usize,
-    /// the script has not begun: forces are still off
+    /// Waits for forces before the script starts.
     waits: bool,
-    /// numbers of the forces under way to the motors, the newest first
+    /// Numbers of the forces on their way to the motors, the newest first.
     held: [u64; DOF],
-    /// when each position was sent \[ns\], by its number
+    /// Number and time \[ns\] of each position sent.
     sent: Vec<(u64, u64)>,
     log: Option<Log>,
     seen: Summary,
-    /// number of the last force, and times from a position to its force
+    /// Number of the last force, and times from a position to its force.
     last: u64,
     loops: Times,
     cause: Cause,
 }
 
 impl Simulator {
-    /// Opens the lines of the device.
+    /// Opens the services of the device.
     ///
     /// # Errors
     /// If its name is taken, its delay is too long, or the force log cannot be written.
@@ -145,17 +146,17 @@ impl Simulator {
         })
     }
 
-    /// Plays until it has lasted its time, or `stop` is true.
+    /// Runs for its duration, or until `stop` is true.
     ///
     /// # Errors
-    /// If the lines break, or the force log cannot be written.
+    /// If the connection fails, or the force log cannot be written.
     pub fn run(mut self, stop: &AtomicBool, say: &mut dyn FnMut(Message)) -> Result<Summary, ToolError> {
         let granted = rt::ask(RtRequest { priority: self.priority, ..RtRequest::default() });
         let (name, rate) = (&self.seen.device, self.seen.rate);
         say(Message::Note(format!("`{name}`: {}, simulated, {rate} frames a second; {granted}", self.title)));
         let frames = self.frames;
         let ended = if self.lockstep { self.in_lockstep(frames, stop, say) } else { self.free(frames, stop, say) };
-        // what was logged is worth keeping even where the lines broke
+        // the log is kept even if the connection failed
         if let Some(log) = self.log.take() {
             log.finish()?;
         }
@@ -165,7 +166,7 @@ impl Simulator {
         Ok(self.seen)
     }
 
-    /// Plays at the rate of the device; `periods` limits it.
+    /// Runs at the rate of the device, for `periods` if given.
     fn free(&mut self, periods: Option<u64>, stop: &AtomicBool, say: &mut dyn FnMut(Message)) -> Result<(), ToolError> {
         let (start, period, mut waits) = (now_ns(), self.frame_dt * 1e9, Waits::default());
         let mut force = [0.0; DOF];
@@ -176,21 +177,21 @@ impl Simulator {
             }
             self.send()?;
             force = self.client.safe_force();
-            // of the force that was just given, not of one that came meanwhile
+            // the cause of the force just applied, not of one received since
             let cause = self.client.watch().cause(now_ns());
             let latest = self.client.watch().last().copied();
             self.note(cause, latest.as_ref(), say)?;
             n += 1;
             let due = start + (n as f64 * period) as u64;
             let late = (waits.until(due) - due) as f64 / period;
-            // whole periods that are over say nothing of where the hand is now
+            // skips missed periods, since the position of the hand then is out of date
             self.seen.left_out += late as u64;
             n += late as u64;
         }
         Ok(())
     }
 
-    /// Plays at the pace of the engine; `frames` limits it.
+    /// Runs at the pace of the engine, for `frames` if given.
     fn in_lockstep(
         &mut self,
         frames: Option<u64>,
@@ -200,7 +201,7 @@ impl Simulator {
         let mut n = 0_u64;
         while !stop.load(Relaxed) && frames.is_none_or(|all| n < all) {
             let mut at = self.send()?;
-            // without an answer for as long as it was to last in all, the server has ended, or was never there
+            // no answer for the whole duration: the server has ended, or there never was one
             let patience = frames.map(|all| (all as f64 * self.frame_dt * 1e9).max(PATIENCE) as u64);
             let asked = at;
             let answer = loop {
@@ -218,7 +219,7 @@ impl Simulator {
                     return Ok(());
                 }
                 if now_ns() > at + AGAIN {
-                    // the server came after the frame, or is another one now
+                    // the server started after the frame, or has been replaced
                     at = self.send()?;
                     self.seen.again += 1;
                 }
@@ -240,7 +241,7 @@ impl Simulator {
         Ok(())
     }
 
-    /// Says where the hand is. Returns the time \[ns\].
+    /// Sends the position of the hand. Returns the time \[ns\].
     fn send(&mut self) -> Result<u64, HostError> {
         self.device.frame(&mut self.frame);
         if self.lockstep {
@@ -258,7 +259,7 @@ impl Simulator {
         Ok(self.frame.t_host_ns)
     }
 
-    /// Takes note of what acts from now on.
+    /// Records the force that acts from now on.
     fn note(
         &mut self,
         cause: Cause,

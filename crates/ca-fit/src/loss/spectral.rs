@@ -1,9 +1,9 @@
-//! The distance of two sounds by their levels: windows of three lengths, in bands.
+//! Distance of two sounds by levels in bands, in windows of three lengths.
 //!
-//! Decides for logarithms of powers in bands of a twenty-fourth of an octave, or of a bin where that is wider: where phases do
-//! not agree this is still smooth, a faint partial counts like a loud one, as it does for an ear, and high bands do not count
-//! more than low ones for being many. Long windows tell frequencies, short ones the onset. What is 60 dB below the loudest of
-//! its window length, or near the noise before the onset, is not distinguished.
+//! It compares logarithms of powers in bands of a twenty-fourth of an octave, or of one bin where that is wider. So it
+//! is smooth where phases do not agree, a faint partial counts as much as a loud one, as in hearing, and high bands do
+//! not dominate by their number. Long windows determine frequencies, short ones the onset. Levels 60 dB below the
+//! loudest of their window length, or near the noise before the onset, are not distinguished.
 
 use super::{Free, Loss, STRETCHES};
 use crate::target::{Samples, Target};
@@ -12,29 +12,27 @@ use std::cell::RefCell;
 
 /// Lengths of windows \[s\].
 const WINDOWS: [f64; 3] = [0.02, 0.08, 0.32];
-/// The ratio of a band.
+/// Frequency ratio of a band.
 const BAND: f64 = 1.029_302_236_643_492;
 /// Lowest band \[Hz\].
 const LOWEST: f64 = 30.0;
-/// Below the loudest by this power nothing is distinguished.
+/// Power, relative to the loudest, below which levels are not distinguished.
 const FLOOR: f64 = 1e-6;
-/// Nor below so many times the noise.
+/// Power, relative to the noise, below which levels are not distinguished.
 const NOISE: f64 = 4.0;
 
-/// Levels of one window length.
 struct Scale {
     windows: RefCell<Hann>,
-    /// where windows begin
+    /// First sample of each window.
     begins: Vec<usize>,
-    /// first bins of bands, and one past the last
+    /// First bin of each band, and the end of the last.
     bands: Vec<usize>,
-    /// powers of a band below which nothing is distinguished
+    /// Power of each band below which levels are not distinguished.
     floor: Vec<f64>,
-    /// powers of the target: channels, windows, bands
+    /// Powers of the target: channels, windows, bands.
     target: Vec<f64>,
 }
 
-/// The distance by levels.
 pub(crate) struct Spectral {
     scales: Vec<Scale>,
     from: usize,
@@ -56,7 +54,7 @@ impl Scale {
         all
     }
 
-    /// The noise of each band: the median over windows and channels of what was recorded before the sound; 0 where too little was.
+    /// Noise of each band: the median over windows and channels before the onset; 0 where there are too few.
     fn noise(&self, quiet: &Samples) -> Vec<f64> {
         let (mut windows, mut powers) = (self.windows.borrow_mut(), Vec::new());
         let bands = self.bands.len() - 1;
@@ -77,14 +75,13 @@ impl Scale {
         all.into_iter().map(median).collect()
     }
 
-    /// The floor of each power.
     fn floors(&self) -> impl Iterator<Item = &f64> {
         self.floor.iter().cycle()
     }
 }
 
 impl Spectral {
-    /// Of the target between two samples; `gain` where it is not free.
+    /// Makes the distance from the target between two samples; `gain` is fixed if given.
     pub fn of(target: &Target, from: usize, until: usize, gain: Option<f64>) -> Spectral {
         let samples: Samples = target.samples.iter().map(|c| c[..until].to_vec()).collect();
         let scale = |seconds: f64| {
@@ -110,7 +107,7 @@ impl Spectral {
         Spectral { scales, from, fitted: until, gain }
     }
 
-    /// Root of the mean square of the differences of levels \[dB\].
+    /// Root mean square of the level differences \[dB\].
     pub fn decibel(&self, heard: &Samples, free: Free) -> f64 {
         let r = self.residual(heard, free);
         let sum: f64 = r.iter().map(|v| v * v).sum();
@@ -118,7 +115,7 @@ impl Spectral {
     }
 }
 
-/// What is heard, moved by whole samples to where the target has it.
+/// Shifts a sound by whole samples to its position in the target.
 fn moved(heard: &Samples, delay: f64) -> Samples {
     let by = libm::round(delay) as isize;
     heard
@@ -138,7 +135,7 @@ impl Loss for Spectral {
         let mut all = Vec::new();
         for scale in &self.scales {
             let powers = scale.powers(&heard);
-            // each length of windows counts alike
+            // each window length has the same weight
             let w = 1.0 / libm::sqrt(powers.len() as f64);
             let one = |((p, t), floor): ((&f64, &f64), &f64)| w * libm::log((square * p + floor) / (t + floor));
             all.extend(powers.iter().zip(&scale.target).zip(scale.floors()).map(one));
@@ -150,7 +147,7 @@ impl Loss for Spectral {
         if let Some(gain) = self.gain {
             return Free { gain, ..free };
         }
-        // the mean of the levels that are distinguished, found again with what then is
+        // the mean of the distinguished levels, iterated since the gain decides which ones are distinguished
         let heard = moved(heard, free.delay);
         let powers: Vec<Vec<f64>> = self.scales.iter().map(|s| s.powers(&heard)).collect();
         let whole =

@@ -1,7 +1,7 @@
-//! The distance of two sounds sample by sample.
+//! Distance of two sounds by samples.
 //!
-//! Decides that the gain is found in closed form at each comparison, and that a delay of a part of a sample is one: a windowed
-//! sinc of whose weights most are 0 at whole delays, so that a model which is delayed by nothing is compared to the bit.
+//! The gain follows in closed form at each comparison. A fractional delay is a windowed sinc, and a whole one moves
+//! samples, so that a model with a delay of 0 is compared to the bit.
 
 use super::{Free, Loss, STRETCHES};
 use crate::normal::dot;
@@ -10,27 +10,26 @@ use crate::target::{Samples, Target};
 /// Samples of the sinc on either side.
 const HALF: isize = 16;
 
-/// The distance by samples, up to one of them.
 pub(crate) struct Wave {
     target: Vec<f64>,
     channels: usize,
     from: usize,
     until: usize,
-    /// root of the sum of the squares of the target
+    /// Root of the sum of the squares of the target.
     size: f64,
     gain: Option<f64>,
     delay: bool,
 }
 
 impl Wave {
-    /// Of the target between two samples; `gain` where it is not free, and whether the delay is.
+    /// Makes the distance from the target between two samples; `gain` is fixed if given, the delay is free if `delay`.
     pub fn of(target: &Target, from: usize, until: usize, gain: Option<f64>, delay: bool) -> Wave {
         let flat: Vec<f64> = target.samples.iter().flat_map(|c| c[from..until].iter().copied()).collect();
         let size = libm::sqrt(dot(&flat, &flat)).max(f64::MIN_POSITIVE);
         Wave { target: flat, channels: target.samples.len(), from, until, size, gain, delay }
     }
 
-    /// The sum of the squares of the residuals over that of the target \[dB\].
+    /// Sum of the squares of the residuals relative to the target \[dB\].
     pub fn decibel(&self, heard: &Samples, free: Free) -> f64 {
         let r = self.residual(heard, free);
         10.0 * libm::log10(dot(&r, &r).max(1e-30))
@@ -45,7 +44,7 @@ impl Wave {
     }
 }
 
-/// A sound as it is a delay later, between two samples.
+/// Appends a delayed sound between two samples.
 pub(crate) fn delayed(sound: &[f64], delay: f64, from: usize, until: usize, to: &mut Vec<f64>) {
     let whole = libm::floor(delay);
     let part = delay - whole;
@@ -60,7 +59,7 @@ pub(crate) fn delayed(sound: &[f64], delay: f64, from: usize, until: usize, to: 
     }
     let weights: Vec<f64> = (-HALF..HALF)
         .map(|k| {
-            // what comes `k` samples later counts at this distance
+            // distance of the sample `k` later, times π
             let x = (k as f64 + part) * std::f64::consts::PI;
             let window = libm::cos(0.5 * x / HALF as f64).max(0.0);
             libm::sin(x) / x * window * window
@@ -71,7 +70,7 @@ pub(crate) fn delayed(sound: &[f64], delay: f64, from: usize, until: usize, to: 
     }
 }
 
-/// Adds so much of a sound from sample `begin` on; outside of it there is silence.
+/// Adds a weighted sound from sample `begin`; it is silent outside its samples.
 fn add(sound: &[f64], begin: isize, weight: f64, to: &mut [f64]) {
     let skipped = usize::try_from(-begin).unwrap_or(0).min(to.len());
     let from = usize::try_from(begin).unwrap_or(0).min(sound.len());

@@ -1,9 +1,9 @@
-//! The modes of the model brought to the partials of the recording, without a render.
+//! Matches the modes of the model to the partials of the recording, without a render.
 //!
-//! Decides that a match of modes and partials is not given but found: each partial counts by how near the nearest mode is, and
-//! one that has none near does not count, so neither a missing nor a foreign partial pulls. The bound of "near" starts wide and
-//! narrows. Frequencies first: along each number that moves them the search begins with a scan over some semitones, within the
-//! modes made linear, which costs nothing; so a start a semitone off is no trap. Decays follow by the same steps.
+//! Each partial has a weight by its distance to the nearest mode, so that partials without a mode nearby, missing or
+//! foreign, have no effect. The width of that weight starts wide and narrows. Frequencies come first: for each number
+//! that moves them, a scan over some semitones of the linearised modes finds the start, so that a start a semitone off
+//! is not a trap. Decays follow by the same steps.
 
 pub(super) mod partials;
 
@@ -12,30 +12,30 @@ use super::player::{Heard, Player};
 use ca_lab::Failure;
 use partials::Partial;
 
-/// A difference of a place, for derivatives.
+/// Step of a search coordinate for derivatives.
 const STEP: f64 = 1e-3;
-/// How far is scanned, as a logarithm of frequency: two and a half semitones either way.
+/// Range of the scan, as a logarithm of frequency: two and a half semitones either way.
 const SCAN: f64 = 2.5 / 12.0 * std::f64::consts::LN_2;
 /// A cent, as a logarithm.
 const CENT: f64 = std::f64::consts::LN_2 / 1200.0;
-/// "Near", in cents, from the first round to the last.
+/// Width of the weights in cents, for each round.
 const NEAR: [f64; 5] = [40.0, 20.0, 10.0, 5.0, 3.0];
-/// What a decay may be off, as a logarithm: peaks tell no better.
+/// Uncertainty of a decay from peaks, as a logarithm.
 const DECAY: f64 = 0.2;
-/// What of a mode is heard below this is left.
+/// Modes below this level are ignored.
 const FAINT: f64 = 1e-3;
 
-/// Places whose modes lie at the partials.
+/// Search coordinates at which the modes lie at the partials.
 pub(super) struct Placed {
     pub places: Vec<f64>,
-    /// which of them move modes at all
+    /// Coordinates that move modes at all.
     pub moved: Vec<bool>,
 }
 
-/// Modes and how they move with each place.
+/// Modes and their derivatives by the search coordinates.
 struct Linear {
     modes: Vec<Heard>,
-    /// of the logarithms of frequency and of decay: for each place, for each mode
+    /// Derivatives of the logarithms of frequency and of decay: by coordinate, by mode.
     f: Vec<Vec<f64>>,
     t60: Vec<Vec<f64>>,
 }
@@ -62,7 +62,7 @@ impl Linear {
         Ok(Some(Linear { modes, f, t60 }))
     }
 
-    /// Of each partial the nearest mode, and how far it is as a logarithm, where places have moved by `by`.
+    /// Returns the nearest mode of each partial and its distance as a logarithm, after a move by `by`.
     fn nearest(&self, partials: &[Partial], by: &[f64]) -> Vec<(usize, f64)> {
         let moved = |j: usize| libm::log(self.modes[j].f) + by.iter().zip(&self.f).map(|(b, f)| b * f[j]).sum::<f64>();
         let all: Vec<(usize, f64)> =
@@ -81,13 +81,13 @@ impl Linear {
     }
 }
 
-/// A partial counts by its level above the faintest.
+/// Weight of a partial, by its level above the faintest.
 fn weight(p: &Partial) -> f64 {
     (p.level + 66.0) / 66.0
 }
 
-/// Places whose modes lie at the partials; `None` where the model has no modes to speak of,
-/// or nothing that is varied moves them.
+/// Returns search coordinates at which modes lie at the partials; `None` where the model lacks usable modes, or the
+/// varied numbers do not move them.
 pub(super) fn place(
     player: &Player,
     partials: &[Partial],
@@ -126,7 +126,7 @@ pub(super) fn place(
     Ok(Some(Placed { places, moved }))
 }
 
-/// The best start along each place that moves frequencies.
+/// Finds the best start along each coordinate that moves frequencies.
 fn scan(linear: &Linear, partials: &[Partial], by: &mut [f64]) {
     let near = 15.0 * CENT;
     let still = vec![0.0; by.len()];
@@ -148,7 +148,7 @@ fn scan(linear: &Linear, partials: &[Partial], by: &mut [f64]) {
     }
 }
 
-/// A step of the places that move modes, by weighted least squares over matched partials.
+/// Returns a step of the coordinates that move modes, by weighted least squares over matched partials.
 fn step(linear: &Linear, partials: &[Partial], by: &[f64], moves: &[usize], near: f64) -> Vec<f64> {
     let mut columns: Vec<Vec<f64>> = vec![Vec::new(); moves.len()];
     let mut r: Vec<f64> = Vec::new();

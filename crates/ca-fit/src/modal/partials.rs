@@ -1,7 +1,7 @@
-//! The partials of a recording: where they are and how fast they die.
+//! Partials of a recording: their frequencies and decays.
 //!
-//! Decides for peaks of a padded spectrum and lines through their levels over time, not for a subspace method: this only has to
-//! bring the search so near that phases do not slip, and peaks tell by themselves what stands above the noise.
+//! They are peaks of a padded spectrum, with lines through their levels over time. A subspace method is not needed: the
+//! result only has to be so near that phases do not slip, and peaks show by themselves what exceeds the noise.
 
 use crate::target::{Samples, mixed};
 use ca_report::Hann;
@@ -9,29 +9,28 @@ use ca_report::pitch::{apex, fall};
 
 /// Longest window \[s\].
 const WINDOW: f64 = 0.7;
-/// Zeros, as a multiple of the window.
+/// Length with zeros, as a multiple of the window.
 const PADDED: usize = 4;
-/// What is further below the strongest is left \[dB\].
+/// Partials further below the strongest are ignored \[dB\].
 const DEPTH: f64 = 60.0;
-/// A peak stands so much above its surroundings \[dB\].
+/// Least height of a peak above its surroundings \[dB\].
 const ABOVE: f64 = 12.0;
-/// Most partials.
+/// Maximum number of partials.
 const MOST: usize = 40;
-/// Lowest \[Hz\].
+/// Lowest frequency \[Hz\].
 const LOWEST: f64 = 25.0;
 
-/// A partial.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Partial {
-    /// \[Hz\]
+    /// Frequency \[Hz\].
     pub f: f64,
-    /// below the strongest \[dB\], at most 0
+    /// Level relative to the strongest \[dB\], at most 0.
     pub level: f64,
-    /// \[s\]; `None` where it does not fall
+    /// Decay time \[s\]; `None` where it does not fall.
     pub t60: Option<f64>,
 }
 
-/// The partials of a sound, strongest first.
+/// Returns the partials of a sound, strongest first.
 pub(crate) fn partials(sound: &Samples, from: usize, rate: f64) -> Vec<Partial> {
     let one = mixed(sound);
     let sound = one.first().and_then(|c| c.get(from..)).unwrap_or(&[]);
@@ -50,7 +49,7 @@ pub(crate) fn partials(sound: &Samples, from: usize, rate: f64) -> Vec<Partial> 
     let mean: Vec<f64> = (0..n).map(|k| frames.iter().map(|f| f[k]).sum::<f64>() / frames.len() as f64).collect();
     let step = rate / windows.size() as f64;
     let top = mean.iter().skip((LOWEST / step) as usize).copied().fold(0.0, f64::max);
-    // the lobe of a window is four bins wide before it is padded
+    // the main lobe of a window is four bins wide before padding
     let lobe = 2 * PADDED;
     let around = 6 * lobe;
     let mut found: Vec<Partial> = Vec::new();
@@ -78,7 +77,7 @@ pub(crate) fn partials(sound: &Samples, from: usize, rate: f64) -> Vec<Partial> 
     found
 }
 
-/// By the line through levels from the loudest on, down to 40 dB below it.
+/// Fits a line through the levels from the loudest down to 40 dB below it.
 fn t60(powers: &[f64], step: f64) -> Option<f64> {
     let levels: Vec<f64> = powers.iter().map(|p| 10.0 * libm::log10(p.max(f64::MIN_POSITIVE))).collect();
     let (slope, points) = fall(&levels, 40.0)?;

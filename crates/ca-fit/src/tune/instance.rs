@@ -1,5 +1,5 @@
-//! The number of the text that tunes a module of an instance: `[use]` gives it to a parameter. A number of a part that several
-//! instances share is not touched, because it would tune them all.
+//! Finds the number of the text that tunes a module of an instance: the argument that `[use]` passes to a parameter. A
+//! number of a part that several instances share is not changed, since it would tune them all.
 
 use super::Variable;
 use ca_edit::Place;
@@ -7,7 +7,7 @@ use ca_lab::Failure;
 use ca_model::part::Use;
 use ca_model::{Item, Model, Value, quantity};
 
-/// The variable of a module that is of an instance; `None` where it is not.
+/// Returns the variable of a module of an instance; `None` for any other module.
 pub(super) fn variable(
     model: &Model,
     item: &Item,
@@ -20,7 +20,7 @@ pub(super) fn variable(
         return refuse("it is of an instance within an instance; tune it by the parameters of these".into());
     }
     let prefix = index.map_or(format!("{}.", u.name), |i| format!("{}[{i}].", u.name));
-    // the first of a bank is its pitch
+    // the first number of a bank is its pitch
     let (entry, listed) = match entry {
         Some(Value::List(all)) => (all.first().map(|e| &e.value), true),
         other => (other, false),
@@ -70,7 +70,7 @@ pub(super) fn variable(
     }
 }
 
-/// The index of the instance of `u` that a module is of, and its name there.
+/// Returns the index of the instance of `u` to which a module belongs, and its name there.
 fn of<'m>(u: &'m Use, name: &'m str) -> Option<(&'m Use, Option<usize>, &'m str)> {
     let rest = name.strip_prefix(u.name.as_str())?;
     if let Some(rest) = rest.strip_prefix('.') {

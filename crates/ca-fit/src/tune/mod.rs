@@ -1,8 +1,8 @@
-//! Tune: parts of a model brought to a pitch.
+//! Tunes parts of a model to a pitch.
 //!
-//! The pitch of a part comes from the modes of the whole model, and not from a formula: a body on a string pulls its pitch,
-//! and it is heard through the scheme. A generator that knows `f` is right at once. The rest is found by the secant
-//! of two logarithms, since a frequency is a power of a stiffness. Each step reads the changed text.
+//! The pitch of a part comes from the modes of the whole model, not from a formula: a body on a string shifts its
+//! pitch, and the scheme warps it. A generator with `f` is right at once. Other numbers are found by the secant method
+//! on logarithms, since a frequency is a power of a stiffness. Each step reads the changed text.
 
 mod instance;
 
@@ -14,70 +14,68 @@ use ca_lab::load::{self, Loaded};
 use ca_lab::{Failure, Found, catalog};
 use ca_model::{Model, Value};
 
-/// A pitch is met where it is nearer than this \[cents\].
+/// Distance at which a pitch is reached \[cents\].
 const MET: f64 = 1e-6;
-/// A pitch that is further away was not tuned \[cents\].
+/// Distance above which tuning has failed \[cents\].
 const NEAR: f64 = 0.01;
-/// Digits of a number that is written: what [`MET`] needs.
+/// Digits of a written number, enough for [`MET`].
 const DIGITS: usize = 11;
-/// Rounds over all parts, where there are several.
+/// Extra rounds over all parts, if there are several.
 const SWEEPS: usize = 2;
-/// Steps of the secant.
+/// Maximum number of secant steps.
 const STEPS: usize = 16;
 
-/// A part, and the pitch it shall have.
+/// Part and its target pitch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PitchTarget {
-    /// the module
+    /// Module.
     pub part: String,
-    /// of a bank, the cell
+    /// Cell of a bank.
     pub cell: Option<usize>,
-    /// the pitch \[Hz\]
+    /// Target pitch \[Hz\].
     pub hz: f64,
 }
 
-/// The number of the text that tunes a part.
+/// Number of the text that tunes a part.
 struct Variable {
-    /// the part
     part: String,
-    /// of a bank, the cell
+    /// Cell of a bank.
     cell: Option<usize>,
-    /// where the number stands
     place: Place,
-    /// its unit in SI
+    /// Unit of the number in SI.
     unit: &'static str,
-    /// pitch over number, as powers
+    /// Exponent of the number in the pitch.
     slope: f64,
 }
 
-/// A part as it became.
+/// Result for one part.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tuned {
-    /// the module, with the cell of a bank
+    /// Module, with the cell of a bank.
     pub part: String,
-    /// the pitch that was asked for \[Hz\]
+    /// Target pitch \[Hz\].
     pub wanted: f64,
-    /// its pitch before \[Hz\]
+    /// Pitch before \[Hz\].
     pub before: f64,
-    /// its pitch now \[Hz\]
+    /// Pitch now \[Hz\].
     pub heard: f64,
-    /// the number that was written
+    /// Number that was written.
     pub number: String,
 }
 
 impl Tuned {
-    /// Its distance from the pitch that was asked for \[cents\].
+    /// Distance from the target pitch \[cents\].
     pub fn off(&self) -> f64 {
         1200.0 * (self.heard / self.wanted).log2()
     }
 }
 
-/// Tunes parts by the mode number `mode` from below (1 is the lowest) of those that are mostly their own. `loaded` is then the tuned model; the result is its
-/// text, with the parts as they became.
+/// Tunes parts and returns the new text with the result for each part; `loaded` becomes the tuned model. The pitch of a
+/// part is its mode number `mode` (1 is the lowest), among modes that belong mostly to it.
 ///
 /// # Errors
-/// A part that is not in the model, or shares its number with others ([`Failure::Usage`]); a pitch that is not reached, or a text that cannot be edited
-/// ([`Failure::Failed`]); a model with errors ([`Failure::Found`]).
+/// [`Failure::Usage`] where a part is not in the model or shares its number with others; [`Failure::Failed`] where a
+/// pitch is not reached or the text cannot be edited; [`Failure::Found`] where the model has errors.
 pub fn tune(loaded: &mut Loaded, targets: &[PitchTarget], mode: u32) -> Result<(String, Vec<Tuned>), Failure> {
     let mut text =
         Document::read(&loaded.model.text).map_err(|e| Failure::Failed(format!("`{}`: {e}", loaded.model.file)))?;
@@ -89,7 +87,7 @@ pub fn tune(loaded: &mut Loaded, targets: &[PitchTarget], mode: u32) -> Result<(
     for (variable, wanted) in &variables {
         done.push(one(loaded, &mut text, variable, *wanted, mode)?);
     }
-    // what hangs together moves each other
+    // connected parts change each other's pitch
     for _ in 0..if variables.len() > 1 { SWEEPS } else { 0 } {
         for (t, (variable, wanted)) in done.iter_mut().zip(&variables) {
             let before = t.before;
@@ -106,7 +104,7 @@ pub fn tune(loaded: &mut Loaded, targets: &[PitchTarget], mode: u32) -> Result<(
     Ok((text.to_string(), done))
 }
 
-/// Which number of the text tunes a part.
+/// Returns the number of the text that tunes a part.
 fn variable(model: &Model, part: &str, cell: Option<usize>) -> Result<Variable, Failure> {
     let Some(item) = model.items.iter().find(|i| i.name == part) else {
         let names = || model.items.iter().map(|i| i.name.as_str());
@@ -133,7 +131,7 @@ fn variable(model: &Model, part: &str, cell: Option<usize>) -> Result<Variable, 
             "`{part}` has {n} pitches: give it a scale, `--scale equal --root A4 {part}`"
         )));
     }
-    // a parameter that it follows tunes it
+    // a part that follows a parameter is tuned by it
     let followed = match entry {
         Some(Value::Text(name)) => model.params.iter().find(|p| p.key == *name),
         _ => None,
@@ -146,7 +144,6 @@ fn variable(model: &Model, part: &str, cell: Option<usize>) -> Result<Variable, 
     Ok(Variable { part: part.into(), cell, place, unit, slope })
 }
 
-/// Brings a part to its pitch.
 fn one(
     loaded: &mut Loaded,
     text: &mut Document,
@@ -165,7 +162,7 @@ fn one(
         if off.abs() * 1200.0 < MET {
             break;
         }
-        // a number that is the pitch itself is right at once, whatever it was before
+        // a number that is itself the pitch is right at once
         let next = if step == 0 && variable.slope == 1.0 && has_unit { wanted } else { v * (off / slope).exp2() };
         let outside = || {
             Failure::Failed(format!("`{name}` cannot sound at {wanted} Hz: `{}` would leave its range", variable.place))
@@ -192,7 +189,7 @@ fn one(
     Ok(Tuned { part: name, wanted, before, heard: now, number: written })
 }
 
-/// The pitch of a part: of the modes that are mostly it, number `mode` from below.
+/// Pitch of a part: mode number `mode` from below, of the modes that are mostly its.
 fn heard(loaded: &Loaded, name: &str, variable: &Variable, mode: u32) -> Result<f64, Failure> {
     let options = Options { clouds: loaded.clouds.clone(), ..Options::default() };
     let network = ca_compile::linear(&loaded.model, &catalog(), &options)
@@ -227,13 +224,13 @@ fn heard(loaded: &Loaded, name: &str, variable: &Variable, mode: u32) -> Result<
     Ok(m.heard)
 }
 
-/// True of a place that belongs to a part.
+/// Returns whether a place belongs to a part.
 fn is_of(place: &str, name: &str, variable: &Variable) -> bool {
     let rest = place.strip_prefix(name);
     rest.is_some_and(|r| r.is_empty() || r.starts_with('.') || (variable.cell.is_none() && r.starts_with('[')))
 }
 
-/// The share of a mode's kinetic energy in these places.
+/// Share of the kinetic energy of a mode in these places.
 fn share(network: &Network, m: &Mode, places: &[usize]) -> f64 {
     let tick_dt = network.tick_dt;
     places.iter().map(|i| m.shape[*i] * m.shape[*i] * tick_dt * tick_dt / network.linear.dofs[*i].c).sum()

@@ -1,8 +1,9 @@
-//! Alone: one link over dual numbers, by the kernel of its law, and the derivatives of a loss by its ends, memory and numbers.
+//! One link over dual numbers, by the kernel of its law; and the derivatives of a loss by its ends, memory and numbers.
 //!
-//! Decides for a scene of the ends and this link, whose state is written anew for each: so laws, measures and methods are
-//! those of the tick, and none has a derivative written by hand. Links that are solved together are one scene, whose solver runs over
-//! dual numbers too; a system of its derivatives would have to be kept in step with that of the tick.
+//! The link is a scene of its ends and its pass, whose state is written anew for each evaluation. So the laws, measures
+//! and methods of the tick serve here too, and none needs a derivative written by hand. Links that are solved together
+//! are one scene, whose solver runs over dual numbers too; a separate system for its derivatives would have to follow
+//! every change of that solver.
 
 use ca_core::internal::op::layout::{Counts, LinkArrays, Places};
 use ca_core::internal::op::{Form, MeasureKind, Op, Pass, Ports, SolveStage};
@@ -15,51 +16,45 @@ use ca_core::internal::state::ActiveContacts;
 use ca_core::{Dual, TANGENTS};
 use std::ops::Range;
 
-/// A port of a link.
 #[derive(Clone, Copy)]
 pub struct Port {
-    /// numbers of a point: 1, or 3 in space
+    /// Coordinates of a point: 1, or 3 in space.
     pub axes: usize,
-    /// its distance of the last tick is kept
+    /// The distance of the last tick is stored.
     pub follows: bool,
-    /// its first slot; those of the second end follow those of the first
+    /// First slot of the first end; the second end follows.
     first: usize,
 }
 
 impl Port {
-    /// The slots of its second end.
     pub fn second(&self) -> Range<usize> {
         self.first + self.axes..self.first + 2 * self.axes
     }
 
-    /// The slots of both ends.
     pub fn slots(&self) -> Range<usize> {
         self.first..self.first + 2 * self.axes
     }
 }
 
-/// What a link reads, in one list: places of its ends, motions, forces on them, P, Q and C of these, coefficients, memory,
-/// last lengths, the constant part of the elongation, and what ports in space need.
+/// Layout of what a link reads, as one list: positions of its ends, motions, forces on them, their P, Q and C,
+/// coefficients, memory, last lengths, constant part of the elongation, numbers of ports in space.
 pub struct Shape {
-    /// one, or two of a quadripole
+    /// One, or two for a quadripole.
     pub ports: Vec<Port>,
-    /// numbers of all ends
+    /// Slots of all ends.
     pub slots: usize,
-    /// coefficients
     pub coefs: usize,
-    /// numbers of memory
     pub mem: usize,
-    /// one, or as many as are solved together
+    /// 1, or the number of links solved together.
     pub links: usize,
-    /// it goes by the sum of the forces
+    /// The force depends on the sum of the forces.
     pub last: bool,
 }
 
 impl Shape {
-    /// That of the links of a pass.
     pub fn of(op: &Op) -> Option<Shape> {
         let law = op.law?;
-        // what is not looked at before it is measured has the distance of the last tick
+        // contacts without memory are skipped while open, so their last distance is not stored
         let looked_at = law.contact && law.mem == 0 && op.form.onto.is_none();
         let last = !matches!(law.stage, SolveStage::Explicit);
         let (mut ports, mut first) = (Vec::new(), 0);
@@ -71,7 +66,7 @@ impl Shape {
         Some(Shape { ports, slots: first, coefs: law.coefs, mem: law.mem, links: 1, last })
     }
 
-    /// That of links of these passes, one of each, which are solved together; their ends have so many slots.
+    /// Shape of links solved together, one of each of these passes, with `slots` slots at their ends.
     pub fn together(ops: &[&Op], slots: usize) -> Option<Shape> {
         let mut all = Shape { ports: Vec::new(), slots, coefs: 0, mem: 0, links: ops.len(), last: true };
         for op in ops {
@@ -83,45 +78,41 @@ impl Shape {
         Some(all)
     }
 
-    /// The motions; the places come first.
+    /// Offset of the motions; positions are at 0.
     pub fn d(&self) -> usize {
         self.slots
     }
-    /// The forces.
     pub fn f(&self) -> usize {
         2 * self.slots
     }
-    /// P, then Q, then C.
+    /// Offset of P, followed by Q and C.
     pub fn own(&self) -> usize {
         3 * self.slots
     }
-    /// The coefficients.
     pub fn coef(&self) -> usize {
         6 * self.slots
     }
-    /// The memory.
     pub fn memory(&self) -> usize {
         self.coef() + self.coefs
     }
-    /// The last lengths, of each port.
+    /// Offset of the last lengths, one per port.
     pub fn length(&self) -> usize {
         self.memory() + self.mem
     }
-    /// The constant part of the elongation, of each link.
+    /// Offset of the constant elongations, one per link.
     pub fn e0(&self) -> usize {
         self.length() + self.ports.len()
     }
-    /// What ports in space need, four numbers of each port.
+    /// Offset of the numbers of ports in space, four per port.
     pub fn reach(&self) -> usize {
         self.e0() + self.links
     }
-    /// How many there are.
     fn len(&self) -> usize {
         self.reach() + 4 * self.ports.len()
     }
 
-    /// Of what the link reads, that which has an adjoint in each tick. Of two ends one is enough, where the force goes by
-    /// their difference alone. `motions`: lengths before are not kept, and had from motion.
+    /// Returns which values have an adjoint in each tick: one of two ends where the force depends only on their
+    /// difference. With `motions`, last lengths are not stored and follow from the motion.
     pub fn carried(&self, motions: bool) -> Vec<usize> {
         let mut all = Vec::new();
         if self.last {
@@ -138,40 +129,38 @@ impl Shape {
     }
 }
 
-/// A link that is run alone, or several of one pass one after the other; or some that are solved together.
+/// Link evaluated alone, or several of one pass one after the other; or several solved together.
 pub struct Alone {
-    /// what they read
     pub shape: Shape,
-    /// its pass; of those that are solved together each, then the one that solves
+    /// Its pass; of links solved together one pass each, then the one that solves.
     ops: Vec<Op<Dual>>,
-    /// a dipole on a line whose force is that of its law
+    /// A dipole on a line: the law returns its force.
     direct: bool,
     layout: Layout<Dual>,
     s: State<Dual>,
-    /// what the link at hand reads
+    /// Values read by the current link, laid out as `shape`.
     pub given: Vec<f64>,
-    /// the derivatives of each of it
+    /// Derivatives of each value read.
     pub moving: Vec<[f64; TANGENTS]>,
-    /// the adjoint of each of it
+    /// Adjoint of each value read.
     pub adjoint: Vec<f64>,
-    /// the derivatives of what it does: the forces on its ends, memory, lengths, and its own force (that of each)
+    /// Derivatives of the results: forces on the ends, memory, lengths, and the force of each link.
     pub done: Vec<[f64; TANGENTS]>,
 }
 
-/// Adjoints of what a link does.
 pub struct LinkAdjoints<'a> {
-    /// forces on its ends (slots)
+    /// Of the forces on its ends (slots).
     pub force: &'a [f64],
-    /// its own force (links)
+    /// Of its own force (links).
     pub tap: &'a [f64],
-    /// memory, as it is afterwards
+    /// Of its memory after the tick.
     pub memory: &'a [f64],
-    /// lengths, as they are afterwards (ports)
+    /// Of its lengths after the tick (ports).
     pub lengths: [f64; 2],
 }
 
 impl Alone {
-    /// The links of a pass, whose law is one of the `dual` scene; `None` where that has none such.
+    /// Makes the links of a pass; `None` where the `dual` scene does not have their law.
     pub fn new(op: &Op, dual: &Scene<Dual>) -> Option<Alone> {
         let shape = Shape::of(op)?;
         let ends = |p: &Port| [p.first as u32, (p.first + p.axes) as u32];
@@ -179,7 +168,7 @@ impl Alone {
         Alone::of(shape, &[op], own, onto, dual)
     }
 
-    /// Links that are solved together, one of each of these passes, with the first slots of their `ends` among so many.
+    /// Makes links solved together, one of each of these passes; `ends` holds the first slots of their ends.
     pub fn together(ops: &[&Op], ends: Vec<[u32; 2]>, slots: usize, dual: &Scene<Dual>) -> Option<Alone> {
         Alone::of(Shape::together(ops, slots)?, ops, ends, Vec::new(), dual)
     }
@@ -233,7 +222,7 @@ impl Alone {
         })
     }
 
-    /// Elongations at which there is no force, of a contact on a line without memory.
+    /// Returns the elongations without a force, for a contact on a line without memory.
     pub fn idle(&self, op: &Op) -> Option<(f64, f64)> {
         let sh = &self.shape;
         let line = sh.ports.len() == 1 && sh.slots == 2;
@@ -241,7 +230,7 @@ impl Alone {
         Some((law.fns.idle)(&self.given[sh.coef()..][..sh.coefs]))
     }
 
-    /// The derivatives of what the link does, by those of what it reads.
+    /// Computes the derivatives of the results from the derivatives of the values read.
     pub fn carry(&mut self) {
         if let (true, Some(fns)) = (self.direct, self.ops[0].fns) {
             let number = |at: usize| {
@@ -272,7 +261,7 @@ impl Alone {
         self.done.iter_mut().zip(all).for_each(|(to, v)| *to = *v.tangents());
     }
 
-    /// Adjoints of the numbers at `wanted`, by those of all that the link does.
+    /// Computes the adjoints of the values at `wanted` from the adjoints of the results.
     pub fn pull_back(&mut self, by: &LinkAdjoints, wanted: &[usize]) {
         for some in wanted.chunks(TANGENTS) {
             if self.direct {
@@ -298,7 +287,7 @@ impl Alone {
         }
     }
 
-    /// The same of some numbers of a dipole on a line, by its law without a kernel: a third of the time.
+    /// As `pull_back`, for a dipole on a line: calls the law without a kernel, in a third of the time.
     fn force(&mut self, by: &LinkAdjoints, some: &[usize]) {
         let (sh, given) = (&self.shape, &self.given);
         let [x, d] = [0, sh.d()].map(|at| given[at + 1] - given[at]);
@@ -328,14 +317,13 @@ impl Alone {
         }
     }
 
-    /// Runs its passes.
     fn run(&mut self) {
         for op in &self.ops {
             (op.kernel)(op, &self.layout, &mut self.s);
         }
     }
 
-    /// Writes what is given, with a tangent for each of `some`.
+    /// Writes the values read, with a unit tangent for each of `some`.
     fn load(&mut self, some: &[usize]) {
         let given = &self.given;
         each(&mut self.s, &mut self.layout, |at, to| *to = Dual::constant(given[at]));
@@ -346,7 +334,7 @@ impl Alone {
         }
     }
 
-    /// The number at a place of the list.
+    /// Number at an index of the list of [`Shape`].
     fn at(&mut self, at: usize) -> Option<&mut Dual> {
         let (sh, s) = (&self.shape, &mut self.s);
         let n = sh.slots;
@@ -363,7 +351,7 @@ impl Alone {
     }
 }
 
-/// A pass of one link of the law of another, which is one of the `dual` scene.
+/// Makes a pass of one link with the law of `op`, taken from the `dual` scene.
 fn pass(op: &Op, dual: &Scene<Dual>) -> Option<Op<Dual>> {
     let code = op.law?.code;
     let (law, fns) = dual.passes.forces.iter().find_map(|o| o.law.zip(o.fns).filter(|(law, _)| law.code == code))?;
@@ -373,7 +361,7 @@ fn pass(op: &Op, dual: &Scene<Dual>) -> Option<Op<Dual>> {
     Some(Op { ports, ..Op::links(law, fns, form, 1) })
 }
 
-/// Visits what a link reads, in the order of [`Shape`], each with its place there.
+/// Visits the values that a link reads with their indices, in the order of [`Shape`].
 fn each(s: &mut State<Dual>, layout: &mut Layout<Dual>, mut visit: impl FnMut(usize, &mut Dual)) {
     let State { x, d, f, coef, links: LinkState { mem, lengths, .. }, .. } = s;
     let state = [&mut x[..], d, f, coef, mem, lengths].into_iter().flatten();
@@ -381,7 +369,7 @@ fn each(s: &mut State<Dual>, layout: &mut Layout<Dual>, mut visit: impl FnMut(us
     all.enumerate().for_each(|(at, v)| visit(at, v));
 }
 
-/// The slots of link `i` of a pass, port by port, first ends first.
+/// Slots of link `i` of a pass: port by port, first ends first.
 pub fn slots(scene: &Scene, op: &Op, i: usize) -> Vec<usize> {
     let Some(shape) = Shape::of(op) else { return Vec::new() };
     let l = &scene.layout;

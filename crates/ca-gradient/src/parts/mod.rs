@@ -1,10 +1,14 @@
-//! Parts: what a tick of a scene is made of, as derivatives by its own passes and reverse mode take it.
+//! Divides a tick of a scene into parts for reverse mode and for derivatives by the passes of the scene.
 //!
-//! Decides for three kinds of links. Linear ones on a line make of derivatives what they make of places, and have transposes that
-//! are themselves, so that the passes of the scene run them forwards and backwards, whatever their layout. All others are run one by one
-//! over dual numbers, each by the kernel of its law alone. Those whose force depends on the sum of others come last in a tick, and first
-//! on the way back; of these, such as are solved together are run as one. What is neither is refused, by the name of its pass; forward
-//! mode over dual numbers has no such bounds.
+//! There are three kinds of links:
+//!
+//! - Linear links on a line act on derivatives as on positions and are their own transposes. The passes of the scene
+//!   run them forwards and backwards, in any layout.
+//! - All other links are evaluated one by one over dual numbers, each by the kernel of its law.
+//! - Links whose force depends on the sum of the others come last in a tick and first on the way back. Those that are
+//!   solved together are evaluated as one.
+//!
+//! Any other pass is refused by name; forward mode over dual numbers does not divide a tick.
 
 pub mod alone;
 pub mod numbers;
@@ -20,58 +24,57 @@ use ca_core::internal::op::layout::{MeasureKind, Tap};
 use ca_core::internal::op::{Integrate, Op, SolveStage};
 use ca_core::{Law, Scene};
 
-/// The parts of a tick.
 pub struct Parts {
-    /// linear links whose forces are summed, as indices into [`Passes::forces`], each with what its law is made of
+    /// Linear links whose forces are summed: indices into [`Passes::forces`], with the basis of their law.
     pub linear: Vec<(usize, Basis)>,
-    /// linear links that are solved for with the motion to come, as indices into [`Passes::forces`], and the passes that do
+    /// Linear implicit links, as indices into [`Passes::forces`], and the passes that solve for them.
     pub implicit: Vec<usize>,
     pub solves: Vec<usize>,
-    /// linear links of rows that integrate, as indices into [`Passes::moves`]
+    /// Linear links of rows that integrate: indices into [`Passes::moves`], with the basis of their law.
     pub rows: Vec<(usize, Basis)>,
-    /// links one by one
+    /// Links evaluated one by one.
     pub links: Vec<Link>,
-    /// links between all pairs of two sets, as indices into [`Passes::forces`]
+    /// Links between all pairs of two sets, as indices into [`Passes::forces`].
     pub sets: Vec<usize>,
-    /// those that go by the sum of the forces
+    /// Links that depend on the sum of the forces.
     pub last: Vec<Link>,
-    /// slots that a port moves, that stand between others or go by modes
+    /// Slots moved by a port, moving points, and masses that go by their modes.
     pub held: Vec<usize>,
-    /// outputs that hear forces, by their taps
+    /// Taps of outputs that read forces.
     pub hears: Vec<Tap>,
-    /// coefficients that ports drive, rising: indices into [`State::coef`](ca_core::State::coef)
+    /// Coefficients driven by ports, ascending: indices into [`State::coef`](ca_core::State::coef).
     pub driven: Vec<usize>,
-    /// passes of weight, as indices into [`Passes::forces`]
+    /// Passes of weight, as indices into [`Passes::forces`].
     pub weights: Vec<usize>,
-    /// those that give to modes and take from them, as indices into [`Passes::reads`] and [`Passes::forces`]
+    /// Passes that read from modes and give to them: indices into [`Passes::reads`] and [`Passes::forces`].
     pub modal: Option<[usize; 2]>,
-    /// slots of which the sum of the forces is heard, or a link of `last` goes by it
+    /// Slots whose sum of forces is read by an output or by a link of `last`.
     pub summed: Vec<usize>,
 }
 
-/// A link that is run alone, or some that are solved together.
+/// Link evaluated alone, or several links solved together.
 pub struct Link {
-    /// index into [`Passes::forces`], and which one of it; of those that are solved together each, in the order of the tick
+    /// Index into [`Passes::forces`] and index in that pass, for each link in the order of the tick.
     pub members: Vec<(usize, usize)>,
-    /// slots of its ends, port by port, first ends first; of those that are solved together all, rising
+    /// Slots of its ends: port by port, first ends first; ascending if several links are solved together.
     pub slots: Vec<usize>,
-    /// it is solved with others, or would be
+    /// The law is one of those solved together, even if this link is the only one.
     pub together: bool,
 }
 
 impl Link {
-    /// The pass that is the first to run it, as an index into [`Passes::forces`].
+    /// Index into [`Passes::forces`] of its first pass.
     pub fn op(&self) -> usize {
         self.members[0].0
     }
 }
 
-/// A linear law F = Σ c (α e + β w): α and β of each coefficient.
+/// Linear law F = Σ c (α e + β w): α and β of each coefficient.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Basis(pub Vec<[f64; 2]>);
 
 impl Basis {
-    /// That of a law, if it is linear in its coefficients too.
+    /// Returns the basis of a law, if it is linear in its coefficients too.
     fn of(law: &Law) -> Option<Basis> {
         let force = |c: &[f64], e: f64, w: f64| (law.fns.force)(c, &mut [], &[], e, w);
         let one = |k: usize| {
@@ -85,42 +88,42 @@ impl Basis {
         (force(&c, 0.625, -0.375) == 0.625 * by_e - 0.375 * by_w).then_some(basis)
     }
 
-    /// That of what an implicit link has at the tick; its third coefficient counts with the motion to come.
+    /// Basis of an implicit link at the current tick; its third coefficient acts on the motion to come.
     pub fn implicit() -> Basis {
         Basis(vec![[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]])
     }
 
-    /// The slopes of a link against elongation and its change, from its coefficients.
+    /// Returns the slopes of the force against elongation and its change.
     pub fn slopes(&self, coef: impl Fn(usize) -> f64) -> [f64; 2] {
         let sum = |which: usize| self.0.iter().enumerate().map(|(k, of)| coef(k) * of[which]).sum();
         [sum(0), sum(1)]
     }
 }
 
-/// What the law of a batch of links on a line is made of, if it is linear.
+/// Returns the basis of the law of a batch of links on a line, if it is linear.
 fn basis(op: &Op) -> Option<Basis> {
     let law = op.law.filter(|law| law.linear && law.mem == 0 && matches!(law.stage, SolveStage::Explicit))?;
     (op.form.onto.is_none() && op.form.measure == MeasureKind::Line && !law.implicit).then(|| Basis::of(law))?
 }
 
-/// Why a scene has no reverse mode.
+/// Error for a scene without reverse mode.
 pub fn no(what: &str) -> Error {
     Error::refused(format!("no reverse mode of this scene: {what}; ask for forward mode"))
 }
 
-/// That it has a pass which reverse mode does not know.
+/// Error for a pass that reverse mode does not support.
 pub fn unknown(op: &Op) -> Error {
     no(&format!("it has the pass `{}`", op.name()))
 }
 
-/// The coefficients of a pass of links; of a set one row.
+/// Range of the coefficients of a pass of links; a set has one row.
 fn coefficients(op: &Op) -> Option<std::ops::Range<usize>> {
     let n = if op.form.set { 1 } else { op.n };
     op.law.map(|law| op.coef..op.coef + law.coefs * n)
 }
 
 impl Parts {
-    /// The parts of a scene, or the pass that reverse mode does not know.
+    /// Returns the parts of a scene, or an error that names an unsupported pass.
     pub fn of(scene: &Scene) -> Result<Parts, Error> {
         let pass = unknown;
         if scene.oversample() > 1 {
@@ -190,13 +193,13 @@ impl Parts {
                 parts.sets.push(k);
                 continue;
             }
-            // of what stands between others the weights may change from tick to tick
+            // the weights of a moving point may change from tick to tick
             let between = |m: &usize| points.contains(m);
             let at_points = (0..op.n).any(|i| slots(scene, op, i).iter().any(between));
-            // and what is linear is its own transpose only while it does not change
+            // a linear link is its own transpose only while it is constant
             let changes = coefficients(op).is_some_and(|r| parts.driven.iter().any(|c| r.contains(c)));
             if law.implicit {
-                // what holds a port, or is heard, is completed behind the solution
+                // implicit links that hold a port or are tapped are completed after the solution
                 let known = scene.layout.implicit.as_ref().is_some_and(|i| i.forces.is_empty());
                 if !known || changes || at_points || op.form.tap || op.form.measure != MeasureKind::Line {
                     return Err(pass(op));
@@ -213,7 +216,7 @@ impl Parts {
                 SolveStage::Single(_) => &mut parts.last,
                 SolveStage::Coupled(_) => &mut together,
             };
-            // a place in a row that no link takes has one end
+            // an unused place in a row has both ends at one slot
             let takes =
                 |i: &usize| scene.layout.links.ends[op.first + i][0] != scene.layout.links.ends[op.first + i][1];
             let (late, coupled) = match law.stage {
@@ -228,7 +231,7 @@ impl Parts {
             }
         }
         parts.last.extend(that_touch(together, &scene.initial.coef[2 * scene.layout.counts.n_mat..]));
-        // each has what it reads kept before the first of them runs
+        // sorted, since `Record::play` stores what they all read before the first of them runs
         parts.last.sort_by_key(Link::op);
         for (k, op) in scene.passes.moves.iter().enumerate() {
             match (op.law, op.name()) {
@@ -251,7 +254,7 @@ impl Parts {
         {
             return Err(pass(&scene.passes.forces[*k]));
         }
-        // of rows that integrate, no such sum is there to be heard
+        // rows that integrate do not store the sum of forces
         for (k, _) in &parts.rows {
             let op = &scene.passes.moves[*k];
             let masses = op.mat..op.mat + op.n + usize::from(!op.form.folded);
@@ -264,7 +267,7 @@ impl Parts {
     }
 }
 
-/// Links that are solved together, as one where they have places in common that `moves` says a force moves.
+/// Joins links solved together that share a slot which forces can move (`moves` nonzero).
 fn that_touch(links: Vec<Link>, moves: &[f64]) -> Vec<Link> {
     let mut all: Vec<Link> = Vec::new();
     for mut link in links {
@@ -283,7 +286,7 @@ fn that_touch(links: Vec<Link>, moves: &[f64]) -> Vec<Link> {
     all
 }
 
-/// The number that a place of an array has, in a scene whose numbers are replaced by their places among them.
+/// Index of a number, stored as its value in a scene whose numbers are replaced by their indices.
 pub fn number(v: f64) -> usize {
     v as usize
 }

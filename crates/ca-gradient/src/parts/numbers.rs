@@ -1,4 +1,4 @@
-//! Numbers: those that a scene begins with, their places in a list, and their derivatives.
+//! Numbers that a scene begins with, their indices and their derivatives.
 
 use crate::difference::{Start, derivatives};
 use crate::parameter::put;
@@ -9,21 +9,19 @@ use ca_core::internal::scene;
 use ca_model::diag::Diags;
 use cordis_anima::{Loaded, Options, catalog};
 
-/// The numbers of a scene.
 pub struct Numbers {
-    /// the scene, each of its numbers replaced by its place among them
+    /// The scene with each number replaced by its index.
     pub place: Scene,
-    /// how many there are
     pub count: usize,
-    /// their derivatives by each parameter
+    /// Derivatives of the numbers, per parameter.
     pub derivatives: Vec<Vec<f64>>,
 }
 
 impl Numbers {
-    /// Those of a model, compiled with these options.
+    /// Differentiates the numbers of a model, compiled with these options.
     ///
     /// # Errors
-    /// Where the model has errors, or there is no derivative by one of the `parameters`.
+    /// If the model has errors, or a parameter cannot be differentiated.
     pub fn new(loaded: &Loaded, options: &Options, parameters: &[Parameter]) -> Result<Numbers, Error> {
         let mut place = loaded.compile(options)?.scene;
         let start = Start::of(&mut place);

@@ -1,23 +1,20 @@
-//! Outputs: what each of a scene hears, and how.
+//! Outputs of a scene: what each one reads, and how.
 
 use ca_core::Scene;
 use ca_core::internal::op::layout::{Output, Tap};
 
-/// An output of a scene.
 pub struct Listed {
     pub channel: usize,
     pub tap: Tap,
-    /// index of its gain into the coefficients
+    /// Index of its gain into the coefficients.
     pub gain: usize,
-    /// it hears motion
     pub motion: bool,
-    /// number of its high pass
+    /// Index of its high pass.
     pub high_pass: Option<usize>,
-    /// how many before it hear forces
+    /// Number of outputs before it that read forces.
     pub forces: usize,
 }
 
-/// The outputs of a scene, in its order.
 pub fn listed(scene: &Scene) -> impl Iterator<Item = Listed> + '_ {
     let l = &scene.layout;
     let gains = scene.passes.writes.iter().find(|op| op.name() == "outputs").map_or(0, |op| op.coef);

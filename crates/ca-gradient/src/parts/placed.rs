@@ -1,4 +1,4 @@
-//! Placed: a link that is run alone, or some that are solved together, at its place in a scene: what it reads there, and when it gives no force.
+//! Links evaluated alone, located in a scene: the numbers and state that they read there.
 
 use crate::parts::Link;
 use crate::parts::alone::Alone;
@@ -6,29 +6,28 @@ use crate::parts::record::Row;
 use ca_core::internal::op::Op;
 use ca_core::{Dual, Scene};
 
-/// A link that is run alone, at its place, or some that are solved together.
+/// A link evaluated alone, or several solved together, with its location in the scene.
 pub struct Placed {
     pub alone: Alone,
-    /// slots of its ends
     pub slots: Vec<usize>,
-    /// its memory, and the last lengths of its ports
+    /// Indices of its memory, and of the last lengths of its ports.
     pub mem: Vec<usize>,
     pub lengths: Vec<usize>,
-    /// where the force of each is heard, if it is
+    /// Tap of each force, if it is tapped.
     pub taps: Vec<Option<usize>>,
-    /// the numbers it reads: index into what it reads, and the place of each among the numbers of the scene
+    /// Numbers it reads: index into the values read, and index of the number stored as `f64`.
     pub numbers: Vec<(usize, f64)>,
-    /// its coefficients, in the order in which it reads them
+    /// Indices of its coefficients, in the order in which it reads them.
     pub coefs: Vec<usize>,
-    /// elongations at which there is no force, of contacts on a line without memory
+    /// Elongations without a force, for contacts on a line without memory.
     pub idle: Option<(f64, f64)>,
-    /// its memory may stay where it gives no force
+    /// Its memory may be nonzero while it gives no force.
     remembers: bool,
 }
 
 impl Placed {
-    /// A link of a scene, its numbers given; `place` is the scene with each number replaced by its place among them. `None` where its law
-    /// is none of the `dual` scene.
+    /// Locates a link; `place` is the scene with each number replaced by its index. Returns `None` where the `dual`
+    /// scene does not have its law.
     pub fn new(scene: &Scene, link: &Link, dual: &Scene<Dual>, place: &Scene) -> Option<Placed> {
         let ops: Vec<&Op> = link.members.iter().map(|(k, _)| &scene.passes.forces[*k]).collect();
         let each = || ops.iter().zip(&link.members).map(|(op, (_, i))| (*op, *i));
@@ -85,8 +84,8 @@ impl Placed {
         })
     }
 
-    /// True where it gives no force in a tick that began with `row`; `sums` are the forces on its ends before it, and how much it adds,
-    /// where it goes by them.
+    /// Returns whether it gives no force in the tick that began with `row`. For a link that depends on the sum of
+    /// forces, `sums` holds the forces on its ends before it and the size of what it adds.
     pub fn is_idle(&self, row: &Row, sums: Option<&[f64]>) -> bool {
         let away = |(from, to): (f64, f64)| {
             let e = row.x[self.slots[1]] - row.x[self.slots[0]] + self.alone.given[self.alone.shape.e0()];
@@ -96,7 +95,6 @@ impl Placed {
         sums.is_some_and(|sums| sums.last() == Some(&0.0)) && empty() || self.idle.is_some_and(away)
     }
 
-    /// Gives it what it reads of a tick.
     pub fn read(&mut self, row: &Row, sums: Option<&[f64]>) {
         let Alone { given, shape: sh, .. } = &mut self.alone;
         for (k, slot) in self.slots.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Record: a stretch of ticks, played once more for the way back.
+//! Record of a stretch of ticks: the numbers from which their derivatives are computed.
 
 use crate::parts::{Link, Parts};
 use ca_core::internal::numeric::Aligned;
@@ -7,48 +7,45 @@ use ca_core::internal::op::layout::Tap;
 use ca_core::{Scene, State};
 use std::ops::Range;
 
-/// What a tick began with, after its ports were read.
+/// State at the beginning of a tick, after its ports were read.
 #[derive(Clone, Copy)]
 pub struct Row<'a> {
-    /// places and motions (slots)
+    /// Positions and motions (slots).
     pub x: &'a [f64],
     pub d: &'a [f64],
-    /// memory of laws
     pub mem: &'a [f64],
-    /// last lengths
     pub lengths: &'a [f64],
-    /// for each link that goes by the sum of the forces, that on its ends, and how much the link adds (any)
+    /// For each link of [`Parts::last`]: the sum of forces on its ends, then the size of what it adds (any).
     pub sums: &'a [f64],
-    /// what outputs hear of forces, as [`Parts::hears`]
+    /// Forces read by outputs, as [`Parts::hears`].
     pub heard: &'a [f64],
-    /// nodes and weights under each moving point (points x 8)
+    /// Nodes and weights under each moving point (points x 8).
     pub cells: &'a [f64],
-    /// coefficients that ports drive, as [`Parts::driven`]
+    /// Coefficients driven by ports, as [`Parts::driven`].
     pub driven: &'a [f64],
-    /// forces on masses that go by modes, as [`Places::modal`](ca_core::internal::op::layout::Places::modal)
+    /// Forces on masses that go by their modes, as [`Places::modal`](ca_core::internal::op::layout::Places::modal).
     pub modal: &'a [f64],
-    /// what high passes heard last and gave, where some parameter changes them (any x 2)
+    /// Last input and output of each high pass, where some parameter changes one (any x 2).
     pub passed: &'a [f64],
 }
 
-/// So many numbers that what comes behind them begins at a cache line too: else each vector is read from two.
+/// Rounds up to whole cache lines; otherwise each vector of the next array is read from two lines.
 pub fn whole_lines(n: usize) -> usize {
     n.next_multiple_of(8)
 }
 
-/// So many ticks one after the other, and the places and motions behind the last.
+/// Rows of consecutive ticks, and the positions and motions after the last.
 pub struct Record {
-    /// where the numbers of each kind stand in those of a tick, in the order of [`Row`]
+    /// Ranges within a row, in the order of [`Row`].
     kinds: [Range<usize>; 10],
-    /// numbers of a tick
+    /// Numbers per row.
     width: usize,
     all: Aligned,
-    /// outputs are played too
     writes: bool,
 }
 
 impl Record {
-    /// Room for so many ticks of a scene; with what its `filters` hold. Outputs are played where these are, or where they are `heard`.
+    /// Allocates rows for `ticks` ticks. Outputs are computed if their `filters` are stored or they are `heard`.
     pub fn new(scene: &Scene, parts: &Parts, ticks: usize, [filters, heard]: [bool; 2]) -> Record {
         let (l, start) = (&scene.layout, &scene.initial);
         let remembers = !parts.links.is_empty() || !parts.last.is_empty();
@@ -77,7 +74,6 @@ impl Record {
         Record { kinds, width, all: Aligned::zeros((ticks + 1) * width), writes: filters || heard }
     }
 
-    /// What tick `k` of the stretch began with.
     pub fn row(&self, k: usize) -> Row<'_> {
         let row = &self.all[k * self.width..][..self.width];
         let [x, d, mem, lengths, sums, heard, cells, driven, modal, passed] = &self.kinds;
@@ -96,18 +92,18 @@ impl Record {
         }
     }
 
-    /// The motions that tick `k` began with; behind the last those that it made.
+    /// Motions at the beginning of tick `k`; the row after the last tick has those at its end.
     pub fn motions(&self, k: usize) -> &[f64] {
         &self.all[k * self.width..][self.kinds[1].clone()]
     }
 
-    /// All numbers of `n` ticks from `k` on, how many a tick has, and where its motions stand; its places come first.
+    /// Rows of `n` ticks from `k`, the numbers per row, and the offset of motions; positions are first.
     pub fn rows(&self, k: usize, n: usize) -> (&[f64], usize, usize) {
         (&self.all[k * self.width..][..n * self.width], self.width, self.kinds[1].start)
     }
 
-    /// No `ca_io::player::Player`: numbers are kept between the passes of a tick.
-    /// Plays a stretch on from `s`; `given` is what the ports get (ticks x inputs). Each tick is heard by `hears`, if outputs are played.
+    /// Plays a stretch on from `s` with the inputs `given` (ticks x inputs); `hears` receives computed outputs. This is
+    /// not a `ca_io::player::Player`, since it stores numbers between the passes of a tick.
     pub fn play(
         &mut self,
         scene: &Scene,

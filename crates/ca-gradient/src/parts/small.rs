@@ -1,26 +1,25 @@
-//! Small: links and masses of passes that have few, run one by one.
+//! Passes with few links or masses, run one by one.
 //!
-//! Decides so because a pass takes as long to begin as some links do, and is begun in each tick of each derivative: a mass that
-//! is held at a long string takes as long there as half of the string.
+//! A pass takes as long to begin as some links take, and begins in each tick of each derivative: a single mass held at
+//! a long string takes as long as half of that string.
 
 use crate::parts::Parts;
 use crate::parts::rows::Rows;
 use ca_core::internal::op::Op;
 use ca_core::{Scene, State};
 
-/// As many of a pass.
+/// Passes of at most this many links or masses are run one by one.
 pub const FEW: usize = 4;
 
-/// All of a scene.
 pub struct Small {
-    /// slots of the ends, and the force per e and w
+    /// Slots of the ends, and the force per e and w.
     links: Vec<([usize; 2], [f64; 2])>,
-    /// slots, and P, Q and C
+    /// Slot, and P, Q and C.
     masses: Vec<(usize, [f64; 3])>,
 }
 
 impl Small {
-    /// Those of a scene, and all its other passes of linear links and of motion.
+    /// Returns them, the other passes of linear links, and the other passes of motion.
     pub fn of<'a>(scene: &'a Scene, parts: &Parts) -> (Small, Vec<&'a Op>, Vec<&'a Op>) {
         let mut small = Small { links: Vec::new(), masses: Vec::new() };
         let (coef, n) = (&scene.initial.coef, scene.layout.counts.n_mat);
@@ -46,7 +45,6 @@ impl Small {
         (small, linear, moves)
     }
 
-    /// Adds the forces of the links.
     pub fn pull(&self, s: &mut State) {
         for ([a, b], [by_e, by_w]) in &self.links {
             let force = by_e * (s.x[*b] - s.x[*a]) + by_w * (s.d[*b] - s.d[*a]);
@@ -55,7 +53,6 @@ impl Small {
         }
     }
 
-    /// Moves the masses.
     pub fn integrate(&self, s: &mut State) {
         for (m, [p, q, c]) in &self.masses {
             s.d[*m] = p * s.d[*m] + q * s.x[*m] + c * s.f[*m];

@@ -1,7 +1,7 @@
-//! Checkpoints: a scene that was played to be gone back over, with a state kept now and then.
+//! Checkpoints: a scene that was played for a later backward pass, with a state stored now and then.
 //!
-//! Decides for √n ticks between two: memory grows with the root of the number of ticks. With half or a quarter as many, of which all
-//! that is played again would stay in a nearer cache, to keep the states took as long as was gained.
+//! Checkpoints are √n ticks apart, so memory grows with the root of the number of ticks. Half or a quarter of that
+//! distance would let the replayed ticks fit into a nearer cache, but storing the states took as long as was gained.
 
 use super::{Gradient, Reverse};
 use crate::parts::no;
@@ -13,20 +13,20 @@ use ca_io::gesture::Gesture;
 use ca_io::perform::{self, Performance};
 use std::sync::Arc;
 
-/// A scene that was played by [`Reverse::play`]: what was heard, and what it takes to go back over it.
+/// Scene played by [`Reverse::play`]: its outputs, and what a backward pass needs.
 pub struct Checkpoints {
     reverse: Arc<Reverse>,
     kept: Kept,
-    /// what was heard; the bits of a render (frames x outputs)
+    /// Outputs, with the bits of a render (frames x outputs).
     pub output: Vec<f64>,
 }
 
 impl Reverse {
-    /// Plays it, and keeps what a gradient begins with: for a loss that is known when the sound is. Takes as long as to play it;
-    /// [`Reverse::gradient`] plays once more instead.
+    /// Plays the scene and stores what a gradient needs, for a loss that is computed from the outputs. This takes as
+    /// long as playing; [`Reverse::gradient`] plays once more instead.
     ///
     /// # Errors
-    /// As [`Reverse::output`]; [`Error::Refused`] where it does not know the gesture, as [`Reverse::knows`].
+    /// As [`Reverse::output`]; [`Error::Refused`] where the gesture is not supported, as [`Reverse::knows`].
     pub fn play(
         self: &Arc<Self>,
         seconds: Option<f64>,
@@ -43,15 +43,15 @@ impl Reverse {
 }
 
 impl Checkpoints {
-    /// How many samples were played.
+    /// Number of samples played.
     pub fn frames(&self) -> usize {
         self.kept.frames
     }
 
-    /// The gradient of a loss of what was heard, from its cotangent (frames x outputs), as [`Reverse::gradient`].
+    /// Returns the gradient of a loss of the outputs from its cotangent (frames x outputs), as [`Reverse::gradient`].
     ///
     /// # Errors
-    /// As [`Reverse::gradient`]; [`Error::Refused`] where the cotangent has not as many numbers as what was heard.
+    /// As [`Reverse::gradient`]; [`Error::Refused`] where the cotangent has another number of samples than the outputs.
     pub fn gradient(&self, cotangent: &[f64], goes_on: GoesOn) -> Result<Gradient, Error> {
         let outputs = self.reverse.outputs().max(1);
         if frames_of(cotangent, outputs)? != self.kept.frames {
@@ -66,20 +66,19 @@ impl Checkpoints {
     }
 }
 
-/// What it takes to go back over so many ticks.
 pub(super) struct Kept {
     pub frames: usize,
-    /// ticks between two states
+    /// Ticks between two states.
     pub stretch: usize,
-    /// those each stretch begins with, without their coefficients where nothing changes these
+    /// State at the beginning of each stretch, without its coefficients if nothing changes them.
     states: Vec<State>,
     coef: Option<Aligned>,
-    /// what the ports were given (frames x inputs)
+    /// Inputs of the ports (frames x inputs).
     pub given: Vec<f64>,
 }
 
 impl Kept {
-    /// Of a scene, played for so many ticks; each stretch is `heard` (its ticks x outputs).
+    /// Plays a scene; `heard` receives the outputs of each stretch (its ticks x outputs).
     pub fn of(
         reverse: &Reverse,
         frames: usize,
@@ -95,7 +94,7 @@ impl Kept {
         }
         let (inputs, stretch) = (scene.inputs.len(), stretch(frames));
         let mut kept = Kept { frames, stretch, states: Vec::new(), coef: None, given: zeros(frames, inputs, 1)? };
-        // no gesture moves a live parameter, so ports alone may drive them
+        // no gesture moves a live parameter, so only ports can drive coefficients
         let same = reverse.parts.driven.is_empty();
         let (given, mut row) = (&mut kept.given, Vec::new());
         let (driven, mut asked) = (!p.driven().is_empty(), 0);
@@ -133,7 +132,7 @@ impl Kept {
         if silent { Err(diverged()) } else { Ok(kept) }
     }
 
-    /// Calls with the number of each stretch and the state it begins with, from the last to the first, until one is an error.
+    /// Calls `each` with the index and first state of each stretch, from the last to the first, until it fails.
     pub fn back(&self, mut each: impl FnMut(usize, &mut State) -> Result<(), Error>) -> Result<(), Error> {
         let mut coef = self.coef.clone();
         for (k, state) in self.states.iter().enumerate().rev() {
@@ -150,7 +149,7 @@ impl Kept {
     }
 }
 
-/// Ticks between two states, of so many in all.
+/// Ticks between two states, for `frames` ticks in all.
 fn stretch(frames: usize) -> usize {
     (frames as f64).sqrt().ceil() as usize
 }

@@ -1,48 +1,44 @@
-//! Heard: outputs on the way back, from adjoints of samples to those of places, motions and forces.
+//! Backward pass over outputs: from adjoints of samples to adjoints of positions, motions and forces.
 
 use crate::parts::outputs::{Listed, listed};
 use crate::parts::record::Row;
 use ca_core::Scene;
 use ca_core::internal::op::layout::{DcBlocker, Tap};
 
-/// What an output hears, and how.
 struct Heard {
     channel: usize,
     tap: Tap,
     gain: f64,
-    /// index of the gain into the coefficients
+    /// Index of the gain into the coefficients.
     at: usize,
-    /// it hears motion
     motion: bool,
-    /// its high pass, with its number
+    /// Index and filter of its high pass.
     high_pass: Option<(usize, DcBlocker)>,
-    /// the adjoint of the high pass at the tick after
+    /// Adjoint of the high pass at the next tick.
     kept: f64,
 }
 
-/// The outputs of a scene.
 pub struct Outputs {
     all: Vec<Heard>,
-    /// half of the low-pass, up to its middle
+    /// First half of the low-pass, including its middle.
     low_pass: Vec<f64>,
     channels: usize,
     n_out: usize,
 }
 
-/// An adjoint of something that is heard at a tick.
+/// Adjoint of a value read by an output at one tick.
 pub enum HeardAdjoint {
     Place(usize, f64),
     Motion(usize, f64),
-    /// the sum of the forces on a slot
+    /// Sum of the forces on a slot.
     Sum(usize, f64),
-    /// the force of a link, by its index into the taps
+    /// Force of a link, by its tap.
     Force(usize, f64),
-    /// r and g of a high pass, by its number
+    /// r and g of a high pass, by its index.
     HighPass(usize, [f64; 2]),
 }
 
 impl Outputs {
-    /// Those of a scene.
     pub fn of(scene: &Scene) -> Outputs {
         let l = &scene.layout;
         let heard = |o: Listed| Heard {
@@ -62,7 +58,7 @@ impl Outputs {
         }
     }
 
-    /// Adjoints of the channels before their low-pass (frames x outputs).
+    /// Returns the adjoints of the channels before their low-pass (frames x outputs).
     pub fn before_low_pass(&self, cotangent: &[f64]) -> Vec<f64> {
         let mut all = cotangent.to_vec();
         let Some((middle, sides)) = self.low_pass.split_last() else { return all };
@@ -77,7 +73,8 @@ impl Outputs {
         all
     }
 
-    /// Goes one tick back: `adjoint` is that of its samples (outputs); tells the adjoints of what is heard, and adds to `gains` by the index of each.
+    /// Goes back one tick with the adjoints of its samples (outputs). `to` receives the adjoints of the values read,
+    /// `gains` an adjoint for the index of each gain.
     pub fn back(
         &mut self,
         tick: usize,
@@ -91,7 +88,7 @@ impl Outputs {
             let mut v = adjoint[h.channel];
             let mut to_filter = 0.0;
             if let Some((_, c)) = h.high_pass {
-                // what is heard at load has always been there
+                // before the first tick, the input is taken to have been constant
                 let now = if tick > 0 { v + c.r * h.kept } else { 0.0 };
                 v = c.g * (now - h.kept);
                 (h.kept, to_filter) = (now, now);

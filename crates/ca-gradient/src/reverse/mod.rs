@@ -1,13 +1,13 @@
-//! Reverse: the derivatives of a loss by all numbers of a scene and by all inputs at once, by one way back through its ticks.
+//! Reverse mode: derivatives of a loss by all numbers of a scene and by all inputs, in one backward pass.
 //!
-//! Decides against a tape, which would keep every operation of every tick. Between two ticks only places, motions and memory
-//! decide the future: the scene is played once, with a state kept every √n ticks; then, from the last stretch between two such to the
-//! first, it is played once more ([`crate::parts::record`]) and gone back over tick by tick ([`adjoint`]). What is linear goes back as fast as it
-//! plays, since its transpose is itself; every other link is run alone, over dual numbers ([`crate::parts::alone`]). So time does not
-//! grow with the number of parameters, nor memory with more than the root of that of ticks.
+//! Only positions, motions and memory pass from one tick to the next. So the scene is played once, with a state stored
+//! every √n ticks. Then each stretch between two states, from the last to the first, is played again
+//! ([`crate::parts::record`]) and propagated backwards tick by tick ([`adjoint`]). Linear links take as long backwards
+//! as forwards, since they are their own transposes; every other link is evaluated alone over dual numbers
+//! ([`crate::parts::alone`]). Time does not grow with the number of parameters, and memory grows with √n. Recording
+//! every operation of every tick would take far more.
 //!
-//! The derivatives are those of forward mode: at a contact's switch, one-sided in the same sense. What a parameter makes of the numbers
-//! of a scene is had by differences, as there.
+//! The derivatives are those of forward mode; where a contact closes or opens, they are one-sided in the same sense.
 
 mod adjoint;
 mod checkpoints;
@@ -32,23 +32,22 @@ use cordis_anima::{Loaded, Options};
 
 pub use checkpoints::Checkpoints;
 
-/// A scene that is gone back over.
+/// Scene prepared for reverse mode.
 pub struct Reverse {
     scene: Scene,
     parts: Parts,
     dual: Scene<Dual>,
-    /// the scene, each of its numbers replaced by its place among them
+    /// The scene with each number replaced by its index.
     place: Scene,
     parameters: Vec<Parameter>,
-    /// of each parameter, the derivatives of the numbers of the scene
+    /// Derivatives of the numbers of the scene, per parameter.
     derivatives: Vec<Vec<f64>>,
-    /// which numbers some parameter changes
+    /// Numbers that some parameter changes.
     needed: Vec<bool>,
-    /// ports by which there are derivatives: indices into [`State::input`]
+    /// Ports with derivatives: indices into [`State::input`].
     ports: Vec<usize>,
 }
 
-/// Ports by which there are derivatives.
 fn ports(scene: &Scene) -> Vec<usize> {
     let l = &scene.layout;
     let says_where = |input: usize| {
@@ -60,21 +59,21 @@ fn ports(scene: &Scene) -> Vec<usize> {
     (0..scene.inputs.len()).filter(|i| !late(*i) && !says_where(*i)).collect()
 }
 
-/// The gradient of a loss, by parameters and by what ports are given.
+/// Gradient of a loss, by parameters and by port inputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gradient {
-    /// derivatives of the loss by each parameter, per its unit
+    /// Derivatives of the loss by each parameter, per its unit.
     pub parameters: Vec<f64>,
-    /// derivatives by what each of [`Reverse::ports`] is given in each sample, per m or N (frames x ports)
+    /// Derivatives of the loss by the input of each of [`Reverse::ports`] in each sample, per m or N (frames x ports).
     pub inputs: Vec<f64>,
 }
 
 impl Reverse {
-    /// A model and by which parameters is differentiated, as [`Forward::new`].
+    /// Compiles a model to be differentiated by the parameters `wrt`, as [`Forward::new`].
     ///
     /// # Errors
-    /// As [`Forward::new`]; and [`Error::Refused`] where the scene has a pass, or a parameter changes a number, that reverse mode does
-    /// not know.
+    /// As [`Forward::new`]; [`Error::Refused`] also where the scene has a pass, or a parameter changes a number, that
+    /// reverse mode does not support.
     pub fn new(loaded: &Loaded, options: &Options, wrt: &[&str]) -> Result<Reverse, Error> {
         let options = Options { energy: false, audited: false, exact: false, ..options.clone() };
         let (forward, dual) = Forward::begun(loaded, &options, wrt)?;
@@ -88,7 +87,7 @@ impl Reverse {
         Ok(reverse)
     }
 
-    /// Refuses what a parameter changes and no way back leads to.
+    /// Refuses parameters that change a number whose adjoint is not computed.
     fn check(&self) -> Result<(), Error> {
         let mut place = self.place.layout.clone();
         let coef = &self.place.initial.coef;
@@ -117,23 +116,24 @@ impl Reverse {
         self.scene.rate
     }
 
-    /// How many numbers a sample has: the sound channels, then the probes.
+    /// Values per sample: the sound channels, then the probes.
     pub fn outputs(&self) -> usize {
         self.scene.counts.n_out
     }
 
-    /// By what is differentiated.
+    /// Parameters differentiated by.
     pub fn parameters(&self) -> &[Parameter] {
         &self.parameters
     }
 
-    /// Names of the ports by which is differentiated too: those that say of no point where on a string or a skin it is. What a device is
-    /// given counts in the samples in which its frames end, and in the last one of a sound that ends within a frame; with a `latency` there are no derivatives by it.
+    /// Returns the names of the ports with derivatives. Excluded are ports that place a moving point, and devices with
+    /// a `latency`. The input of a device counts in the samples at which its frames end, and in the last sample of a
+    /// sound that ends within a frame.
     pub fn ports(&self) -> impl Iterator<Item = &str> {
         self.ports.iter().map(|i| self.scene.inputs[*i].name.as_str())
     }
 
-    /// What is heard alone, as [`Forward::output`].
+    /// Returns the outputs without derivatives, as [`Forward::output`].
     ///
     /// # Errors
     /// As [`Forward::output`].
@@ -141,7 +141,8 @@ impl Reverse {
         crate::played::output(&self.scene, seconds, gesture, goes_on)
     }
 
-    /// True where a gesture can be gone back over: no port is under way at load that holds a link which goes by the sum of all forces.
+    /// Returns whether reverse mode supports a gesture. It does not where a link that depends on the sum of all forces
+    /// holds a port that the gesture moves.
     ///
     /// # Errors
     /// [`Error::Gesture`] where the gesture does not fit the model.
@@ -149,14 +150,14 @@ impl Reverse {
         Ok(self.starting_port(&Performance::new(&self.scene, gesture)?).is_none())
     }
 
-    /// The first port of which the start knows where it is.
+    /// Returns the first port whose initial position is part of the start.
     fn starting_port(&self, p: &Performance) -> Option<&str> {
         let mut inputs = self.scene.inputs.iter().enumerate().filter(|_| self.scene.before.is_some());
         inputs.find(|(i, _)| p.hand(*i).is_some()).map(|(_, input)| input.name.as_str())
     }
 
-    /// Back from coefficients that ports drive: at the end of a frame they are what the table says of the port as the frame begins, and on a
-    /// straight line to it within. Tells the adjoint of an input in a sample of a gesture.
+    /// Propagates the adjoints of port-driven coefficients. Such a coefficient is linear within a frame and ends at the
+    /// table value of the input at the beginning of that frame. `to` receives a sample, an input and its adjoint.
     fn drive(&self, tick: usize, given: &[f64], back: &mut Adjoint, mut to: impl FnMut(usize, usize, f64)) {
         let (l, inputs) = (&self.scene.layout, self.scene.inputs.len());
         let frame = l.rates.frame as usize;
@@ -191,8 +192,8 @@ impl Reverse {
         }
     }
 
-    /// Of which samples of a gesture an input counts at a tick, and in which parts: of a device those at the ends of frames, on a
-    /// straight line from one to the next (docs/numerics.md §5.1).
+    /// Returns the samples of a gesture on which an input depends at a tick, with their weights. For a device these are
+    /// the ends of frames, with the interpolation of the border between them (docs/numerics.md §5.1).
     fn given_at(&self, input: usize, tick: usize) -> [(usize, f64); 2] {
         let l = &self.scene.layout;
         let frame = l.rates.frame as usize;
@@ -207,8 +208,7 @@ impl Reverse {
         [(last, part), (last - frame, 1.0 - part)]
     }
 
-    /// The gradient of a loss of what is heard, from its cotangent (frames x outputs), as [`Forward::gradient`]; by what ports are
-    /// given too.
+    /// As [`Forward::gradient`], by port inputs too: the gradient of a loss from its cotangent (frames x outputs).
     ///
     /// # Errors
     /// As [`Forward::gradient`].
@@ -218,7 +218,7 @@ impl Reverse {
         self.back(&kept, cotangent, goes_on)
     }
 
-    /// The same, of what was played; the cotangent has as many samples.
+    /// As [`Reverse::gradient`], from the stored play; the cotangent has as many samples.
     fn back(&self, kept: &Kept, cotangent: &[f64], goes_on: GoesOn) -> Result<Gradient, Error> {
         let scene = &self.scene;
         let (inputs, outputs, stretch) = (scene.inputs.len(), scene.counts.n_out.max(1), kept.stretch);
@@ -242,7 +242,7 @@ impl Reverse {
                 if back.is_full() || i == 0 {
                     back.sum(&record, i);
                 }
-                // a frame that the sound cuts short ends with its last sample
+                // a frame that the end of the sound cuts short ends with its last sample
                 let at = |sample: usize, k: usize| sample.min(frames - 1) * ports + k;
                 if !self.parts.driven.is_empty() {
                     self.drive(tick, given, &mut back, |sample, input, adjoint| {

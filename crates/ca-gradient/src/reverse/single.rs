@@ -1,4 +1,4 @@
-//! Single: links that are run alone, on the way back over a tick.
+//! Backward pass over links evaluated alone, one tick at a time.
 
 use crate::parts::alone::{Alone, LinkAdjoints, Port};
 use crate::parts::placed::Placed;
@@ -7,40 +7,36 @@ use crate::parts::{Link, number};
 use ca_core::internal::op::{MeasureKind, Op};
 use ca_core::{Dual, Scene, State};
 
-/// Where adjoints go.
 pub struct Adjoints<'w> {
-    /// the state that plays backwards: its places are adjoints of forces, its forces adjoints of places
+    /// The backward state: its positions are adjoints of forces, its forces adjoints of positions.
     pub a: &'w mut State,
-    /// adjoints of motions at this tick (slots)
+    /// Adjoints of motions at this tick (slots).
     pub now: &'w mut [f64],
-    /// adjoints of the forces of links that are heard, by tap
+    /// Adjoints of tapped link forces, by tap.
     pub taps: &'w mut [f64],
-    /// adjoints of memory and lengths
     pub mem: &'w mut [f64],
     pub lengths: &'w mut [f64],
-    /// adjoints of the numbers of the scene
     pub of_numbers: &'w mut [f64],
-    /// adjoints of coefficients that ports drive, as they are at this tick
+    /// Adjoints of the values that port-driven coefficients have at this tick.
     pub driven: &'w mut [f64],
 }
 
-/// A link that is run alone, with its numbers.
 pub struct Single {
     link: Placed,
-    /// what it reads that some parameter changes: index into what it reads, and into the numbers
+    /// Values read that some parameter changes: index into the values read, and into the numbers.
     numbers: Vec<(usize, usize)>,
-    /// what it reads that a port drives: index into what it reads, and into [`Parts::driven`](crate::parts::Parts::driven)
+    /// Values read that a port drives: index into them, and into [`Parts::driven`](crate::parts::Parts::driven).
     driven: Vec<(usize, usize)>,
-    /// what it reads of which the adjoint is asked, in each tick, and where lengths before are not kept
+    /// Values read whose adjoint is computed: usually, and in ticks where last lengths are not stored.
     wanted: [Vec<usize>; 2],
-    /// adjoints of the forces on its ends, of its memory and of its own force, in passing
+    /// Buffers for the adjoints of the forces on its ends, its memory and its own force.
     force: Vec<f64>,
     memory: Vec<f64>,
     taps: Vec<f64>,
 }
 
 impl Single {
-    /// A link of a scene; `place` and `needed` as for [`Adjoint`](super::adjoint::Adjoint).
+    /// Makes a link of a scene; `place` and `needed` as for [`Adjoint`](super::adjoint::Adjoint).
     pub fn new(
         scene: &Scene,
         link: &Link,
@@ -57,30 +53,29 @@ impl Single {
         let numbers: Vec<(usize, usize)> = changed.map(|(k, at)| (*k, number(*at))).collect();
         let of_port = |k: usize| Some((sh.coef() + k, driven.binary_search(&link.coefs[k]).ok()?));
         let driven: Vec<(usize, usize)> = (0..sh.coefs).filter_map(of_port).collect();
-        // what is driven gets its adjoint through the port
+        // driven coefficients have their adjoints from the port
         let numbers: Vec<(usize, usize)> = numbers.into_iter().filter(|n| driven.iter().all(|d| d.0 != n.0)).collect();
         let known = || numbers.iter().chain(&driven).map(|n| n.0);
         let wanted = [false, true].map(|motions| sh.carried(motions).into_iter().chain(known()).collect());
         if !driven.is_empty() {
-            // what a port drives may say when there is no force
+            // a driven coefficient may change where the force is 0
             link.idle = None;
         }
         let [force, memory, taps] = [link.slots.len(), link.mem.len(), link.taps.len()].map(|n| vec![0.0; n]);
         Some(Single { link, numbers, driven, wanted, force, memory, taps })
     }
 
-    /// Slots of its ends.
     pub fn slots(&self) -> &[usize] {
         &self.link.slots
     }
 
-    /// Goes back over the link in one tick; `sums` are the forces on its ends before it, and how much it adds, where it goes by them.
+    /// Propagates adjoints back over the link in one tick; `sums` as for [`Placed::is_idle`].
     pub fn back(&mut self, row: &Row, sums: Option<&[f64]>, adjoints: &mut Adjoints) {
         for (to, tap) in self.taps.iter_mut().zip(&self.link.taps) {
             *to = tap.map_or(0.0, |t| std::mem::take(&mut adjoints.taps[t]));
         }
         if self.link.is_idle(row, sums) {
-            // the adjoints of the sums stay, and the memory is written anew
+            // adjoints of the sums are unchanged, and the memory is overwritten
             self.link.mem.iter().for_each(|m| adjoints.mem[*m] = 0.0);
             return;
         }
@@ -127,7 +122,7 @@ impl Single {
     }
 }
 
-/// Adds the adjoints of the second end of a port, and their opposites to the first.
+/// Adds the adjoints of the second end of a port, and their negatives to the first.
 fn pull(p: &Port, slots: &[usize], adjoint: &[f64], motions: bool, at_d: usize, adjoints: &mut Adjoints) {
     for (first, second) in p.slots().zip(p.second()) {
         let (a, b) = (slots[first], slots[second]);
@@ -140,21 +135,20 @@ fn pull(p: &Port, slots: &[usize], adjoint: &[f64], motions: bool, at_d: usize, 
     }
 }
 
-/// Links between all pairs of two sets that touch, one after the other.
+/// Links between all pairs of two sets that touch, evaluated one after the other.
 pub struct Pairs {
     alone: Alone,
-    /// index into [`LinkArrays::pair_sets`](ca_core::internal::op::layout::LinkArrays::pair_sets)
+    /// Index into [`LinkArrays::pair_sets`](ca_core::internal::op::layout::LinkArrays::pair_sets).
     set: usize,
     near: ca_core::internal::numeric::VerletList,
     idle: (f64, f64),
     numbers: Vec<(usize, usize)>,
-    /// numbers of the rest positions, where some parameter changes them (any)
+    /// Indices of the rest positions, where some parameter changes them (any).
     rest: Vec<usize>,
     wanted: Vec<usize>,
 }
 
 impl Pairs {
-    /// Those of a pass of a scene.
     pub fn new(
         scene: &Scene,
         op: &Op,
@@ -163,7 +157,7 @@ impl Pairs {
         needed: &impl Fn(f64) -> bool,
     ) -> Option<Pairs> {
         let set = op.ports.pair_set?;
-        // the distance of a pair is measured anew in each tick
+        // pairs do not store a last distance: they are measured anew in each tick
         let one = Op { form: ca_core::internal::op::Form { measure: MeasureKind::Radial, ..op.form }, ..*op };
         let mut alone = Alone::new(&one, dual)?;
         let sh = &alone.shape;
@@ -183,7 +177,7 @@ impl Pairs {
         Some(Pairs { alone, set, near, idle, numbers, rest, wanted })
     }
 
-    /// Goes back over all pairs that touch.
+    /// Propagates adjoints back over all pairs that touch.
     pub fn back(&mut self, scene: &Scene, row: &Row, adjoints: &mut Adjoints) {
         let (set, rest) = (&scene.layout.links.pair_sets[self.set], &scene.layout.places.rest);
         let three = |v: &[f64], m: u32| [v[m as usize], v[m as usize + 1], v[m as usize + 2]];
@@ -225,7 +219,6 @@ impl Pairs {
         });
     }
 
-    /// Slots of all members.
     pub fn slots<'a>(&self, scene: &'a Scene) -> impl Iterator<Item = usize> + 'a {
         scene.layout.links.pair_sets[self.set].members.iter().flat_map(|m| *m as usize..*m as usize + 3)
     }

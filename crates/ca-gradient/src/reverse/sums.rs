@@ -1,9 +1,10 @@
-//! Sums: the derivatives of a loss by the numbers of linear links and of masses, summed over all ticks.
+//! Derivatives of a loss by the numbers of linear links and of masses, summed over all ticks.
 //!
-//! With φ the adjoint of the force of a link, F = Σ c (α e + β w) gives c the adjoint φ(α e + β w): the sums of φe and of φw are
-//! all that is kept. A mass moves by d' = P d + Q x + C f, so that with ν, which is C times the adjoint of d', the
-//! sums of νd, νx and νd' are. Decides to take some ticks together: eight links or masses at a time stay in registers while all of these ticks go by,
-//! since to read and write their sums in each takes longer than the tick itself. Only what some parameter changes is summed.
+//! With φ the adjoint of the force of a link, F = Σ c (α e + β w) gives c the adjoint φ(α e + β w): this takes the sums
+//! of φe and φw. A mass moves by d' = P d + Q x + C f: with ν = C times the adjoint of d', it takes νd, νx and νd'.
+//!
+//! Several ticks are summed at once: eight links or masses stay in registers over all of them, since reading and
+//! writing their sums in each tick takes longer than the tick. Only numbers that some parameter changes are summed.
 
 use crate::parts::rows::Rows;
 use pulp::Arch;
@@ -11,18 +12,17 @@ use std::ops::Range;
 
 /// Links of a pass, with sums of products of the adjoints of their forces.
 pub struct Links {
-    /// the links
     pub of: Rows,
-    /// sums of φe and φw, each where some coefficient needs it
+    /// Sums of φe and φw, each where some coefficient needs it.
     pub products: [Vec<f64>; 2],
-    /// of implicit links, sums of φ with the change of elongation in the tick that follows
+    /// For implicit links, sums of φ times the change of elongation in the next tick.
     pub ahead: Vec<f64>,
-    /// sums of φ, where a constant elongation is
+    /// Sums of φ, where constant elongations need them.
     pub alone: Vec<f64>,
 }
 
 impl Links {
-    /// Of these links, of which some parameter changes these coefficients, and constant elongations; `None` where it changes nothing.
+    /// Makes the sums for these changed coefficients and constant elongations; `None` where nothing changes.
     pub fn wanted(of: Rows, coefficients: &[bool], elongations: bool) -> Option<Links> {
         let sums = |wanted: bool| vec![0.0; if wanted { of.n } else { 0 }];
         let each = || of.basis.0.iter().zip(coefficients).filter(|(_, wanted)| **wanted);
@@ -31,8 +31,7 @@ impl Links {
         (each().next().is_some() || elongations).then(|| Links { of, products, ahead: Vec::new(), alone })
     }
 
-    /// The same of links that are solved for: k goes by all three products, z and θ by φw and that with the motion to come, and
-    /// all are kept.
+    /// Makes all sums, for implicit links: k needs all three products, z and θ need φw and the one with the next tick.
     pub fn ahead(mut self) -> Links {
         let sums = || vec![0.0; self.of.n];
         (self.products, self.ahead) = ([sums(), sums()], sums());
@@ -49,7 +48,7 @@ impl Links {
         }
     }
 
-    /// The same, with sums of φe (`E`) and of φw (`W`).
+    /// As `add`, with sums of φe (`E`) and of φw (`W`).
     #[inline(always)]
     fn add_runs<const E: bool, const W: bool>(&mut self, ticks: &Seen, e0: &[f64], slots: &Range<usize>) {
         let e0 = &e0[self.of.first..][..self.of.n];
@@ -63,7 +62,7 @@ impl Links {
                         self.some::<1, E, W>(ticks, e0, [a + i, b + i], from + i, 0);
                     }
                 } else {
-                    // the last of a row begin among those before them
+                    // the last block begins earlier, so that it is whole
                     let at = i.min(n - LANES);
                     self.some::<LANES, E, W>(ticks, e0, [a + at, b + at], from + at, i - at);
                 }
@@ -73,7 +72,6 @@ impl Links {
         }
     }
 
-    /// The same of links that are in no row.
     #[inline(always)]
     fn add_listed(&mut self, ticks: &Seen, e0: &[f64]) {
         let e0 = &e0[self.of.first..][..self.of.n];
@@ -82,8 +80,7 @@ impl Links {
         }
     }
 
-    /// Adds some ticks of `N` links of a row, the first of which has these ends and is the one at `at`; the first `but` of them are left
-    /// out.
+    /// Adds some ticks of `N` links of a row, from the one with these ends and index `at`, leaving out the first `but`.
     #[inline(always)]
     fn some<const N: usize, const E: bool, const W: bool>(
         &mut self,
@@ -139,13 +136,12 @@ impl Links {
     }
 }
 
-/// Numbers of a slice from one on.
 #[inline(always)]
 fn lanes<const N: usize>(of: &[f64], at: usize) -> Option<&[f64; N]> {
     of.get(at..)?.first_chunk()
 }
 
-/// Adds numbers to sums, where there are such, but for the first of them.
+/// Adds numbers to sums, if there are any, except for the first `but`.
 #[inline(always)]
 fn put<const N: usize>(sums: &mut [f64], at: usize, by: [f64; N], but: usize) {
     if let Some(sums) = sums.get_mut(at..).and_then(|sums| sums.first_chunk_mut::<N>()) {
@@ -159,24 +155,22 @@ fn put<const N: usize>(sums: &mut [f64], at: usize, by: [f64; N], but: usize) {
     }
 }
 
-/// Sums of masses: νd, νx and νd', each where some coefficient needs it.
+/// Sums over masses: νd, νx and νd', each where some coefficient needs it.
 pub struct Masses {
     pub sums: [Vec<f64>; 3],
 }
 
 impl Masses {
-    /// Of so many slots, those of P, Q and C that are wanted; with that of C that of P, and that of Q where some slot `has` it.
+    /// Makes the sums for P, Q and C of `n` slots. C also needs the sum of P, and the sum of Q where some slot `has_q`.
     pub fn new(n: usize, [p, q, c]: [bool; 3], has_q: bool) -> Masses {
         let n = |wanted: bool| vec![0.0; if wanted { n } else { 0 }];
         Masses { sums: [n(p || c), n(q || (c && has_q)), n(c)] }
     }
 
-    /// True where nothing is summed.
     pub fn is_idle(&self) -> bool {
         self.sums.iter().all(Vec::is_empty)
     }
 
-    /// Adds some ticks of these slots.
     #[inline(always)]
     fn add(&mut self, ticks: &Seen, slots: &Range<usize>) {
         let n = self.sums.iter().map(Vec::len).max().unwrap_or(0);
@@ -194,7 +188,6 @@ impl Masses {
         }
     }
 
-    /// Adds some ticks of `N` masses.
     #[inline(always)]
     fn some<const N: usize>(&mut self, ticks: &Seen, at: usize, but: usize) {
         let [mut by_d, mut by_next] = [[0.0; N]; 2];
@@ -222,29 +215,29 @@ impl Masses {
     }
 }
 
-/// Slots that all sums go by before the next: what they have in the ticks that are summed together stays in the nearest cache.
+/// Block of slots that all sums process before the next, so that their rows stay in the nearest cache.
 const SLOTS: usize = 64;
-/// Ticks that are summed together.
+/// Ticks summed at once.
 pub const TICKS: usize = 16;
 /// Links or masses side by side.
 const LANES: usize = 8;
 
-/// What is seen of some ticks, one behind the other and each in as many numbers, so that where these stand is known once.
+/// Several consecutive ticks, each with the same count of numbers, so that offsets are computed once.
 #[derive(Clone, Copy)]
 pub struct Seen<'a> {
-    /// places and motions, those behind the last tick too (ticks + 1)
+    /// Positions and motions, including those after the last tick (ticks + 1).
     pub rows: &'a [f64],
-    /// numbers of a tick in these, and where its motions stand
+    /// Numbers per tick in `rows`, and the offset of motions.
     pub width: usize,
     pub d: usize,
-    /// adjoints of the forces on slots (ticks)
+    /// Adjoints of the forces on slots (ticks).
     pub adjoint: &'a [f64],
-    /// numbers of a tick in these
+    /// Numbers per tick in `adjoint`.
     pub slots: usize,
 }
 
 impl<'a> Seen<'a> {
-    /// Each tick: its places and motions, those behind it, and adjoints.
+    /// Each tick: its positions and motions, those after it, and its adjoints.
     #[inline(always)]
     fn each(&self) -> impl Iterator<Item = [&'a [f64]; 3]> + use<'a> {
         let rows = self.rows.chunks_exact(self.width);
@@ -253,8 +246,7 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// Some ticks, of links and of masses, with the widest vectors of this processor. Everything it calls must be inlined into it, or it
-/// stays narrow.
+/// Sums some ticks with the widest vectors of this processor. All that it calls must be inlined, or it stays narrow.
 pub struct Ticks<'a> {
     pub links: &'a mut [Links],
     pub masses: Option<&'a mut Masses>,
@@ -263,7 +255,6 @@ pub struct Ticks<'a> {
 }
 
 impl Ticks<'_> {
-    /// Adds them to all sums.
     #[inline]
     pub fn add(self) {
         if !self.links.is_empty() || self.masses.is_some() {

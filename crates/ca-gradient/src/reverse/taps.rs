@@ -1,28 +1,25 @@
-//! Taps: linear links whose forces are heard.
+//! Linear links with tapped forces.
 //!
-//! Decides to go back over what is heard of them apart from what moves masses: their passes, which are their own transposes, know of
-//! the latter alone.
+//! Tapped forces are propagated back separately from those that move masses, because the passes of linear links, being
+//! their own transposes, handle only the latter.
 
 use crate::parts::record::Row;
 use crate::parts::{Basis, Parts, number};
 use ca_core::internal::op::Band;
 use ca_core::{Scene, State};
 
-/// A linear link whose force is heard.
 pub struct HeardLink {
-    /// index into the taps
     pub tap: usize,
-    /// slots of its ends
     pub ends: [usize; 2],
     slopes: [f64; 2],
-    /// its coefficients, each with what its law is made of
+    /// Indices of its coefficients, each with its α and β.
     coefs: Vec<(usize, [f64; 2])>,
-    /// numbers of its constant elongation, in the scene and in the order of the derivatives
+    /// Its constant elongation, and the index of that number.
     e0: (f64, usize),
 }
 
 impl HeardLink {
-    /// All of a scene; `place` as for [`Adjoint`](super::adjoint::Adjoint).
+    /// Returns all of a scene; `place` as for [`Adjoint`](super::adjoint::Adjoint).
     pub fn all(scene: &Scene, parts: &Parts, place: &Scene) -> Vec<HeardLink> {
         let coef = &scene.initial.coef;
         let of = |basis: &Basis, tap: usize, ends: [u32; 2], at: &dyn Fn(usize) -> usize, e0: (f64, f64)| HeardLink {
@@ -46,7 +43,7 @@ impl HeardLink {
         for (h, other) in scene.layout.out.heard.iter().zip(&place.layout.out.heard) {
             let of_row = |(k, _): &&(usize, Basis)| {
                 let op = &scene.passes.moves[*k];
-                // links across a row have their numbers behind those along
+                // links across a row have their numbers after the links along it
                 let passes = if op.form.band == Band::None { 1 } else { 2 };
                 let coefs = op.law.map_or(0, |law| law.coefs);
                 (op.coef..op.coef + passes * coefs * op.n).contains(&(h.coef as usize))
@@ -58,7 +55,7 @@ impl HeardLink {
         all
     }
 
-    /// Goes back over it in one tick, `phi` being the adjoint of its force.
+    /// Propagates adjoints back over it in one tick; `phi` is the adjoint of its force.
     pub fn back(&self, row: &Row, phi: f64, a: &mut State, now: &mut [f64], adjoint: &mut [f64]) {
         let ([p, q], [by_e, by_w]) = (self.ends, self.slopes);
         let (e, w) = (row.x[q] - row.x[p] + self.e0.0, row.d[q] - row.d[p]);

@@ -1,9 +1,9 @@
-//! Added: the forces that changed numbers of linear links, of masses and of weight add to a derivative.
+//! Added forces, which act on derivatives where a parameter changes numbers of linear links, masses or weight.
 //!
-//! With Ḟ for the derivative of F by a parameter, F = Σ c (α e + β w) gives Ḟ = Σ ċ (α e + β w) + … , where the rest is what
-//! the link does to the derivatives of its ends. A mass moves by d' = P d + Q x + C f, so that Ṗ d + Q̇ x + Ċ f is added, as a
-//! force after division by C. Decides to find these forces for some ticks before any derivative is played: by vectors where many
-//! numbers change ([`groups`](super::groups)), one by one where few do ([`few`](super::few)).
+//! With Ḟ for the derivative of F by a parameter, F = Σ c (α e + β w) gives Ḟ = Σ ċ (α e + β w) + … , where the rest is
+//! the action of the link on the derivatives of its ends. A mass moves by d' = P d + Q x + C f, so Ṗ d + Q̇ x + Ċ f is
+//! added, as a force after division by C. These forces are computed for several ticks before any derivative is played:
+//! by vectors where many numbers change ([`groups`](super::groups)), one by one where few do ([`few`](super::few)).
 
 use super::few::{Few, On};
 use super::groups::{Groups, Terms};
@@ -13,18 +13,16 @@ use crate::parts::small::FEW;
 use crate::parts::{Parts, number};
 use ca_core::{Scene, State};
 
-/// All of a scene.
 pub struct Added {
-    /// what is there at the beginning of a tick: of links whose forces are summed by themselves
+    /// At the beginning of a tick: links whose forces are summed by themselves.
     first: (Groups, Few),
-    /// what comes behind all sums that are read: of links of rows that integrate, and of masses; where none is read it stands
-    /// in `first` too
+    /// After all sums that are read: links of rows that integrate, and masses. In `first` too, if no sum is read.
     behind: (Groups, Few),
-    /// for each parameter, slots and weight that is added
+    /// Slots and added weight, per parameter.
     weight: Vec<Vec<(usize, f64)>>,
 }
 
-/// What all of a list have of a kind, none where that is 0 everywhere.
+/// Returns the factors of all of a list, by kind; empty where all are 0.
 fn terms(all: &[[f64; 3]]) -> Terms {
     [0, 1, 2].map(|kind| {
         let any = all.iter().any(|by| by[kind] != 0.0);
@@ -32,19 +30,17 @@ fn terms(all: &[[f64; 3]]) -> Terms {
     })
 }
 
-/// The parameters of a scene, and what they change.
 struct Changes<'a> {
     scene: &'a Scene,
-    /// the scene with each number replaced by its place among them
+    /// The scene with each number replaced by its index.
     place: &'a Scene,
-    /// derivatives of the numbers by each parameter
+    /// Derivatives of the numbers, per parameter.
     columns: &'a [&'a [f64]],
-    /// ticks at a time
     ticks: usize,
 }
 
 impl Changes<'_> {
-    /// What a parameter adds to the force of each link of a list, per e, per w and by itself.
+    /// Returns the force that a parameter adds on each link of a list, per e, per w and constant.
     fn of_links(&self, links: &Rows, column: &[f64]) -> Vec<[f64; 3]> {
         let (coef, own) = (&self.place.initial.coef, &self.scene.initial.coef);
         let of = |i: usize| {
@@ -55,19 +51,19 @@ impl Changes<'_> {
         (0..links.n).map(of).collect()
     }
 
-    /// What it adds to that on each mass, per d, x and d'.
+    /// Returns the force that it adds on each mass, per d, x and d'.
     fn of_masses(&self, column: &[f64]) -> Vec<[f64; 3]> {
         let (coef, own, n) = (&self.place.initial.coef, &self.scene.initial.coef, self.scene.layout.counts.n_mat);
         let of = |m: usize| {
             let [p, q, c] = [0, 1, 2].map(|k| own[k * n + m]);
             let [by_p, by_q, by_c] = [0, 1, 2].map(|k| column[number(coef[k * n + m])]);
-            // what no force moves has no C
+            // C is 0 for a slot that forces do not move
             if c == 0.0 { [0.0; 3] } else { [by_p - by_c * p / c, by_q - by_c * q / c, by_c / c].map(|v| v / c) }
         };
         (0..n).map(of).collect()
     }
 
-    /// What each parameter adds to those of a list, or to masses, which are `on` these: where it changes few, into `few`.
+    /// Returns the terms of each parameter for the targets `on`; where few are nonzero, they go to `few` instead.
     fn split(&self, few: &mut Few, on: &[On], of: impl Fn(&[f64]) -> Vec<[f64; 3]>) -> Vec<Terms> {
         let mut many = Vec::new();
         for (q, column) in self.columns.iter().enumerate() {
@@ -83,7 +79,6 @@ impl Changes<'_> {
         many
     }
 
-    /// All of some lists of links.
     fn lists(&self, lists: Vec<Rows>) -> (Groups, Few) {
         let mut few = Few::new(self.columns.len());
         let of = |links: &Rows| {
@@ -99,8 +94,8 @@ impl Changes<'_> {
 }
 
 impl Added {
-    /// Of the parameters whose derivatives of the numbers are `columns`; `place` is the scene with each number replaced by its place
-    /// among them; for so many ticks at a time.
+    /// Makes the forces for `ticks` ticks at a time. `columns` holds the derivatives of the numbers for each parameter,
+    /// `place` the scene with each number replaced by its index.
     pub fn new(scene: &Scene, parts: &Parts, place: &Scene, columns: &[&[f64]], ticks: usize) -> Added {
         let changes = Changes { scene, place, columns, ticks };
         let mut first: Vec<Rows> =
@@ -128,7 +123,7 @@ impl Added {
         Added { first, behind, weight: columns.iter().map(weighed).collect() }
     }
 
-    /// Finds what is added in tick `k` of those at a time, which began with `row`; `next` are the motions behind it.
+    /// Computes the forces of the stored tick `k`, which began with `row`; `next` holds the motions after it.
     pub fn measure(&mut self, k: usize, row: &Row, next: &[f64]) {
         for (groups, few) in [&mut self.first, &mut self.behind] {
             groups.measure(k, row, next);
@@ -136,7 +131,7 @@ impl Added {
         }
     }
 
-    /// Begins tick `k` of the derivatives by parameter `q`, which have no force yet.
+    /// Begins tick `k` of the derivatives by parameter `q`, whose forces are 0.
     pub fn begin(&mut self, k: usize, q: usize, to: &mut State) {
         let (groups, few) = &mut self.first;
         groups.give(k, q, &mut to.f);
@@ -146,7 +141,7 @@ impl Added {
         }
     }
 
-    /// Adds what comes behind all sums that are read.
+    /// Adds the forces that come after all sums that are read.
     pub fn add_behind(&self, k: usize, q: usize, to: &mut State) {
         let (groups, few) = &self.behind;
         groups.add(k, q, &mut to.f);

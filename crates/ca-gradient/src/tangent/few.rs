@@ -1,43 +1,39 @@
-//! Few: the forces that changed numbers of few links of a list, or of few masses, add to a derivative.
+//! Added forces ([`added`](super::added)) of few links or masses, computed one by one.
 //!
-//! Decides to take these one by one against vectors over all slots ([`Groups`](super::groups::Groups)): a link that is held apart
-//! from a long string gives nothing to all but two of them.
+//! For one link beside a long string, vectors of [`Groups`](super::groups::Groups) would be 0 but for two slots.
 
 use crate::parts::record::Row;
 use ca_core::internal::numeric::Aligned;
 
-/// What a force is added to.
+/// Target of an added force.
 #[derive(Clone, Copy)]
 pub enum On {
-    /// a mass, by its slot: per d, x and d'
+    /// Slot of a mass; the force is per d, x and d'.
     Mass(usize),
-    /// a link: the slots of its ends, and its constant elongation; per e, per w and by itself
+    /// End slots and constant elongation of a link; the force is per e, per w and constant.
     Link([usize; 2], f64),
 }
 
-/// One of them.
 struct One {
     on: On,
     by: [f64; 3],
-    /// the force in each tick
+    /// Force in each tick.
     forces: Vec<f64>,
 }
 
-/// Those of each parameter.
 pub struct Few(Vec<Vec<One>>);
 
 impl Few {
-    /// None yet, of so many parameters.
     pub fn new(parameters: usize) -> Few {
         Few((0..parameters).map(|_| Vec::new()).collect())
     }
 
-    /// One that parameter `q` changes, for so many ticks at a time.
+    /// Registers the added force of parameter `q` on one target, for `ticks` ticks at a time.
     pub fn put(&mut self, q: usize, on: On, by: [f64; 3], ticks: usize) {
         self.0[q].push(One { on, by, forces: vec![0.0; ticks] });
     }
 
-    /// Finds the forces of tick `k`, which began with `row`; `next` are the motions behind it.
+    /// Computes the forces of tick `k`, which began with `row`; `next` holds the motions after it.
     pub fn measure(&mut self, k: usize, row: &Row, next: &[f64]) {
         for One { on, by, forces } in self.0.iter_mut().flatten() {
             let with = match on {
@@ -48,7 +44,7 @@ impl Few {
         }
     }
 
-    /// Adds those of tick `k` to the derivatives by parameter `q`.
+    /// Adds the forces of tick `k` to the derivatives by parameter `q`.
     pub fn add(&self, k: usize, q: usize, f: &mut Aligned) {
         for One { on, forces, .. } in &self.0[q] {
             match on {

@@ -1,4 +1,4 @@
-//! Gains: what changed gains of outputs add to the derivatives of what is heard.
+//! Derivatives of outputs by their gains, where a parameter changes these.
 
 use crate::parts::number;
 use crate::parts::outputs::{Listed, listed};
@@ -6,22 +6,21 @@ use crate::parts::record::Row;
 use ca_core::internal::op::layout::Tap;
 use ca_core::{Scene, State};
 
-/// An output whose gain some parameter changes.
+/// Output whose gain some parameter changes.
 struct Gain {
     channel: usize,
     tap: Tap,
     motion: bool,
-    /// its place among the forces that are heard
+    /// Index among the forces read by outputs.
     force: usize,
-    /// derivatives of its gain (parameters)
+    /// Derivatives of its gain (parameters).
     by: Vec<f64>,
 }
 
-/// All of a scene.
 pub struct Gains(Vec<Gain>);
 
 impl Gains {
-    /// Those that the parameters change whose derivatives of the numbers are `columns`.
+    /// Returns the gains that parameters change; `columns` are the derivatives of the numbers.
     pub fn new(scene: &Scene, place: &Scene, columns: &[&[f64]]) -> Gains {
         let gain = |o: Listed| {
             let by = columns.iter().map(|column| column[number(place.initial.coef[o.gain])]).collect();
@@ -31,12 +30,11 @@ impl Gains {
         Gains(without.map(gain).filter(|g| g.by.iter().any(|v| *v != 0.0)).collect())
     }
 
-    /// True where no parameter changes one.
     pub fn is_idle(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Adds to what is heard of the derivatives by parameter `q` in a tick, which began with `row`.
+    /// Adds to the outputs of the derivatives by parameter `q` in a tick that began with `row`.
     pub fn add(&self, row: &Row, q: usize, to: &mut State) {
         for g in &self.0 {
             let raw = match g.tap {

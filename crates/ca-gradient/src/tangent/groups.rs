@@ -1,7 +1,6 @@
-//! Groups: the forces that changed numbers of many links or masses add to derivatives, by vectors over all slots.
+//! Added forces ([`added`](super::added)) of many links or masses, computed by vectors over all slots.
 //!
-//! Decides to find them once for all parameters that change the numbers of a list by multiples of the same: mass, pitch and decay of
-//! a string all do so.
+//! They are computed once for parameters that change numbers by multiples of one vector, as mass, pitch and decay do.
 
 use crate::parts::record::Row;
 use crate::parts::rows::Rows;
@@ -9,41 +8,39 @@ use ca_core::TANGENTS;
 use ca_core::internal::numeric::Aligned;
 use pulp::{Arch, Simd};
 
-/// What is added, per number: to the force of a link per e, per w and by itself, or to that on a mass per d, x and d'; empty where
-/// it is 0 throughout (links or slots, or none).
+/// Factors of added forces (links or slots): of a link per e, per w and constant; of a mass per d, x, d'. Empty if 0.
 pub type Terms = [Aligned; 3];
 
-/// What some parameters add, each its share.
+/// Added forces of several parameters, each with its own factor.
 struct Group {
     shares: [f64; TANGENTS],
-    /// by list
+    /// Terms of links, by index of their list.
     links: Vec<(usize, Terms)>,
     masses: Terms,
-    /// the forces of a tick, in passing (slots)
+    /// Buffer for the forces of a tick (slots).
     forces: Aligned,
 }
 
-/// What one parameter adds.
+/// Added forces of one parameter.
 #[derive(Default)]
 struct Own {
-    /// the groups it has a share in
+    /// Groups it belongs to, and its factor in each.
     shares: Vec<(usize, f64)>,
-    /// for each tick the forces (slots); none where it has no share
+    /// Forces of each tick (slots); empty where it belongs to none.
     forces: Vec<Aligned>,
 }
 
-/// What is added to some forces.
 pub struct Groups {
     arch: Arch,
-    /// each with its constant elongations, none where these are 0
+    /// Lists of links with their constant elongations, which are empty where all are 0.
     lists: Vec<(Rows, Aligned)>,
     all: Vec<Group>,
     of: [Own; TANGENTS],
-    /// forces of links, in passing
+    /// Buffer for forces of links.
     room: Aligned,
 }
 
-/// How many times `base` the numbers are, if they are so to rounding.
+/// Returns the ratio of the numbers to `base`, if it is the same for all up to rounding.
 fn multiple(of: &[f64], base: &[f64]) -> Option<f64> {
     let (v, b) = of.iter().zip(base).find(|(_, b)| **b != 0.0)?;
     let by = v / b;
@@ -51,7 +48,7 @@ fn multiple(of: &[f64], base: &[f64]) -> Option<f64> {
     of.iter().zip(base).all(near).then_some(by)
 }
 
-/// What the terms of all parameters are multiples of, and how many times it each is.
+/// Returns base vectors, and the factor of each parameter whose terms are a multiple of that base.
 fn bases<'a>(by: impl Iterator<Item = &'a Aligned>) -> Vec<(&'a Aligned, [f64; TANGENTS])> {
     let mut all: Vec<(&Aligned, [f64; TANGENTS])> = Vec::new();
     for (q, of) in by.enumerate().filter(|(_, of)| !of.is_empty()) {
@@ -68,7 +65,7 @@ fn bases<'a>(by: impl Iterator<Item = &'a Aligned>) -> Vec<(&'a Aligned, [f64; T
 }
 
 impl Group {
-    /// Those of the links of a list, or of masses (`None`).
+    /// Terms of the links of a list, or of masses (`None`).
     fn terms(&mut self, list: Option<usize>) -> &mut Terms {
         let Some(list) = list else { return &mut self.masses };
         let known = self.links.iter().position(|(l, _)| *l == list).unwrap_or_else(|| {
@@ -80,7 +77,6 @@ impl Group {
 }
 
 impl Groups {
-    /// None yet, of these lists.
     pub fn new(lists: Vec<Rows>, e0: &[f64]) -> Groups {
         let room = Aligned::zeros(lists.iter().map(|l| l.n).max().unwrap_or(0));
         let with_own = |l: Rows| {
@@ -103,7 +99,7 @@ impl Groups {
         }
     }
 
-    /// The group of these shares whose terms of a kind are free, a new one where there is none.
+    /// Returns the group with these shares whose terms of this kind are free, adding one if there is none.
     fn with(&mut self, shares: [f64; TANGENTS], list: Option<usize>, kind: usize) -> usize {
         let free = |g: &mut Group| g.shares == shares && g.terms(list)[kind].is_empty();
         self.all.iter_mut().position(free).unwrap_or_else(|| {
@@ -113,7 +109,7 @@ impl Groups {
         })
     }
 
-    /// Makes room for so many ticks at a time of so many slots, when all is put.
+    /// Allocates the forces of `ticks` ticks once all terms are put.
     pub fn begin(&mut self, ticks: usize, slots: usize) {
         for (k, group) in self.all.iter_mut().enumerate() {
             group.forces = Aligned::zeros(slots);
@@ -124,7 +120,7 @@ impl Groups {
         }
     }
 
-    /// Finds the forces of tick `k`, with the widest vectors of this processor.
+    /// Computes the forces of tick `k`, with the widest vectors of this processor.
     pub fn measure(&mut self, k: usize, row: &Row, next: &[f64]) {
         if !self.all.is_empty() {
             let Groups { arch, lists, all: groups, room, of } = self;
@@ -132,8 +128,7 @@ impl Groups {
         }
     }
 
-    /// Gives the derivatives by parameter `q` the forces of tick `k` for theirs, which are all 0, and keeps their array for other
-    /// forces: nothing is copied.
+    /// Swaps the forces of tick `k` into the derivatives by parameter `q`, whose forces are all 0; nothing is copied.
     pub fn give(&mut self, k: usize, q: usize, f: &mut Aligned) {
         if let Some(own) = self.of[q].forces.get_mut(k) {
             core::mem::swap(own, f);
@@ -148,7 +143,7 @@ impl Groups {
     }
 }
 
-/// One tick, with the widest vectors of this processor; what it calls must be inlined into it.
+/// One tick, with the widest vectors of this processor; all that it calls must be inlined.
 struct Tick<'a> {
     lists: &'a [(Rows, Aligned)],
     groups: &'a mut [Group],
@@ -232,7 +227,7 @@ impl pulp::WithSimd for Tick<'_> {
     }
 }
 
-/// The forces of a row of links whose first has these ends, on one end and the opposite on the other.
+/// Adds the forces of a run of links to first ends (from `a`) and subtracts them from second ends (from `b`).
 #[inline(always)]
 fn pull<S: Simd>(simd: S, f: &mut [f64], [a, b]: [usize; 2], force: &[f64]) {
     let (n, step) = (force.len(), b.saturating_sub(a));
@@ -246,8 +241,8 @@ fn pull<S: Simd>(simd: S, f: &mut [f64], [a, b]: [usize; 2], force: &[f64]) {
     subtract(simd, &mut f[a + n..][..step], &force[n - step..]);
 }
 
-/// Puts into each number of an array what is made of those of others, and of its own, vector by vector: as a loop over single
-/// numbers it would be asked first in each tick whether the arrays are apart, and have numbers left over at the end.
+/// Computes an array from its old values and other arrays by vectors. A loop over numbers would check in each tick
+/// whether arrays overlap, and have a remainder.
 macro_rules! each {
     ($simd:ident, $to:ident = $sum:expr; $($of:ident)*) => {{
         let n = $to.len();
@@ -323,7 +318,7 @@ fn subtract<S: Simd>(simd: S, to: &mut [f64], by: &[f64]) {
     each!(simd, to = simd.sub_f64s(to, by); by);
 }
 
-/// Where the second end of one link is the first of another.
+/// Adds where the second end of one link is the first end of another.
 #[inline(always)]
 fn add_between<S: Simd>(simd: S, to: &mut [f64], [next, last]: [&[f64]; 2]) {
     each!(simd, to = simd.add_f64s(to, simd.sub_f64s(next, last)); next last);

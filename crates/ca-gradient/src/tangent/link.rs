@@ -1,7 +1,7 @@
-//! Link: one that is run alone, with its derivatives by all that it reads.
+//! Link evaluated alone, with its derivatives by everything it reads.
 //!
-//! Decides to find these for some ticks before any derivative is played: what a link reads of the state is a few numbers, and with
-//! its derivatives by each the derivatives by one parameter are played over all of these ticks, beside no other.
+//! A link reads only a few numbers of the state. Its derivatives by each of them are computed for several ticks
+//! beforehand, so that the derivatives by one parameter can be played over all these ticks without the others.
 
 use crate::parts::alone::Port;
 use crate::parts::placed::Placed;
@@ -9,7 +9,7 @@ use crate::parts::record::Row;
 use crate::parts::{Link, number};
 use ca_core::{Dual, Scene, State, TANGENTS};
 
-/// A number of the state that a link reads: of a place or a motion that less that of a first end, where only their difference counts.
+/// Number of the state that a link reads; the second slot is subtracted where only the difference of two ends counts.
 enum Read {
     Place(usize, Option<usize>),
     Motion(usize, Option<usize>),
@@ -18,7 +18,6 @@ enum Read {
     Length(usize),
 }
 
-/// A number of the state that it writes.
 enum Write {
     Force(usize),
     Memory(usize),
@@ -26,26 +25,25 @@ enum Write {
     Tap(usize),
 }
 
-/// A link that is run alone.
 pub struct Moving {
     link: Placed,
-    /// what it reads: index into what [`Alone`](crate::parts::alone::Alone) is given, and where it stands
+    /// Values read: index into the values given to [`Alone`](crate::parts::alone::Alone), and source in the state.
     reads: Vec<(usize, Read)>,
-    /// what it writes: index into what is done, and where it goes
+    /// Values written: index into the results, and destination in the state.
     writes: Vec<(usize, Write)>,
-    /// numbers that a parameter changes: index into what it reads, and the derivatives
+    /// Numbers that a parameter changes: index into the values read, and derivatives.
     numbers: Vec<(usize, [f64; TANGENTS])>,
-    /// for each tick, whether it gives no force
+    /// For each tick, whether it gives no force.
     idle: Vec<bool>,
-    /// derivatives of what it writes by what it reads (ticks x writes x reads), and by parameters (ticks x writes)
+    /// Derivatives of the values written by those read (ticks x writes x reads), and by parameters (ticks x writes).
     by: Vec<f64>,
     own: Vec<[f64; TANGENTS]>,
-    /// derivatives of what it reads, in passing (reads)
+    /// Buffer for the derivatives of the values read (reads).
     room: Vec<f64>,
 }
 
 impl Moving {
-    /// A link of a scene, for so many ticks at a time; the rest as for [`Added`](super::added::Added).
+    /// Makes a link, for `ticks` ticks at a time; the other arguments as for [`Added`](super::added::Added).
     pub fn new(
         scene: &Scene,
         link: &Link,
@@ -99,12 +97,11 @@ impl Moving {
         })
     }
 
-    /// How many slots its ends have.
     pub fn slots(&self) -> usize {
         self.link.slots.len()
     }
 
-    /// Finds its derivatives in tick `k` of those at a time, which began with `row`; `sums` as for [`Placed::is_idle`].
+    /// Computes its derivatives in the stored tick `k`, which began with `row`; `sums` as for [`Placed::is_idle`].
     pub fn measure(&mut self, k: usize, row: &Row, sums: Option<&[f64]>) {
         self.idle[k] = self.link.is_idle(row, sums);
         if self.idle[k] {
@@ -115,7 +112,7 @@ impl Moving {
         let by = &mut self.by[k * writes.len() * reads.len()..];
         for (chunk, some) in reads.chunks(TANGENTS).enumerate() {
             for (lane, (at, read)) in some.iter().enumerate() {
-                // what is not known has no derivative
+                // the derivative of a length that is not known is 0
                 let known = !matches!(read, Read::Length(at) if row.lengths[*at] < 0.0);
                 alone.moving[*at][lane] = f64::from(u8::from(known));
             }
@@ -137,10 +134,10 @@ impl Moving {
         }
     }
 
-    /// Its derivatives by parameter `q` in tick `k`, added to those of all else.
+    /// Adds its derivatives by parameter `q` in tick `k` to the state.
     pub fn add(&mut self, k: usize, q: usize, s: &mut State) {
         if self.idle[k] {
-            // then memory is written anew
+            // an idle link overwrites its memory
             self.link.mem.iter().for_each(|m| s.links.mem[*m] = 0.0);
             self.link.taps.iter().flatten().for_each(|t| s.links.tap[*t] = 0.0);
             return;

@@ -1,11 +1,12 @@
-//! Tangent: the derivatives of a scene that is linear for the most part, played by its own passes.
+//! Forward derivatives of a mostly linear scene, played by its own passes.
 //!
-//! Decides against dual numbers for all of a tick, in which every number of a long string has seven derivatives beside it and no
-//! pass is as it would be in a render. What a linear part makes of derivatives is what it makes of places: so its passes play the
-//! derivatives by each parameter as a state of its own, in their layout and as fast. Links that are not linear are
-//! run alone over dual numbers ([`link`]), and what a parameter changes of the numbers of linear ones is added
-//! as forces ([`added`]): both are found for some ticks beforehand, and each state is played over these ticks by itself, so that it stays
-//! in the nearest cache. What this cannot do goes by dual numbers, as do scenes that are small or have many links that are not linear.
+//! Over dual numbers, every number of a long string carries seven derivatives, and no pass runs as in a render. But
+//! linear parts act on derivatives as on positions, so their passes play the derivatives by each parameter as a
+//! separate state, in the same layout and as fast. Links that are not linear are evaluated alone over dual numbers
+//! ([`link`]). If a parameter changes numbers of linear links, derivatives get added forces ([`added`]). Both are
+//! computed for several ticks beforehand, and each state is then played over these ticks by itself, so that it stays in
+//! the nearest cache. Scenes that this does not support, that are small or that have many nonlinear links use dual
+//! numbers.
 
 mod added;
 mod few;
@@ -29,30 +30,29 @@ use ca_io::perform::DIVERGED;
 use gains::Gains;
 use link::Moving;
 
-/// A scene has to have so many masses, and so many for each link that is run alone: less are as fast by dual numbers.
+/// Minimum of masses in a scene, and per link evaluated alone; with fewer, dual numbers are as fast.
 const MASSES: usize = 32;
 const MASSES_FOR_LINK: usize = 8;
 
-/// Ticks that are played with the derivatives by one parameter before those by the next.
+/// Ticks played with the derivatives by one parameter before those by the next.
 const TICKS: usize = 32;
 
-/// A scene whose derivatives are played by its own passes.
 pub struct Tangent {
     parts: Parts,
     dual: Scene<Dual>,
     numbers: Numbers,
-    /// that of the scene, without constant elongations
+    /// Layout of the scene, without constant elongations.
     layout: Layout,
 }
 
 impl Tangent {
-    /// True where dual numbers for all of a tick would take longer.
+    /// Returns whether dual numbers for the whole tick would take longer.
     pub fn is_worth(scene: &Scene, parts: &Parts) -> bool {
         let alone: usize = parts.links.iter().chain(&parts.last).map(|l| l.members.len()).sum();
         scene.layout.counts.n_mat >= MASSES.max(MASSES_FOR_LINK * alone)
     }
 
-    /// The parts of a scene, if it has none that is not known here.
+    /// Returns the parts of a scene, if all are supported here.
     pub fn parts(scene: &Scene) -> Option<Parts> {
         let parts = Parts::of(scene).ok()?;
         let l = &scene.layout;
@@ -65,7 +65,7 @@ impl Tangent {
         known.then_some(parts)
     }
 
-    /// The scene with these `numbers`, if there are derivatives by no others than are known here.
+    /// Makes it for a scene with these `numbers`; `None` where a parameter changes a number that is not supported here.
     pub fn new(scene: &Scene, parts: Parts, dual: Scene<Dual>, numbers: Numbers) -> Option<Tangent> {
         let mut layout = scene.layout.clone();
         layout.links.e0.fill(0.0);
@@ -74,7 +74,7 @@ impl Tangent {
         tangent.knows_all(scene)?.then_some(tangent)
     }
 
-    /// True where each number that some parameter changes is one of those at hand; `None` where a link has no law to be run alone by.
+    /// Returns whether all numbers that parameters change are supported; `None` where a link lacks a dual law.
     fn knows_all(&self, scene: &Scene) -> Option<bool> {
         let place = &self.numbers.place;
         let (start, l) = (&place.initial, &place.layout);
@@ -83,7 +83,7 @@ impl Tangent {
         for all in [&start.x, &start.d] {
             know(all);
         }
-        // where masses rest is read by sets alone, and there are none
+        // only sets read rest positions, and there are none
         know(&l.places.rest);
         know(&start.links.mem);
         know(&start.links.lengths);
@@ -93,7 +93,7 @@ impl Tangent {
             let op = &scene.passes.forces[*k];
             know(&start.coef[op.coef..][..op.n]);
         }
-        // of links that are heard not only the passes read these
+        // numbers of tapped links are read by more than their passes
         let sums = self.parts.linear.iter().map(|(k, _)| &scene.passes.forces[*k]).filter(|op| !op.form.tap);
         let heard = |op: &&ca_core::internal::op::Op| l.out.heard.is_empty() || op.law.is_none();
         let rows = self.parts.rows.iter().map(|(k, _)| &scene.passes.moves[*k]).filter(heard);
@@ -110,8 +110,8 @@ impl Tangent {
         Some(known.iter().enumerate().all(|(i, known)| *known || !changes(i)))
     }
 
-    /// Plays what the ports are `given` (frames x inputs) with the derivatives by `some` parameters, seven at most; `heard` gets each sample,
-    /// the outputs of a state alone, and is asked whether to go on.
+    /// Plays the inputs `given` (frames x inputs) with the derivatives by `some` parameters, at most seven. `heard`
+    /// receives the outputs of each sample, in a state with no other content, and may stop the play by an error.
     pub fn play(
         &self,
         scene: &Scene,
@@ -131,7 +131,7 @@ impl Tangent {
         let (mut links, mut last) = (alone(&self.parts.links)?, alone(&self.parts.last)?);
         let (small, linear, moves) = Small::of(scene, &self.parts);
         let mut states: Vec<State> = columns.iter().map(|column| started(scene, place, column)).collect();
-        // one for all, since no derivative changes them
+        // shared by all states, since no derivative changes them
         let mut coefs = scene.initial.coef.clone();
         let mut record = Record::new(scene, &self.parts, TICKS, [false, true]);
         let (mut s, inputs) = (scene.state(), scene.inputs.len());
@@ -181,7 +181,7 @@ impl Tangent {
                         }
                     }
                     output.iter_mut().zip(&a.output).for_each(|(to, v)| to.tangents_mut()[q] = *v);
-                    // what is heard of forces is none of what changed numbers of rows and masses add
+                    // outputs do not read the added forces of rows and masses
                     added.add_behind(k, q, a);
                     self.parts.held.iter().for_each(|m| a.f[*m] = 0.0);
                     for op in &moves {
@@ -201,7 +201,7 @@ impl Tangent {
     }
 }
 
-/// A scene at load, each number replaced by its derivative.
+/// State at load with each number replaced by its derivative.
 fn started(scene: &Scene, place: &Scene, column: &[f64]) -> State {
     let mut a = scene.state();
     let start = &place.initial;

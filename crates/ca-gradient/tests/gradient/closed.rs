@@ -1,10 +1,9 @@
-//! Closed forms of the scheme: x_{n+1} = (2 − a − b) x_n + (b − 1) x_{n−1}, a = kT²/m, b = zT/m, whose derivatives are those of
-//! its roots.
+//! Closed form of x_{n+1} = (2 − a − b) x_n + (b − 1) x_{n−1}, a = kT²/m, b = zT/m, with derivatives by its roots.
 
 use crate::reference::{apart, column, read, tangents};
 use std::ops::{Add, Div, Mul, Sub};
 
-/// A number with one derivative: the closed form is computed over these, by other formulas than the scheme.
+/// Number with one derivative. The closed form uses these, with other formulas than the scheme.
 #[derive(Clone, Copy, Debug)]
 pub struct D(pub f64, pub f64);
 
@@ -22,7 +21,7 @@ impl Sub for D {
 }
 impl Mul for D {
     type Output = D;
-    // the rule of products
+    // product rule
     #[allow(clippy::suspicious_arithmetic_impl)]
     fn mul(self, o: D) -> D {
         D(self.0 * o.0, self.0 * o.1 + self.1 * o.0)
@@ -39,7 +38,7 @@ pub const fn c(v: f64) -> D {
     D(v, 0.0)
 }
 
-/// Of an oscillator with r² = 1 − b and 2 r cos θ = 2 − a − b: x_n = rⁿ (A cos nθ + B sin nθ), from x₀ and x₋₁.
+/// Closed form for r² = 1 − b and 2 r cos θ = 2 − a − b: x_n = rⁿ (A cos nθ + B sin nθ), from x₀ and x₋₁.
 pub fn oscillator(ticks: usize, [m, k, z, x, v]: [D; 5]) -> Vec<D> {
     let t = c(1.0 / 48_000.0);
     let (a, b) = (k * t * t / m, z * t / m);
@@ -48,7 +47,7 @@ pub fn oscillator(ticks: usize, [m, k, z, x, v]: [D; 5]) -> Vec<D> {
     let cos = twice / (c(2.0) * r);
     let theta = D(cos.0.acos(), -cos.1 / (1.0 - cos.0 * cos.0).sqrt());
     let sin = D(theta.0.sin(), theta.0.cos() * theta.1);
-    // the start (docs/numerics.md §1.1): d₀ = vT − ½ of the change that a tick makes of (x₀, vT)
+    // the start (docs/numerics.md §1.1): d₀ = vT − ½ of the change in one tick from (x₀, vT)
     let moved = v * t;
     let change = c(-1.0) * a * x - b * moved;
     let before = x - (moved - c(0.5) * change);

@@ -1,7 +1,7 @@
-//! Drawn scenes: the example of every kind with every law, and scenes of every method, with numbers drawn around what is
-//! written, against differences of renders.
+//! Scenes with random numbers near the written ones, against differences of renders: one of each kind and law, and one
+//! of each method.
 //!
-//! A law that is added is here without a line of its own: its example is taken from its record.
+//! A new law is covered without a change here: its example comes from its record.
 
 use crate::reference::{apart, column, difference, played, read, tangents};
 use crate::reverse::both_ways;
@@ -22,8 +22,8 @@ impl Draw {
     }
 }
 
-/// Multiplies the numbers that a model has for masses, stiffnesses, speeds and the like by what is drawn around 1; names of those by
-/// which is differentiated.
+/// Multiplies masses, stiffnesses, speeds and similar numbers of a model by random factors around 1. Returns the names
+/// of the parameters to differentiate by.
 pub fn drawn(loaded: &mut Loaded, draw: &mut Draw) -> Vec<String> {
     let (kinds, mut names) = (catalog(), Vec::new());
     for item in &mut loaded.model.items {
@@ -68,7 +68,7 @@ pub fn drawn(loaded: &mut Loaded, draw: &mut Draw) -> Vec<String> {
     names
 }
 
-/// Compares all derivatives of a scene; how many parameters there were, how many had no reference, and whether reverse mode knows it.
+/// Compares all derivatives of a scene. Returns counts: parameters, those without reference, scenes in reverse.
 fn compare(title: &str, loaded: &Loaded, names: &[String], tolerance: f64, wrong: &mut Vec<String>) -> [usize; 3] {
     let (mut names, mut refused): (Vec<&str>, usize) = (names.iter().map(String::as_str).collect(), 0);
     names.retain(|name| match Forward::new(loaded, &Options::default(), &[name]) {
@@ -108,7 +108,7 @@ fn compare(title: &str, loaded: &Loaded, names: &[String], tolerance: f64, wrong
     [refused + t.parameters.len(), left_out, reversed]
 }
 
-/// The example of each kind, links on a line and across two worlds, generators and ports.
+/// Example of each kind, links on a line and across two worlds, generators and ports.
 #[test]
 fn every_kind_has_the_derivatives_of_its_renders() {
     let (mut draw, mut scenes, mut both, mut all, mut wrong) = (Draw(1), 0, 0, [0, 0], Vec::new());
@@ -130,7 +130,7 @@ fn every_kind_has_the_derivatives_of_its_renders() {
     assert!(scenes >= 30 && all[1] * 20 <= all[0], "{scenes} {all:?}");
 }
 
-/// Scenes whose laws go by other methods than the explicit one, and what stands between masses and outputs.
+/// Scenes with methods other than the explicit one, and with modes, ports, filters or oversampling.
 pub const METHODS: &[(&str, &str)] = &[
     (
         "BUT stable",

@@ -1,5 +1,5 @@
-//! Derivatives of the accounts of energy: against closed forms, against differences of the ledgers of renders in double precision, and
-//! against the identity of the ledger, which holds for each derivative by itself.
+//! Derivatives of the energy accounts, against closed forms, differences of ledgers of renders in double precision, and
+//! the identity of the ledger, which holds for each derivative.
 
 use crate::closed::{D, c, oscillator};
 use crate::drawn::{Draw, METHODS, drawn};
@@ -11,16 +11,16 @@ use cordis_anima::{Loaded, Options, catalog};
 
 const TICKS: usize = 600;
 const INSTANTS: usize = 5;
-/// Of an account, in parts of all that went through the ledger (docs/numerics.md §2.3).
+/// Rounding of an account, relative to all energy that passed through the ledger (docs/numerics.md §2.3).
 const ROUNDING: f64 = 1e-14;
-/// How far derivatives may be from differences that are known better than that, in parts of the account, and of the largest derivative of
-/// all accounts: what the scene begins with is differenced itself. And how well differences have to be known.
+/// Tolerance relative to the account, tolerance relative to the largest derivative of all accounts (the start is itself
+/// differentiated by differences), and the accuracy that a difference needs to serve as reference.
 const CLOSE: f64 = 1e-6;
 const OF_ALL: f64 = 1e-9;
 const KNOWN: f64 = 1e-4;
 
-/// True where a bow has the smooth curve: a table, whose slope is that of a segment. A difference over several of them has their mean, so
-/// that its steps have to be narrow, and even then some ticks lie on both sides of a corner.
+/// Returns whether a bow has the smooth curve, which is a table. A difference over several segments has their mean
+/// slope, so steps have to be narrow, and still a corner lies between some ticks.
 fn has_segments(loaded: &Loaded) -> bool {
     loaded
         .model
@@ -38,7 +38,7 @@ fn plain(b: &Balance) -> [f64; ACCOUNTS.len()] {
     [b.h0, b.h, b.lost, b.scheme_error, b.work, b.changed, b.residual]
 }
 
-/// The accounts of a render that keeps the ledger (instants x accounts), and its scale.
+/// Returns the accounts of a render with the ledger (instants x accounts) and its scale.
 fn accounts(loaded: &Loaded, ticks: usize, instants: usize) -> (Vec<f64>, f64) {
     let options = Options { energy: true, ..Options::default() };
     let scene = loaded.compile(&options).unwrap_or_else(|e| panic!("{:?}", e.diags)).scene;
@@ -54,12 +54,12 @@ fn accounts(loaded: &Loaded, ticks: usize, instants: usize) -> (Vec<f64>, f64) {
     (all, peak)
 }
 
-/// One account of a table (instants x accounts x each), for one of each.
+/// Returns one account at all instants from a table (instants x accounts x `each`).
 fn account(all: &[f64], each: usize, j: usize, k: usize) -> Vec<f64> {
     all.iter().skip(j * each + k).step_by(ACCOUNTS.len() * each).copied().collect()
 }
 
-/// A cell that nothing damps keeps ½ k x₀² (1 − kT²/4m) for ever: docs/numerics.md §2.1 at the start of §1.1.
+/// An undamped cell keeps ½ k x₀² (1 − kT²/4m) for ever: docs/numerics.md §2.1 with the start of §1.1.
 #[test]
 fn a_cell_that_nothing_damps_keeps_what_it_began_with() {
     let (m, k, x) = (2e-3_f64, 9e3_f64, 1e-3_f64);
@@ -74,7 +74,7 @@ fn a_cell_that_nothing_damps_keeps_what_it_began_with() {
             let (value, by) = t.account(name, i).expect("an account");
             assert!((value / stored - 1.0).abs() < 1e-11, "{name}: {value:e} {stored:e}");
             for (by, exact) in by.iter().zip(exact) {
-                // by m there is no more than a part a of the energy, of which rounding is as large as of the rest
+                // the derivative by m is at most a part a of the energy, but has the rounding of all of it
                 let off = (by - exact).abs() / exact.abs().max(1e-3 * stored / m);
                 println!("{name} {i}: {off:.1e}");
                 assert!(off < 1e-9, "{name}: {by:e} {exact:e}");
@@ -83,7 +83,7 @@ fn a_cell_that_nothing_damps_keeps_what_it_began_with() {
     }
 }
 
-/// Of a damped one, by the roots of the scheme: what it stores between two ticks, and what it has lost since the start.
+/// Energy between two ticks and loss since the start of a damped cell, by the roots of the scheme.
 #[test]
 fn a_damped_cell_stores_and_loses_by_its_roots() {
     let values = [2e-3, 9e3, 0.02, 1e-3, 0.3];
@@ -113,7 +113,7 @@ fn a_damped_cell_stores_and_loses_by_its_roots() {
             println!("{name} {j}: {off:.1e}");
             assert!(off < 1e-9, "{name}: {:e} {:e}", by[i], exact.1);
             let of = |account: &str| t.account(account, j - 1).map(|(v, by)| D(v, by[i])).expect("an account");
-            // what it lost is what it had at load, less what it has; and what it had at load is lost in turn
+            // the loss is the energy at load less the present energy, and the sum of losses by tick
             let (lost, gone) = (of("lost"), of("h0") - exact);
             assert!(
                 (lost.0 - gone.0).abs() < 1e-9 * of("h0").0
@@ -130,8 +130,8 @@ fn a_damped_cell_stores_and_loses_by_its_roots() {
     }
 }
 
-/// The derivatives of all accounts by `p` (instants x accounts), each with how far two orders are apart; none of a step at which a
-/// link changes between acting and not acting at another tick.
+/// Returns the derivatives of all accounts by `p` (instants x accounts), each with the distance of two orders. Steps at
+/// which a link acts in other ticks do not count.
 fn differences(loaded: &Loaded, p: &Parameter) -> Vec<Option<(Vec<f64>, f64)>> {
     let links = links(loaded);
     let base = played(loaded, &links, TICKS);
@@ -171,8 +171,8 @@ fn differences(loaded: &Loaded, p: &Parameter) -> Vec<Option<(Vec<f64>, f64)>> {
     best
 }
 
-/// Compares all accounts of a scene: values to those of a plain ledger, derivatives to differences, and the identity. How many derivatives
-/// were compared, how many had no reference, whether the values have the same bits, and how many scenes these are.
+/// Compares values to a plain ledger, derivatives to differences, and checks the identity. Returns counts: derivatives
+/// compared, derivatives without a reference, scenes whose values have the same bits, scenes.
 fn compare(title: &str, loaded: &Loaded, names: &[String], wrong: &mut Vec<String>) -> [usize; 4] {
     let mut names: Vec<&str> = names.iter().map(String::as_str).collect();
     names.retain(|name| match Energy::new(loaded, &Options::default(), &[name]) {
@@ -187,7 +187,7 @@ fn compare(title: &str, loaded: &Loaded, names: &[String], wrong: &mut Vec<Strin
     }
     let t = tangents(loaded, TICKS, INSTANTS, &names);
     let (plain, peak) = accounts(loaded, TICKS, INSTANTS);
-    // a string or a skin lies otherwise in memory over dual numbers, so that what its links store is added in another order
+    // dual numbers use another memory layout of strings and meshes, which changes the order of summation
     let apart_by = t.values.iter().zip(&plain).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
     wrong.extend((apart_by > 1e-13 * peak).then(|| format!("{title}: values off by {apart_by:e} of {peak:e}")));
     let bits = |all: &[f64]| all.iter().map(|v| v.to_bits()).collect::<Vec<u64>>();
@@ -195,7 +195,7 @@ fn compare(title: &str, loaded: &Loaded, names: &[String], wrong: &mut Vec<Strin
     let (mut compared, mut left_out, mut worst, mut residual) = (0, 0, 0.0_f64, 0.0_f64);
     let n = names.len();
     for (k, p) in t.parameters.iter().enumerate() {
-        // what the accounts change by, and by what they would if all of the energy went with the parameter
+        // largest derivative, at least that of an energy proportional to the parameter
         let each = || (0..ACCOUNTS.len()).map(|j| account(&t.tangents, n, j, k));
         let most = each().flatten().fold(peak / p.value.abs().max(1e-3), |m, v| m.max(v.abs()));
         let [h0, h, lost, made, work, changed, rest] = each().collect::<Vec<_>>().try_into().expect("all accounts");
@@ -207,7 +207,7 @@ fn compare(title: &str, loaded: &Loaded, names: &[String], wrong: &mut Vec<Strin
             let found = account(&t.tangents, n, j, k);
             let largest = found.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
             match reference {
-                // nothing, or nothing but rounding
+                // 0, or only rounding
                 Some((exact, _)) if largest <= 1e-9 * most => {
                     let close = exact.iter().all(|v| v.abs() <= 1e-6 * most);
                     wrong.extend(
@@ -240,7 +240,8 @@ fn compare(title: &str, loaded: &Loaded, names: &[String], wrong: &mut Vec<Strin
     [compared, left_out, same, 1]
 }
 
-/// Contacts, friction, links across two worlds, bodies in space, generators and ports: the example of each kind, with drawn numbers.
+/// Contacts, friction, links across worlds, bodies in space, generators, ports: each kind's example, with drawn
+/// numbers.
 #[test]
 fn the_energy_of_every_kind_has_the_derivatives_of_its_ledgers() {
     let (mut draw, mut all, mut wrong) = (Draw(11), [0; 4], Vec::new());
@@ -275,7 +276,7 @@ fn the_energy_of_every_method_has_the_derivatives_of_its_ledgers() {
     assert!(all[0] > 300 && all[1] * 5 <= all[0] && all[2] * 2 > all[3], "{all:?}");
 }
 
-/// What enters the account of changes, beside the first force of mi.lib.
+/// Scenes with entries in the account of changes, besides the first force of mi.lib.
 const MOVED: &[(&str, &str)] = &[(
     "a point that a port moves",
     "[STRING]\nlow = { n = 12, f = '220 Hz', t60 = '1 s', m = '1 g' }\n[ENX]\nslide = {}\n[MAS]\nball = { m = '5 g', x = '-1 mm', v = '0.8 m/s' }\n[REF]\ntie = { between = ['ball', 'low@slide'], k = '2 kN/m', z = '0.1 N s/m' }\n[gesture]\nslide = [[0, 0.3], ['20 ms', 0.7]]\n[SOX]\nout = { from = 'low[7]' }\n",
@@ -283,7 +284,7 @@ const MOVED: &[(&str, &str)] = &[(
 
 const BAR: &str = "[CEL]\nbar = { m = '2 g', f = '440 Hz', t60 = '0.2 s', dx0 = '1 mm' }\n[MAS]\nball = { m = '5 g', x = '-1 mm', v = '0.8 m/s' }\n[BUT]\nhit = { between = ['ball', 'bar'], k = '9 kN/m', z = '0.2 N s/m' }\n[SOX]\nout = { from = 'bar' }\n";
 
-/// More parameters than a number carries take two renders, and instants do not change each other.
+/// Parameters beyond seven take a second play, and instants do not affect each other.
 #[test]
 fn instants_and_parameters_are_those_of_each_alone() {
     let loaded = read(BAR);

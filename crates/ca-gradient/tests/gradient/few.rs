@@ -1,5 +1,5 @@
-//! Parameters that change few links of a row, or many that stand in none, and each parameter by itself: what is added to
-//! derivatives, and what is summed on the way back, depends on it.
+//! Parameters that change few links of a row or many links outside rows, together and one by one. The forces added to
+//! derivatives, and the sums of the backward pass, differ between these cases.
 
 use crate::reference::{read, tangents};
 use crate::reverse::both_ways;
@@ -7,7 +7,7 @@ use ca_gradient::Forward;
 use cordis_anima::Options;
 use std::fmt::Write as _;
 
-/// Masses with links along and, `across` being the length of a row, across; links over some of them that share one number.
+/// Returns masses linked along and, in rows of `across`, across; links over several masses share the number `tie`.
 fn by_hand(n: usize, across: Option<usize>) -> String {
     let mut text = String::from("[param]\ntie = '90 N/m'\n[SOL]\nwall = {}\n[MAS]\nm0 = { m = '1 g', dx0 = '1 mm' }\n");
     (1..n).for_each(|i| writeln!(text, "m{i} = {{ m = '1 g' }}").expect("text"));
@@ -41,7 +41,7 @@ fn few_links_and_many_and_each_parameter_by_itself() {
     let mesh =
         format!("[MESH]\nlow = {{ nx = 9, ny = 10, f = '200 Hz', t60 = '0.5 s', m = '9 g', z = '1 mN s/m' }}\n{low}");
     let generated = ["low.f", "low.t60", "low.m", "low.z", "ball.dx0", "held.k", "held.z"];
-    // a folded row of 90 has twelve links in a lane: the last of a lane, the first of the next, and some within
+    // in a folded row of 90, a lane has twelve links: the last of a lane, the first of the next, and some within
     let row = ["r10.k", "r11.k", "r12.z", "r23.z", "r88.k", "m40.m", "tie"];
     let sheet = ["r11.k", "c11.k", "c70.z", "r83.z", "c79.k", "held.k", "tie"];
     let cases = [(string, generated), (mesh, generated), (by_hand(90, None), row), (by_hand(90, Some(9)), sheet)];

@@ -1,4 +1,4 @@
-//! Derivatives of what scenes sound, and of their energy, against closed forms, and against differences of renders in double precision.
+//! Derivatives of outputs and energy, against closed forms and differences of renders in double precision.
 
 mod closed;
 mod drawn;

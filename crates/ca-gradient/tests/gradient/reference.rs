@@ -1,8 +1,7 @@
-//! The derivative of a render by differences: central ones of the eighth order, of renders in double precision at values
-//! around that of the parameter, as `--set` would set it.
+//! Derivative of a render by central differences of the eighth order, between renders in double precision.
 //!
-//! Decides for the step at which the eighth and the sixth order agree best, among those at which every link has a force, and none,
-//! in the same ticks: where a contact closes a tick later, two renders have no difference but a jump.
+//! The step is the one at which the eighth and the sixth order agree best, among those at which each link has a force,
+//! or none, in the same ticks: if a contact closes a tick later, the two renders differ by a jump.
 
 use ca_gradient::{Forward, Parameter, Tangents};
 use cordis_anima::ca_core::Location;
@@ -10,23 +9,22 @@ use cordis_anima::ca_io::perform::Performance;
 use cordis_anima::ca_model::{Entry, Value};
 use cordis_anima::{Loaded, Options, Scene};
 
-/// Weights at 1 … 4 steps, less those at −1 … −4: of the eighth order, and of the sixth.
+/// Weights at 1 … 4 steps, less those at −1 … −4: eighth order, sixth order.
 pub const WEIGHTS: [[f64; 4]; 2] =
     [[4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0], [3.0 / 4.0, -3.0 / 20.0, 1.0 / 60.0, 0.0]];
 
-/// A text as a model.
 pub fn read(text: &str) -> Loaded {
     Loaded::read(text, "test.ca.toml")
 }
 
-/// The tangents of `ticks` samples.
+/// Tangents of `ticks` samples, by dual numbers.
 pub fn tangents(loaded: &Loaded, ticks: usize, wrt: &[&str]) -> Tangents {
     let text = cordis_anima::ca_model::write::write(&loaded.model);
     let forward = Forward::by_dual_numbers(loaded, &Options::default(), wrt).unwrap_or_else(|e| panic!("{text}\n{e}"));
     forward.tangents(Some(ticks as f64 / forward.rate()), None, &mut || true).unwrap_or_else(|e| panic!("{text}\n{e}"))
 }
 
-/// The model with a parameter, or one number of a list, at `value`.
+/// Returns the model with a parameter, or one number of a list, at `value`.
 pub fn with(loaded: &Loaded, p: &Parameter, value: f64) -> Loaded {
     let mut other = loaded.clone();
     let written = if p.unit.is_empty() { Value::Num(value) } else { format!("{value:e} {}", p.unit).into() };
@@ -51,7 +49,7 @@ pub fn with(loaded: &Loaded, p: &Parameter, value: f64) -> Loaded {
     other
 }
 
-/// What a render sounds (ticks x channels), and in which ticks each link has a force (ticks x links).
+/// Output of a render (ticks x channels), and whether each link has a force in each tick (ticks x links).
 pub struct Played {
     pub output: Vec<f64>,
     pub acts: Vec<bool>,
@@ -61,7 +59,7 @@ fn compiled(loaded: &Loaded, probes: Vec<String>) -> Scene {
     loaded.compile(&Options { probes, ..Options::default() }).unwrap_or_else(|e| panic!("{:?}", e.diags)).scene
 }
 
-/// Names of what has a force.
+/// Names of modules whose force can be probed.
 pub fn links(loaded: &Loaded) -> Vec<String> {
     let scene = compiled(loaded, Vec::new());
     let is_link = |name: &str| {
@@ -72,7 +70,7 @@ pub fn links(loaded: &Loaded) -> Vec<String> {
     loaded.model.items.iter().map(|i| i.name.clone()).filter(|n| is_link(n)).collect()
 }
 
-/// Plays a model by its own gesture, with the forces of these links.
+/// Plays a model by its own gesture and probes the forces of these links.
 pub fn played(loaded: &Loaded, links: &[String], ticks: usize) -> Played {
     let scene = compiled(loaded, links.to_vec());
     let mut p = Performance::new(&scene, None).expect("its own gesture");
@@ -86,8 +84,7 @@ pub fn played(loaded: &Loaded, links: &[String], ticks: usize) -> Played {
     Played { output, acts }
 }
 
-/// The derivative of all that is heard by `p`, and how far both orders are apart, relative; nothing where a link changes between
-/// acting and not acting at another tick, whatever the step.
+/// Returns the derivative of the output by `p` and the relative distance of both orders; `None` without a usable step.
 pub fn difference(loaded: &Loaded, p: &Parameter, ticks: usize) -> Option<(Vec<f64>, f64)> {
     let links = links(loaded);
     let base = played(loaded, &links, ticks);
@@ -115,12 +112,12 @@ pub fn difference(loaded: &Loaded, p: &Parameter, ticks: usize) -> Option<(Vec<f
     best
 }
 
-/// The column of one parameter.
+/// Column of one parameter.
 pub fn column(t: &Tangents, k: usize) -> Vec<f64> {
     t.tangents.iter().skip(k).step_by(t.parameters.len()).copied().collect()
 }
 
-/// The largest difference of two signals, relative to the largest of the second.
+/// Largest difference of two signals, relative to the largest value of the second.
 pub fn apart(a: &[f64], b: &[f64]) -> f64 {
     assert_eq!(a.len(), b.len());
     let most = b.iter().fold(0.0, |m: f64, v| m.max(v.abs()));

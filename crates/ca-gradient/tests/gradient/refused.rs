@@ -1,4 +1,4 @@
-//! What has no derivative is refused, by name.
+//! Parameters without a derivative are refused by name.
 
 use crate::reference::{played, read, tangents};
 use ca_gradient::Forward;
@@ -29,8 +29,8 @@ fn what_has_no_derivative_is_named() {
     assert!(refused(&rate, "rate.sound").contains("changes what is built"), "{}", refused(&rate, "rate.sound"));
 }
 
-/// Where a parameter may be moved only one way, derivatives are those of that side; and a value that is nearly nothing is moved by
-/// more than parts of itself, which would be rounded away.
+/// At the end of its range a parameter has a one-sided derivative. A value that is almost 0 needs a step greater than
+/// the value, since a smaller one is rounded away.
 #[test]
 fn at_the_end_of_a_range_the_derivative_is_one_sided() {
     let text = "[CEL]\nbar = { m = '2 g', k = '9 kN/m', z = 0, dx0 = '1 mm' }\n[SOX]\nout = { from = 'bar' }\n";
@@ -42,8 +42,7 @@ fn at_the_end_of_a_range_the_derivative_is_one_sided() {
     assert!(off(&near) < 1e-5 * most, "{:e} of {most:e}", off(&near));
 }
 
-/// What the start takes of a curve has the slope of the curve where it is: of speeds that are far higher on both sides, none of it
-/// is seen.
+/// The derivative of a curve at load is its slope there; much faster parts of the curve on both sides do not count.
 #[test]
 fn a_curve_at_load_has_its_own_slope() {
     let text = "[MAS]\na = { m = 0.0022, v = V }\nb = { m = 0.0093, x = 0.004, v = -0.83 }\n[BOW]\nr = { between = ['a', 'b'], f = 0.3, method = 'M', v0 = 0.067 }\n[SOX]\no = { from = 'a', hear = 'speed', gain = 0.1 }\n";
@@ -63,20 +62,19 @@ fn a_curve_at_load_has_its_own_slope() {
     }
 }
 
-/// The numbers themselves have the bits of a render.
+/// The outputs have the bits of a render.
 #[test]
 fn the_sound_is_that_of_a_render() {
     let loaded = read(STRING);
     let t = tangents(&loaded, 1000, &["bob.v", "low.f", "bob.m", "hit.k", "low.m", "low.t60", "bob.x", "out.gain"]);
     let bits = |all: &[f64]| all.iter().map(|v| v.to_bits()).collect::<Vec<u64>>();
     assert_eq!(bits(&t.output), bits(&played(&loaded, &[], 1000).output));
-    // eight parameters take two renders; the columns of the second are those of one by itself
+    // eight parameters take two plays; the second gives the same as a play for that parameter alone
     let gain = tangents(&loaded, 1000, &["out.gain"]);
     let last: Vec<f64> = t.tangents.iter().skip(7).step_by(8).copied().collect();
     assert_eq!(bits(&last), bits(&gain.tangents));
 }
 
-/// A gradient from a cotangent is the product with all derivatives.
 #[test]
 fn a_gradient_is_the_product_of_cotangent_and_derivatives() {
     let loaded = read(STRING);
@@ -101,7 +99,7 @@ fn groups_at_the_gesture_rate_are_refused() {
     assert!(said.contains("groups at the gesture rate are not differentiated"), "{said}");
 }
 
-/// A number of a gesture changes what ports are given, of which there is no derivative: 0 would be believed.
+/// A number of a gesture changes port inputs, which are not differentiated; a derivative of 0 would be believed.
 #[test]
 fn what_moves_a_gesture_is_refused() {
     let text = "[param]\ndeep = '5 mm'\n[CEL]\nbar = { m = '2 g', f = '440 Hz', t60 = '0.2 s' }\n[ENX]\nkey = {}\n[REF]\npress = { between = ['key', 'bar'], k = '100 N/m', z = 0 }\n[gesture]\nkey = { sine = 'deep', f = '5 Hz', to = 4 }\n[SOX]\nout = { from = 'bar', gain = 50 }\n";

@@ -1,4 +1,4 @@
-//! Reverse mode against forward mode, and by what ports are given against differences.
+//! Reverse mode against forward mode, and its derivatives by port inputs against differences.
 
 use crate::drawn::{Draw, drawn};
 use crate::reference::{column, read, tangents};
@@ -7,7 +7,7 @@ use cordis_anima::ca_io::gesture::{Gesture, Track};
 use cordis_anima::{Loaded, Options};
 use std::sync::Arc;
 
-/// Compares the gradient of half the sum of squares of what is heard, in both modes; true where reverse mode knows the scene.
+/// Compares gradients of half the sum of squares of the output. Returns whether reverse mode supports the scene.
 pub fn both_ways(title: &str, loaded: &Loaded, t: &Tangents, wrong: &mut Vec<String>) -> bool {
     both_ways_within(title, loaded, t, 1e-10, wrong)
 }
@@ -34,7 +34,7 @@ fn both_ways_within(title: &str, loaded: &Loaded, t: &Tangents, most: f64, wrong
     for (k, (p, by)) in t.parameters.iter().zip(&found.parameters).enumerate() {
         let each = || column(t, k).into_iter().zip(&t.output).map(|(t, y)| t * y);
         let (sum, size) = (each().sum::<f64>(), each().map(f64::abs).sum::<f64>());
-        // of itself, or of the loss where the parameter changes by all of itself
+        // relative to the terms, or to the loss if the parameter changed by its own value
         let off = (sum - by).abs() / (size + loss / p.value.abs().max(1e-3)).max(f64::MIN_POSITIVE);
         worst = worst.max(off);
         let close = off < most;
@@ -44,7 +44,7 @@ fn both_ways_within(title: &str, loaded: &Loaded, t: &Tangents, most: f64, wrong
     true
 }
 
-/// Compares forward mode by the passes of a scene with that by dual numbers, where it is known.
+/// Compares forward mode by the passes of a scene, where supported, with forward mode by dual numbers.
 fn by_passes(title: &str, loaded: &Loaded, t: &Tangents, most: f64, wrong: &mut Vec<String>) {
     let names: Vec<&str> = t.parameters.iter().map(|p| p.name.as_str()).collect();
     let forward = Forward::by_passes(loaded, &Options::default(), &names).unwrap_or_else(|e| panic!("{title}: {e}"));
@@ -66,7 +66,7 @@ fn by_passes(title: &str, loaded: &Loaded, t: &Tangents, most: f64, wrong: &mut 
     println!("{title}: by passes {worst:.1e} from dual numbers");
 }
 
-/// Forward mode leaves a string and a skin that are struck to their passes, and what is known that way alone.
+/// Forward mode uses the passes for a struck string and a struck mesh, but only for scenes that these support.
 #[test]
 fn what_is_linear_for_the_most_part_goes_by_passes() {
     let (mut wrong, struck) = (
@@ -90,7 +90,7 @@ fn what_is_linear_for_the_most_part_goes_by_passes() {
     assert!(Forward::by_passes(&wave, &Options::default(), &["ball.m"]).expect("derivatives").is_none());
 }
 
-/// What stands between masses and outputs, and ways a scene is laid out.
+/// Scenes with media, filters and ports between masses and outputs, and with different layouts.
 const SCENES: &[(&str, &str)] = &[
     (
         "a long string in lanes, forces of its links and on its end heard",
@@ -114,7 +114,7 @@ const SCENES: &[(&str, &str)] = &[
     ),
 ];
 
-/// Contacts that keep energy, and friction, of which several move one mass and are solved together.
+/// Energy-conserving contacts and friction: several act on one mass and are solved together.
 const TOGETHER: &[(&str, &str)] = &[
     (
         "a ball between two walls",
@@ -134,7 +134,7 @@ const TOGETHER: &[(&str, &str)] = &[
     ),
 ];
 
-/// Contacts that let go together hold less from tick to tick, down to numbers whose inverse is infinite: no derivative may be.
+/// Contacts that open together store ever less, down to numbers whose inverse is infinite; derivatives stay finite.
 #[test]
 fn contacts_that_let_go_together_have_finite_derivatives() {
     let text = "[CEL]\nc = { m = 0.007, f = 822, t60 = 0.7, x = 0.012, v = 0.25 }\n[MAS]\na = { m = '10 g', x = 0.016, v = -1.23 }\nb = { m = '1.7 g', x = 0.020, v = -1.2 }\n[BUT]\nk3 = { between = ['c', 'a'], d = '1.6 mm', k = 12000, z = 3, method = 'stable3d' }\n[HRZ]\nk4 = { between = ['a', 'b'], d = '3.1 mm', k = '33000 N/m^1.5', h = 0.01, method = 'stable3d' }\n[SOX]\no = { from = 'a', gain = 0.1 }\n";
@@ -171,7 +171,7 @@ fn all_go_back(seed: u64, scenes: &[(&str, &str)]) {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// By what a port is given in one sample, that of a device in one frame: differences of renders with that sample moved.
+/// Derivatives by the input of a port in one sample, or of a device in one frame, against differences of renders.
 #[test]
 fn what_ports_are_given_has_its_derivatives() {
     let device = "[CEL]\nbar = { m = '2 g', f = '330 Hz', t60 = '1 s' }\n[TGR]\nkey = { device = 'hand', dof = 0 }\n[CUB]\nfelt = { between = ['key', 'bar'], k = '2 kN/m', k3 = '1e9 N/m^3', z = '0.4 N s/m' }\n[SOX]\nout = { from = 'bar' }\n";
@@ -225,7 +225,7 @@ fn by_what_is_given(text: &str, names: &[&str]) {
                 (difference - by).abs() <= 1e-6 * by.abs() + 1e-12 * loss(&heard) / h,
                 "{k} {port}: {difference:e} {by:e}"
             );
-            // what is given in the last sample is heard in that of a frame alone, which it ends
+            // the input in the last sample counts only where it ends a frame
             assert!(by != 0.0 || k % frame != 0 || k == 599, "{k} {port}");
         }
     }
@@ -234,8 +234,8 @@ fn by_what_is_given(text: &str, names: &[&str]) {
 /// Bundled instruments that sound soon: contacts in space, quadripoles, sets, plectra, tables and friction.
 const SOON: &[&str] = &["crystal", "glass", "jack", "maracas", "piano_key", "piano_wire", "rattle", "snare", "wind"];
 
-/// Bundled instruments, by some of what they have for masses, speeds and springs. Most of them agree to 1e-10; `jack`, a
-/// stiff body that turns, to some 1e-9.
+/// Bundled instruments, by some masses, speeds and springs. Most agree to 1e-10, but `jack`, a stiff body that turns,
+/// to 1e-9.
 #[test]
 fn bundled_instruments_go_back_as_they_go_forward() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models");
@@ -247,7 +247,7 @@ fn bundled_instruments_go_back_as_they_go_forward() {
         let mut loaded = Loaded::open(&file).expect("a model");
         let title = loaded.name.clone();
         let all = drawn(&mut loaded, &mut draw);
-        // a few of them, from all over the model
+        // a few, evenly spread over the model
         let some = all.iter().step_by(all.len().div_ceil(4).max(1)).map(String::as_str);
         let names: Vec<&str> =
             some.filter(|name| Forward::new(&loaded, &Options::default(), &[name]).is_ok()).collect();
@@ -266,6 +266,6 @@ fn bundled_instruments_go_back_as_they_go_forward() {
         assert!(both_ways_within(&title, &loaded, &t, 1e-8, &mut wrong), "{title}");
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
-    // all but one of waves and two with a point that a port moves
+    // all but one with waveguides and two with a point that a port moves
     assert!(known >= 31 && heard == SOON.len(), "{known} {heard}");
 }

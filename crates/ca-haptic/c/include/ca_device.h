@@ -52,142 +52,142 @@
 #define CA_MODE_FAULT 4
 
 
-// Degrees of freedom of the largest device: 24 keys, and room.
+// Degrees of freedom of the largest device: 24 keys and a margin.
 #define CA_DOF 32
 
-// The capabilities of a device, 904 bytes. Texts are UTF-8 with zeros after them.
+// Capabilities of a device, 904 bytes. Texts are UTF-8, padded with zeros.
 typedef struct {
-  // [`About::MAGIC`]
+  // [`About::MAGIC`].
   uint32_t magic;
-  // [`VERSION`]
+  // [`VERSION`].
   uint32_t version;
-  // [`About::LAYOUT`]
+  // [`About::LAYOUT`].
   uint64_t layout;
-  // name of the device
+  // Name of the device.
   uint8_t device[16];
-  // as in its frames
+  // Session, as in its frames.
   uint64_t session;
-  // as in its frames
+  // Calibration, as in its frames.
   uint64_t calibration;
-  // make and model
+  // Make and model.
   uint8_t model[32];
-  // serial number
+  // Serial number.
   uint8_t serial[32];
-  // firmware
+  // Firmware version.
   uint8_t firmware[16];
-  // frames a second
+  // Frames a second.
   uint32_t rate;
-  // degrees of freedom
+  // Degrees of freedom.
   uint16_t n;
-  // how many neighbouring DOF make one force vector: 1 for keys, 3 for a stylus
+  // Number of neighbouring DOF in one force vector: 1 for keys, 3 for a stylus.
   uint16_t axes;
-  // least position [m]
+  // Least position [m].
   float low[CA_DOF];
-  // largest position [m]
+  // Largest position [m].
   float high[CA_DOF];
-  // largest force [N]
+  // Largest force [N].
   float force[CA_DOF];
-  // largest force for ever [N]
+  // Largest continuous force [N].
   float continuous[CA_DOF];
-  // largest stiffness it renders [N/m]; 0 where not known
+  // Largest stiffness that it renders [N/m]; 0 if not known.
   float stiffness[CA_DOF];
-  // largest viscosity it renders [N s/m]; 0 where not known
+  // Largest viscosity that it renders [N s/m]; 0 if not known.
   float damping[CA_DOF];
 } CaAbout;
 
 // One frame of a device, 792 bytes.
 typedef struct {
-  // [`DeviceFrame::MAGIC`]
+  // [`DeviceFrame::MAGIC`].
   uint32_t magic;
-  // [`VERSION`]
+  // [`VERSION`].
   uint32_t version;
-  // [`DeviceFrame::LAYOUT`]
+  // [`DeviceFrame::LAYOUT`].
   uint64_t layout;
-  // name of the device, zeros after it
+  // Name of the device, padded with zeros.
   uint8_t device[16];
-  // a number that changes whenever the device process starts
+  // Number that changes whenever the device process starts.
   uint64_t session;
-  // counts frames of a session, from 1
+  // Number of the frame in its session, from 1.
   uint64_t seq;
-  // `seq` of the force frame the motors held while the hand came to this position; 0 where not known
+  // `seq` of the force frame that the motors held while the hand came to this position; 0 if not known.
   uint64_t ack;
-  // clock of the device [ns]
+  // Clock of the device [ns].
   uint64_t t_device_ns;
-  // `CLOCK_MONOTONIC` when published [ns]
+  // `CLOCK_MONOTONIC` when published [ns].
   uint64_t t_host_ns;
-  // id of the calibration the positions were made with; 0 for none
+  // Id of the calibration of the positions; 0 for none.
   uint64_t calibration;
-  // sound sample at which the engine took it; 0 on the wire
+  // Sound sample at which the engine used it; 0 on the wire.
   uint64_t tick;
-  // time between frames [ns]
+  // Time between frames [ns].
   uint32_t period_ns;
-  // bits of [`status`]
+  // Bits of [`status`].
   uint32_t status;
-  // why the device itself gives no force, a [`Cause`]
+  // Reason why the device itself gives no force, a [`Cause`].
   uint16_t cause;
-  // degrees of freedom in use, at most [`DOF`]
+  // Degrees of freedom in use, at most [`DOF`].
   uint16_t n;
-  // which positions are valid, a bit each
+  // Valid positions, a bit each.
   uint32_t mask;
-  // which velocities are measured, a bit each
+  // Measured velocities, a bit each.
   uint32_t vel_mask;
-  // buttons, a bit each
+  // Buttons, a bit each.
   uint32_t buttons;
-  // positions [m]
+  // Positions [m].
   double pos[CA_DOF];
-  // velocities [m/s], where measured
+  // Velocities [m/s], where measured.
   double vel[CA_DOF];
-  // forces measured [N]; 0 where not
+  // Forces measured [N]; 0 where not.
   float force_measured[CA_DOF];
-  // orientation; zeros where there is none
+  // Orientation; zeros if there is none.
   float quat[4];
-  // pressure, grip and the like
+  // Pressure, grip and the like.
   float aux[4];
-  // of the motors [°C]; 0 where not measured
+  // Temperature of the motors [°C]; 0 if not measured.
   float temperature;
-  // 0
+  // Always 0.
   uint32_t reserved;
 } CaDeviceFrame;
 
 // One frame of forces, 240 bytes.
 typedef struct {
-  // [`ForceFrame::MAGIC`]
+  // [`ForceFrame::MAGIC`].
   uint32_t magic;
-  // [`VERSION`]
+  // [`VERSION`].
   uint32_t version;
-  // [`ForceFrame::LAYOUT`]
+  // [`ForceFrame::LAYOUT`].
   uint64_t layout;
-  // name of the device it is for, zeros after it
+  // Name of the device, padded with zeros.
   uint8_t device[16];
-  // a number that changes whenever the engine starts
+  // Number that changes whenever the engine starts.
   uint64_t session;
-  // counts force frames of a session, from 1
+  // Number of the force frame in its session, from 1.
   uint64_t seq;
-  // session of the device whose frame was used
+  // Session of the device whose frame was used.
   uint64_t ack_session;
-  // `seq` of the device frame that was used; 0 before any
+  // `seq` of the device frame that was used; 0 before any.
   uint64_t ack;
-  // `CLOCK_MONOTONIC` when published [ns]
+  // `CLOCK_MONOTONIC` when published [ns].
   uint64_t t_host_ns;
-  // sound sample at which it was known
+  // Sound sample at which it was computed.
   uint64_t tick;
-  // id of the calibration it was made with; 0 for none
+  // Id of the calibration applied; 0 for none.
   uint64_t calibration;
-  // after this time without another frame the device gives no force [µs]
+  // Time after which the device ends the force if no other frame came [µs].
   uint32_t ttl_us;
-  // a [`Mode`]
+  // A [`Mode`].
   uint32_t mode;
-  // a [`Cause`]
+  // A [`Cause`].
   uint16_t cause;
-  // degrees of freedom in use
+  // Degrees of freedom in use.
   uint16_t n;
-  // bits of [`flag`]
+  // Bits of [`flag`].
   uint32_t flags;
-  // viscosity that the passivity stage added, the largest of all DOF [N s/m]
+  // Largest viscosity that the passivity stage added to any DOF [N s/m].
   float inject;
-  // 0
+  // Always 0.
   uint32_t reserved;
-  // forces on the hand [N]
+  // Forces on the hand [N].
   float force[CA_DOF];
 } CaForceFrame;
 
@@ -196,41 +196,41 @@ extern "C" {
 #endif // __cplusplus
 
 // Fills `about` for a device of this name with `n` degrees of freedom at `rate` frames a second, one force vector per
-// `axes` of them (1 for keys, 3 for a stylus); ranges and limits are 0 and yours to fill. 0, or -1.
+// `axes` of them (1 for keys, 3 for a stylus). Ranges and limits are 0 for you to fill. Returns 0, or -1 on failure.
 //
 // # Safety
 // `about` is null or points to a `CaAbout`; `name` is null or ends with a zero.
 int32_t ca_device_about(CaAbout *about, const char *name, uint16_t n, uint16_t axes, uint32_t rate);
 
-// Opens a device at the place `root`, or at that of this user (`CA_SHM_ROOT`, `/tmp/ca-<uid>`) where `root` is null.
-// Whether an engine is there does not matter. A handle, or 0.
+// Opens a device in the folder `root`, or in the user's (`CA_SHM_ROOT`, `/tmp/ca-<uid>`) if `root` is null, with or
+// without an engine running. Returns a handle, or 0 on failure.
 //
 // # Safety
 // `root` is null or ends with a zero; `about` is null or points to a `CaAbout`.
 uint64_t ca_device_open(const char *root, const CaAbout *about);
 
-// Sends a frame: positions, velocities, status and buttons are yours; header, device, session, number, acknowledgement
-// and time are filled in. How many read it (0: nobody yet), or -1.
+// Sends a frame. You set positions, velocities, status and buttons; the library fills in header, device, session,
+// number, acknowledgement and time. Returns the number of readers (0 without an engine), or -1 on failure.
 //
 // # Safety
 // `frame` is null or points to a `CaDeviceFrame`.
 int32_t ca_device_send(uint64_t device, CaDeviceFrame *frame);
 
-// What may reach the motors now, `CA_DOF` numbers [N]: zeros after the life of the last frame, when off or at fault.
-// `frame`, where not null, gets the newest frame, for display. The reason why there is no force (a cause, see
-// `CaForceFrame`), 0 if there is one, or -1: then `force` is zero too.
+// Writes the force for the motors to `force`, `CA_DOF` numbers [N]: zeros after the time to live of the last frame,
+// when off or at fault. `frame`, if not null, gets the newest frame, for display. Returns the reason for zero force (a
+// cause, see `CaForceFrame`), 0 if there is a force, or -1 on failure, with zero force.
 //
 // # Safety
 // `force` is null or points to `CA_DOF` doubles; `frame` is null or points to a `CaForceFrame`.
 int32_t ca_device_force(uint64_t device, double *force, CaForceFrame *frame);
 
-// Sleeps until a force frame comes, at most this long [µs]. 1 if one came, 0 if not, or -1.
+// Sleeps until a force frame comes, at most this long [µs]. Returns 1 if one came, 0 if not, or -1 on failure.
 int32_t ca_device_wait(uint64_t device, uint32_t timeout_us);
 
-// Closes a device. 0, or -1 if it is not open in this thread.
+// Closes a device. Returns 0, or -1 if it is not open in this thread.
 int32_t ca_device_close(uint64_t device);
 
-// What went wrong last in this thread; valid until the next failure in it.
+// Returns the message of the last failure in this thread; it is valid until the next one.
 const char *ca_device_error(void);
 
 #ifdef __cplusplus

@@ -1,9 +1,9 @@
-//! The side of a device for C: open, send, force, wait, close.
+//! C interface for device processes: open, send, force, wait, close.
 //!
-//! Decides that a handle is a number, not a pointer: a handle that is closed twice, was never open or belongs to another
-//! thread is an error and nothing worse. Devices belong to the thread that opened them. Every function says what went
-//! wrong with a negative number, and [`ca_device_error`] says it in words. Pointers may be null, where that makes no
-//! sense it is an error; what they point to must be a whole structure. No panic crosses into C.
+//! A handle is a number, not a pointer, so that one that was closed twice, never opened or belongs to another thread is
+//! only an error. A device belongs to the thread that opened it. Functions return a negative number on failure
+//! (`ca_device_open` returns 0), and [`ca_device_error`] returns the message. A null pointer is an error where a value
+//! is needed; other pointers must point to a whole structure. No panic crosses into C.
 #![allow(unsafe_code)]
 
 use ca_haptic::frame::{About, DOF, DeviceFrame, ForceFrame};
@@ -21,10 +21,10 @@ thread_local! {
     static ERROR: RefCell<CString> = RefCell::new(CString::default());
 }
 
-/// Handles given out, by all threads: none is ever two devices.
+/// Number of handles given out by all threads; none is used twice.
 static HANDLES: AtomicU64 = AtomicU64::new(0);
 
-/// Runs what may fail, keeps the words of a failure and gives `otherwise`.
+/// Runs `work`; on failure stores its message and returns `otherwise`.
 fn guarded<T>(otherwise: T, work: impl FnOnce() -> Result<T, String>) -> T {
     let what = match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(value)) => return value,
@@ -32,12 +32,11 @@ fn guarded<T>(otherwise: T, work: impl FnOnce() -> Result<T, String>) -> T {
         Err(_) => "a fault inside ca_device; please report it".to_owned(),
     };
     let what = CString::new(what.replace('\0', " ")).unwrap_or_default();
-    // a thread that is ending has nobody to tell
+    // fails only in a thread that is ending
     let _ = ERROR.try_with(|e| e.replace(what));
     otherwise
 }
 
-/// Finds the device of a handle and does something with it.
 fn with<T>(device: u64, work: impl FnOnce(&mut DeviceClient) -> Result<T, String>) -> Result<T, String> {
     OPEN.try_with(|open| {
         let mut open = open.borrow_mut();
@@ -48,7 +47,7 @@ fn with<T>(device: u64, work: impl FnOnce(&mut DeviceClient) -> Result<T, String
 }
 
 /// Fills `about` for a device of this name with `n` degrees of freedom at `rate` frames a second, one force vector per
-/// `axes` of them (1 for keys, 3 for a stylus); ranges and limits are 0 and yours to fill. 0, or -1.
+/// `axes` of them (1 for keys, 3 for a stylus). Ranges and limits are 0 for you to fill. Returns 0, or -1 on failure.
 ///
 /// # Safety
 /// `about` is null or points to a `CaAbout`; `name` is null or ends with a zero.
@@ -63,18 +62,18 @@ pub unsafe extern "C" fn ca_device_about(about: *mut About, name: *const c_char,
                 "ca_device_about: {n} degrees of freedom in vectors of {axes}; 1 to {DOF}, of 1, 2 or 3"
             ));
         }
-        // SAFETY: not null; that it ends with a zero is the caller's word
+        // SAFETY: not null; the caller guarantees that it ends with a zero
         let name = unsafe { CStr::from_ptr(name) }.to_str().map_err(|_| "ca_device_about: the name is not UTF-8")?;
         ca_haptic::host::lines::check_name(name).map_err(|e| e.to_string())?;
         let made = About { n, axes, ..About::new(name, rate, 0) };
-        // SAFETY: not null; that it points to a structure of this type is the caller's word
+        // SAFETY: not null; the caller guarantees that it points to a structure of this type
         unsafe { about.write(made) };
         Ok(0)
     })
 }
 
-/// Opens a device at the place `root`, or at that of this user (`CA_SHM_ROOT`, `/tmp/ca-<uid>`) where `root` is null.
-/// Whether an engine is there does not matter. A handle, or 0.
+/// Opens a device in the folder `root`, or in the user's (`CA_SHM_ROOT`, `/tmp/ca-<uid>`) if `root` is null, with or
+/// without an engine running. Returns a handle, or 0 on failure.
 ///
 /// # Safety
 /// `root` is null or ends with a zero; `about` is null or points to a `CaAbout`.
@@ -84,12 +83,12 @@ pub unsafe extern "C" fn ca_device_open(root: *const c_char, about: *const About
         if about.is_null() {
             return Err("ca_device_open: `about` is null".into());
         }
-        // SAFETY: not null; that it points to a structure of this type is the caller's word
+        // SAFETY: not null; the caller guarantees that it points to a structure of this type
         let about = unsafe { about.read() };
         let site = if root.is_null() {
             Site::of_user()
         } else {
-            // SAFETY: not null; that it ends with a zero is the caller's word
+            // SAFETY: not null; the caller guarantees that it ends with a zero
             let root = unsafe { CStr::from_ptr(root) }.to_str().map_err(|_| "ca_device_open: `root` is not UTF-8")?;
             Site::at(Path::new(root))
         };
@@ -104,8 +103,8 @@ pub unsafe extern "C" fn ca_device_open(root: *const c_char, about: *const About
     })
 }
 
-/// Sends a frame: positions, velocities, status and buttons are yours; header, device, session, number, acknowledgement
-/// and time are filled in. How many read it (0: nobody yet), or -1.
+/// Sends a frame. You set positions, velocities, status and buttons; the library fills in header, device, session,
+/// number, acknowledgement and time. Returns the number of readers (0 without an engine), or -1 on failure.
 ///
 /// # Safety
 /// `frame` is null or points to a `CaDeviceFrame`.
@@ -116,7 +115,7 @@ pub unsafe extern "C" fn ca_device_send(device: u64, frame: *mut DeviceFrame) ->
             return Err("ca_device_send: `frame` is null".into());
         }
         with(device, |client| {
-            // SAFETY: not null; that it points to a structure of this type is the caller's word
+            // SAFETY: not null; the caller guarantees that it points to a structure of this type
             let mut sent = unsafe { frame.read() };
             let readers = client.send(&mut sent).map_err(|e| e.to_string())?;
             // SAFETY: as above
@@ -126,9 +125,9 @@ pub unsafe extern "C" fn ca_device_send(device: u64, frame: *mut DeviceFrame) ->
     })
 }
 
-/// What may reach the motors now, `CA_DOF` numbers \[N\]: zeros after the life of the last frame, when off or at fault.
-/// `frame`, where not null, gets the newest frame, for display. The reason why there is no force (a cause, see
-/// `CaForceFrame`), 0 if there is one, or -1: then `force` is zero too.
+/// Writes the force for the motors to `force`, `CA_DOF` numbers \[N\]: zeros after the time to live of the last frame,
+/// when off or at fault. `frame`, if not null, gets the newest frame, for display. Returns the reason for zero force (a
+/// cause, see `CaForceFrame`), 0 if there is a force, or -1 on failure, with zero force.
 ///
 /// # Safety
 /// `force` is null or points to `CA_DOF` doubles; `frame` is null or points to a `CaForceFrame`.
@@ -139,29 +138,29 @@ pub unsafe extern "C" fn ca_device_force(device: u64, force: *mut f64, frame: *m
             return Err("ca_device_force: `force` is null".into());
         }
         let force = force.cast::<[f64; DOF]>();
-        // SAFETY: not null; that it points to CA_DOF doubles is the caller's word
+        // SAFETY: not null; the caller guarantees that it points to CA_DOF doubles
         unsafe { force.write([0.0; DOF]) };
         with(device, |client| {
             let give = client.safe_force();
             // SAFETY: as above
             unsafe { force.write(give) };
             if let (false, Some(last)) = (frame.is_null(), client.watch().last()) {
-                // SAFETY: not null; that it points to a structure of this type is the caller's word
+                // SAFETY: not null; the caller guarantees that it points to a structure of this type
                 unsafe { frame.write(*last) };
             }
-            // of the force above, not of one that came meanwhile
+            // cause for the force above, not for one that came meanwhile
             Ok(i32::from(client.watch().cause(ca_haptic::rt::now_ns()) as u16))
         })
     })
 }
 
-/// Sleeps until a force frame comes, at most this long \[µs\]. 1 if one came, 0 if not, or -1.
+/// Sleeps until a force frame comes, at most this long \[µs\]. Returns 1 if one came, 0 if not, or -1 on failure.
 #[unsafe(no_mangle)]
 pub extern "C" fn ca_device_wait(device: u64, timeout_us: u32) -> i32 {
     guarded(-1, || with(device, |client| Ok(i32::from(client.wait(Duration::from_micros(u64::from(timeout_us)))))))
 }
 
-/// Closes a device. 0, or -1 if it is not open in this thread.
+/// Closes a device. Returns 0, or -1 if it is not open in this thread.
 #[unsafe(no_mangle)]
 pub extern "C" fn ca_device_close(device: u64) -> i32 {
     guarded(-1, || {
@@ -171,7 +170,7 @@ pub extern "C" fn ca_device_close(device: u64) -> i32 {
     })
 }
 
-/// What went wrong last in this thread; valid until the next failure in it.
+/// Returns the message of the last failure in this thread; it is valid until the next one.
 #[unsafe(no_mangle)]
 pub extern "C" fn ca_device_error() -> *const c_char {
     ERROR.try_with(|e| e.borrow().as_ptr()).unwrap_or(c"this thread is ending".as_ptr())

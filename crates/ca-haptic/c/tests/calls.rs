@@ -1,4 +1,4 @@
-//! What C may do wrong: null pointers, bad names, handles that are closed or of another thread.
+//! Wrong calls from C: null pointers, bad names, handles that are closed or belong to another thread.
 #![allow(unsafe_code)]
 
 use ca_device::{
@@ -10,15 +10,14 @@ use std::ffi::{CStr, CString};
 use std::ptr::{null, null_mut};
 
 fn error() -> String {
-    // SAFETY: the library gives a text that ends with a zero, valid until the next failure
+    // SAFETY: the library returns a text that ends with a zero, valid until the next failure
     unsafe { CStr::from_ptr(ca_device_error()) }.to_str().unwrap().to_owned()
 }
 
-/// What `ca_device_about` makes.
 fn about(name: &CStr, n: u16) -> (i32, About) {
     let zero: About = zeroed();
     let mut about = zero;
-    // SAFETY: both point to what they should
+    // SAFETY: both pointers are valid
     let r = unsafe { ca_device_about(&raw mut about, name.as_ptr(), n, 1, 1000) };
     (r, about)
 }
@@ -35,7 +34,7 @@ fn mistakes_are_errors_with_words() {
     let root = CString::new(dir.path().to_str().unwrap()).unwrap();
     let mut frame = DeviceFrame::new("key", 1);
     let mut force = [9.0; DOF];
-    // SAFETY: null pointers are what is tested, all others point to what they should
+    // SAFETY: null pointers are under test, all others are valid
     unsafe {
         assert_eq!(ca_device_about(null_mut(), c"key".as_ptr(), 1, 1, 1000), -1);
         assert_eq!(ca_device_about(&mut zeroed(), null(), 1, 1, 1000), -1);
@@ -75,7 +74,7 @@ fn mistakes_are_errors_with_words() {
         assert_eq!(ca_device_force(device, force.as_mut_ptr(), &raw mut last), Cause::Disconnect as i32);
         assert_eq!((force, last.seq), ([0.0; DOF], 0));
         assert_eq!(ca_device_wait(device, 1000), 0);
-        // of another thread
+        // belongs to another thread
         std::thread::spawn(move || assert_eq!(ca_device_close(device), -1)).join().unwrap();
         assert_eq!((ca_device_close(device), ca_device_close(device)), (0, -1));
         // the name is free again

@@ -1,4 +1,4 @@
-//! The example in C, compiled here against the header and the shared library, as a process of its own.
+//! The C example, compiled here against the header and the shared library, as a separate process.
 
 use desk::{place, played};
 use long_form::long_form;
@@ -17,7 +17,7 @@ mod skipped;
 #[test]
 fn c_plays() {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    // the library lies beside this test, or one folder up
+    // the library is beside this test, or one folder up
     let deps = std::env::current_exe().unwrap().parent().unwrap().to_owned();
     let built = [deps.clone(), deps.join("..")];
     let library = built.iter().find(|d| d.join("libca_device.so").exists()).expect("the shared library is built");
@@ -46,7 +46,7 @@ fn c_plays() {
     played(&place, child);
 }
 
-/// The commands of the page, as they stand there.
+/// Returns the build commands of `docs/devices.md`.
 fn page() -> String {
     let page = include_str!("../../../../docs/devices.md");
     let block = page.split("```sh\n").skip(1).find(|b| b.contains("ca_device.h") || b.contains("-lca_device"));
@@ -57,16 +57,16 @@ fn page() -> String {
 
 #[test]
 fn the_page_builds_and_links() {
-    // the workspace builds it with other features: all it depends on is compiled again
+    // the workspace builds it with other features, so all its dependencies are compiled again
     if !long_form("a build of ca-device alone") {
         return;
     }
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../..").canonicalize().unwrap();
-    // where this test was built, whatever its profile: <target>/<profile>/deps
+    // <target>/<profile>/deps, whatever the profile
     let exe = std::env::current_exe().unwrap();
     let target = exe.ancestors().nth(3).unwrap();
     let place = place();
-    // the page writes into `target`, the test into a place of its own
+    // the page writes into `target`, the test into a temporary folder
     let lines = page()
         .replace("target/finger", &place.site.root().join("finger").display().to_string())
         .replace("$PWD/target/", &format!("{}/", target.display()))

@@ -1,4 +1,4 @@
-//! The header that is checked in is what the source says. `UPDATE=1` writes it again.
+//! The checked-in header matches the Rust source. `UPDATE=1` regenerates it.
 
 use ca_haptic::frame::{About, CAUSES, DeviceFrame, ForceFrame, VERSION};
 use std::fmt::Write as _;
@@ -11,7 +11,7 @@ const HEAD: &str = "\
  * opened it. Link with -lca_device. Written by a test from the Rust source; do not edit. */
 ";
 
-/// Size and places of the fields of a structure as its text has them; that text and structure agree is a test of theirs.
+/// Writes assertions for size and field offsets of a structure, from its message text; another test compares the two.
 fn asserts(to: &mut String, c: &str, schema: &str) {
     let (mut at, mut lines) = (0, String::new());
     for line in schema.lines() {
@@ -33,7 +33,6 @@ fn trailer() -> String {
     s
 }
 
-/// Numbers that are not in the structures.
 fn numbers() -> String {
     use ca_haptic::frame::{flag, status};
     let mut s = String::from("#include <stddef.h>\n\n");
@@ -93,7 +92,7 @@ fn the_header_is_up_to_date() {
         ..cbindgen::Config::default()
     };
     config.export.include = ["About", "DeviceFrame", "ForceFrame", "DOF"].map(String::from).into();
-    // numbers have prefixes of ours
+    // these are exported with prefixes
     config.export.exclude = numbers()
         .lines()
         .filter_map(|l| l.strip_prefix("#define CA_STATUS_").or(l.strip_prefix("#define CA_FLAG_")))
@@ -117,7 +116,7 @@ fn the_header_is_up_to_date() {
         .generate()
         .expect("the source can be read")
         .write(&mut made);
-    // brackets as rustdoc wants them, links it follows
+    // brackets are escaped and links resolved only for rustdoc
     let made = String::from_utf8(made).unwrap().replace("\\[", "[").replace("\\]", "]").replace("(super::Cause)", "");
     let path = here.join("include/ca_device.h");
     if std::env::var_os("UPDATE").is_some() {

@@ -1,19 +1,20 @@
-//! Mean force of a coupled key from one frame to the next of a device that is slower than the engine.
+//! Mean force of a coupled key over each frame of a device that is slower than the engine.
 //!
-//! The position of such a device moves in one frame of the engine and rests in the others. The damper of a coupling gives all its
-//! force in the first of them. The device would take one of these forces, and the choice depends on the phase of two clocks, so
-//! that a key in free air could push the hand. The mean over a whole frame of the device is the change of momentum behind the
-//! coupling, whatever the phase is. It comes a frame of the device later, which [`crate::coupling::Held`] counts.
+//! The position of such a device moves in one frame of the engine and rests in the others, so the damper of a coupling
+//! gives all its force in the first of them. The device would use one of these forces, depending on the phase of the
+//! two clocks, and a key in free air could push the hand. The mean over a whole frame of the device is the change of
+//! momentum behind the coupling, whatever the phase is. It comes one frame of the device later, which
+//! [`crate::coupling::Held`] takes into account.
 
 use crate::frame::DOF;
 use crate::profile::Profile;
 
-/// True of a device whose frames are longer than a frame of the engine, `frame_dt` seconds.
+/// Returns true for a device whose frames are longer than a frame of the engine, `frame_dt` seconds.
 pub(crate) fn is_slower(profile: &Profile, frame_dt: f64) -> bool {
     profile.rate * frame_dt < 1.0 - 1e-9
 }
 
-/// Forces since the last frame of the device, and the mean over the frame before.
+/// Sum of the forces since the last frame of the device, and mean over the frame before it.
 #[derive(Clone)]
 pub(super) struct MeanForce {
     sum: [f64; DOF],
@@ -26,7 +27,7 @@ impl MeanForce {
         MeanForce { sum: [0.0; DOF], frames: 0.0, mean: [0.0; DOF] }
     }
 
-    /// Takes the forces of a frame \[N\] and gives those to send in their place; `fresh` where a frame of the device came before it.
+    /// Replaces the forces of a frame \[N\] by the mean. `fresh` is true if a frame of the device came before it.
     pub(super) fn pass(&mut self, force: &mut [f64], fresh: bool) {
         if fresh && self.frames > 0.0 {
             for (mean, sum) in self.mean.iter_mut().zip(&mut self.sum) {

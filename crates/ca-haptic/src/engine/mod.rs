@@ -1,10 +1,10 @@
-//! The engine: frames of devices in, forces and sound out, one gesture frame at a time.
+//! The engine: takes device frames, and returns forces and sound, one gesture frame at a time.
 //!
-//! Decides that this is a pure function of what it is given: the scene, the order of frames and commands, and nothing else,
-//! no clock, no thread. Real time is somebody else's ([`serve`](crate::serve)); a take replays the same calls and gets
-//! the same bits. A frame has two halves, because the force of the frame is known before the masses of its last tick
-//! move: [`Engine::answer`] makes the force frames, to be sent at once, and [`Engine::finish`] does the rest. After
-//! [`Engine::new`] nothing allocates, locks, logs or panics.
+//! It is a function of the scene and of the order of frames and commands only, without clock or thread.
+//! [`serve`](crate::serve) adds real time; a take replays the same calls and gives the same bits. A frame has two
+//! halves, because its force is known before the masses of its last tick move: [`Engine::answer`] makes the force
+//! frames, to be sent at once, and [`Engine::finish`] does the rest. After [`Engine::new`] nothing allocates, locks,
+//! logs or panics.
 //!
 //! Frame n covers the ticks (n−1)R+1 … nR (docs/numerics.md §5.1); the very first only places the devices.
 
@@ -34,57 +34,57 @@ use sound::PeakLimit;
 use std::sync::Arc;
 use touch::Hands;
 
-/// Several parameters that change in one tick, made ready outside the engine.
+/// Parameters that change in one tick, prepared outside the engine.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Change {
-    /// live parameter by number, and its value \[SI\]: for the record
+    /// Numbers of live parameters, with their values (SI units), for the record.
     pub params: Vec<(u32, f64)>,
-    /// what it does to the coefficients, in order
+    /// Changes of the coefficients, in order.
     pub patches: Vec<Patch>,
 }
 
-/// What somebody asks of a running engine.
+/// A command to a running engine.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EngineCommand {
-    /// new values of parameters, ramped over the next gesture frame
+    /// Sets parameters, ramped over the next gesture frame.
     Set(Box<Change>),
-    /// forces on or off, of one device or all
+    /// Turns forces on or off, for one device, or for all with `None`.
     Order(Option<u32>, Order),
-    /// this state of the same scene instead, usually that at load, and forces off; made outside, since that allocates
+    /// Replaces the state, usually by the state at load, and turns forces off. Made outside, because that allocates.
     Reload(Box<State>),
-    /// a device said what it is: its port made anew outside, since that allocates
+    /// Replaces the port of a device that has described itself. Made outside, because that allocates.
     Refit(Box<Refit>),
-    /// a hand without a device does something
+    /// Manual input without a device.
     Touch(Touch),
-    /// another version of the scene, made outside, since that allocates
+    /// Replaces the scene by another version. Made outside, because that allocates.
     Swap(Box<Swap>),
-    /// changes nothing; the record of it has the hash of the state
+    /// Changes nothing; its record contains the hash of the state.
     Mark,
 }
 
-/// What an act leaves behind, to be freed elsewhere.
+/// Memory that a command leaves behind, to be freed on another thread.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Retired {
-    /// a change that was made
+    /// The change that was applied.
     Change(Box<Change>),
-    /// the state before a reload
+    /// The state before a reload.
     State(Box<State>),
-    /// the port before a refit, with the profile that took its place
+    /// The port before a refit, with the new profile.
     Port(Box<Refit>),
-    /// a gesture that ended
+    /// A gesture that was stopped or replaced.
     Gesture(Box<OwnGesture>),
-    /// the scene before the one that a swap took out, or one that had nothing to give
+    /// The scene that played before the replaced one, or a refused swap.
     Swap(Box<Swap>),
 }
 
-/// Numbers of an engine that are not of the scene.
+/// Options of an engine that do not belong to the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// a number that changes with every start, sent with every force frame
+    /// Number that changes with each start, sent with each force frame.
     pub session: u64,
-    /// displacement \[m\] or motion a tick beyond which the model has diverged (H15)
+    /// Displacement \[m\], or motion per tick \[m\], beyond which the model has diverged (H15).
     pub diverged: f64,
-    /// forces fade out where another version of the scene begins to play; in takes of before they ended in a frame
+    /// True if forces fade out when another version of the scene begins to play. In older takes they end in one frame.
     pub fades: bool,
 }
 
@@ -94,52 +94,52 @@ impl Default for Options {
     }
 }
 
-/// What was counted. Nothing is lost without a number here.
+/// Counts of an engine, including each kind of loss.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
-    /// gesture frames done
+    /// Gesture frames played.
     pub frames: u64,
-    /// device frames used
+    /// Device frames used.
     pub taken: u64,
-    /// device frames dropped by the input checks (H10)
+    /// Device frames dropped by the input checks (H10).
     pub dropped: u64,
-    /// gesture frames for which a device that was there sent nothing, beyond what its rate explains
+    /// Gesture frames for which a connected device sent nothing, although its rate made a frame due.
     pub stale: u64,
-    /// faults that latched
+    /// Faults that latched.
     pub faults: u64,
-    /// sound samples that were clipped or not finite (H16)
+    /// Sound samples that were clipped or not finite (H16).
     pub clipped: u64,
-    /// commands that did not fit the scene
+    /// Commands that did not fit the scene.
     pub refused: u64,
 }
 
-/// A scene being played by devices.
+/// A scene that devices play.
 pub struct Engine {
-    /// the scene
+    /// Scene.
     pub scene: Arc<Scene>,
-    /// its state
+    /// State of the scene.
     pub state: State,
-    /// its devices
+    /// Devices.
     pub ports: Vec<Port>,
-    /// what was counted
+    /// Counts.
     pub counts: Counts,
     options: Options,
-    /// sound of this frame, interleaved (R × channels)
+    /// Sound of this frame, interleaved (R × channels).
     sound: Vec<f64>,
     filled: usize,
     peak_limit: PeakLimit,
     hands: Hands,
-    /// the scene before this one, which fades out
+    /// Previous scene, whose sound fades out.
     before: Option<Box<Swap>>,
     diverged: bool,
-    /// the scene is at the force of the frame
+    /// True once the scene has reached the force of the frame.
     prepared: bool,
-    /// faults of ports that were made anew
+    /// Faults of ports that were replaced.
     past_faults: u64,
 }
 
 impl Engine {
-    /// An engine at rest. Devices and scene have been matched by [`Port::new`].
+    /// Makes an engine at rest. [`Port::new`] has matched devices and scene.
     pub fn new(scene: Arc<Scene>, ports: Vec<Port>, options: Options) -> Engine {
         let state = scene.state();
         let channels = scene.counts.channels;
@@ -167,13 +167,12 @@ impl Engine {
         engine
     }
 
-    /// The first tick of the frame that comes next: what is taken now is stamped with it.
+    /// Returns the first tick of the next frame, with which frames taken now are stamped.
     pub fn due(&self) -> u64 {
         self.state.tick
     }
 
-    /// Takes a frame of device number `k`, and stamps it. Several may come before one gesture frame; the last good one
-    /// counts.
+    /// Takes and stamps a frame of device number `k`. If several come before a gesture frame, the last good one counts.
     pub fn take(&mut self, k: usize, frame: &mut DeviceFrame) -> FrameVerdict {
         frame.tick = self.state.tick;
         let Some(port) = self.ports.get_mut(k) else { return FrameVerdict::Foreign };
@@ -186,11 +185,11 @@ impl Engine {
         verdict
     }
 
-    /// Does what somebody asked, from the next tick on. Gives back what must be freed elsewhere.
+    /// Executes a command from the next tick on. Returns memory to be freed on another thread.
     pub fn command(&mut self, act: EngineCommand) -> Option<Retired> {
         match act {
             EngineCommand::Set(change) => {
-                // at once where nothing has sounded yet
+                // at once before the first tick
                 let ticks = if self.state.tick == 0 { 1 } else { self.scene.rates.frame };
                 for patch in &change.patches {
                     if !self.state.apply(patch, ticks) {
@@ -208,7 +207,7 @@ impl Engine {
             },
             EngineCommand::Reload(mut state) => {
                 if scene_of(&state) == self.scene.identity() {
-                    // the tick goes on: it says which phase of a frame comes, and numbers the frames of a take
+                    // the tick continues, because it gives the phase in a frame and numbers the frames of a take
                     state.tick = self.state.tick;
                     core::mem::swap(&mut self.state, &mut state);
                     self.diverged = false;
@@ -254,9 +253,8 @@ impl Engine {
         None
     }
 
-    /// Runs the scene up to the force of the frame, which [`Engine::answer`] then guards. By itself for who wants to look
-    /// at a clock in between: what a stage of the guard is asked before [`Engine::answer`] still counts for this frame.
-    /// A second call does nothing.
+    /// Runs the scene up to the force of the frame, which [`Engine::answer`] then guards. A caller can read a clock in
+    /// between: an order to the guard before [`Engine::answer`] still affects this frame. A second call does nothing.
     pub fn prepare(&mut self) {
         if core::mem::replace(&mut self.prepared, true) {
             return;
@@ -280,8 +278,8 @@ impl Engine {
         self.watch();
     }
 
-    /// The first half of a gesture frame: runs the scene up to the force of the frame, unless [`Engine::prepare`] did,
-    /// guards it and gives the frames to send, one per device.
+    /// Does the first half of a gesture frame: calls [`Engine::prepare`], guards the forces, and returns the frames to
+    /// send, one per device.
     pub fn answer(&mut self) -> impl Iterator<Item = &ForceFrame> {
         self.prepare();
         self.prepared = false;
@@ -293,10 +291,10 @@ impl Engine {
         self.ports.iter().map(|p| &p.out)
     }
 
-    /// The second half: the masses of the last tick move. Returns the sound of the frame, interleaved.
+    /// Does the second half: moves the masses of the last tick. Returns the sound of the frame, interleaved.
     pub fn finish(&mut self) -> &[f64] {
         if self.diverged {
-            // time goes on, so that frames keep their numbers
+            // the tick advances, so that frames have the right numbers
             self.state.tick += 1;
         } else {
             self.advance();
@@ -305,7 +303,6 @@ impl Engine {
         &self.sound[..self.filled]
     }
 
-    /// The masses move.
     fn advance(&mut self) {
         if let Some(before) = &mut self.before {
             before.advance();
@@ -320,13 +317,13 @@ impl Engine {
         }
     }
 
-    /// One tick up to its outputs. No `ca_io::player::Player`: hands and pointers move between its halves, the limit of positions is an
-    /// option, and time goes on after a divergence so that frames keep their numbers.
+    /// Plays one tick up to its outputs. It does not use `ca_io::player::Player`, because hands and pointers move
+    /// between its halves, the limit of positions is an option, and the tick advances after a divergence.
     fn sample(&mut self) {
         let n = self.scene.counts.channels;
         if self.diverged {
             self.state.output.fill(0.0);
-            // the tick of the frame's last sample moves in `finish`
+            // for the last sample of the frame, `finish` advances the tick
             self.state.tick += u64::from(self.filled > 0);
         } else {
             self.hands.tick(&self.scene, &mut self.state);
@@ -341,19 +338,19 @@ impl Engine {
         self.filled += n;
     }
 
-    /// H15: whether positions are still those of an instrument.
+    /// Detects a divergence (H15).
     fn watch(&mut self) {
         if !self.diverged && !self.state.is_bounded(self.options.diverged) {
             self.diverged = true;
         }
     }
 
-    /// The numbers it was made with.
+    /// Returns the options.
     pub fn options(&self) -> Options {
         self.options
     }
 
-    /// Whether the model has diverged.
+    /// Returns true if the model has diverged.
     pub fn has_diverged(&self) -> bool {
         self.diverged
     }

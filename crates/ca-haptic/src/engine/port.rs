@@ -1,4 +1,4 @@
-//! One device as the engine sees it: which of its DOF move which ports of the scene, its guard, its force frame.
+//! One device in the engine: the ports of the scene that its DOF move, its guard, and its force frame.
 
 use super::mean_force::{MeanForce, is_slower};
 use crate::calibration::Calibration;
@@ -10,66 +10,66 @@ use crate::profile::Profile;
 use ca_core::internal::scene::Coupling;
 use ca_core::{InputRole, Scene, State};
 
-/// A degree of freedom of a device, and the port of the scene it moves.
+/// A degree of freedom of a device, and the port of the scene that it moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
-    /// degree of freedom of the device
+    /// Degree of freedom of the device.
     pub dof: usize,
-    /// place in [`State::input`]
+    /// Index into [`State::input`].
     pub input: usize,
-    /// place in [`PortState::border`](ca_core::internal::state::PortState::border)
+    /// Index into [`PortState::border`](ca_core::internal::state::PortState::border).
     pub border: usize,
-    /// between the real and the simulated world
+    /// Gains between the real and the simulated world.
     pub gains: Gains,
 }
 
-/// What makes a port: a device and the choices that go with it.
+/// The device of a port, and its settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setup {
-    /// name of the device, as in the model
+    /// Name of the device, as in the model.
     pub device: String,
-    /// its numbers
+    /// Profile of the device.
     pub profile: Profile,
-    /// from what the device says to metres, and from newtons to what it takes
+    /// Conversion from readings of the device to metres, and from newtons to its units.
     pub calibration: Calibration,
-    /// of each of its DOF; the unit where shorter
+    /// Gains of each DOF; DOF beyond the list have gain 1.
     pub gains: Vec<Gains>,
 }
 
 /// A device in an engine.
 pub struct Port {
-    /// name of the device
+    /// Name of the device.
     pub name: String,
-    /// its numbers
+    /// Profile of the device.
     pub profile: Profile,
-    /// its guard
+    /// Guard.
     pub chain: Chain,
-    /// the frame under way
+    /// Frame in progress.
     pub hand: GuardFrame,
-    /// the last force frame
+    /// Last force frame.
     pub out: ForceFrame,
-    /// what moves what
+    /// Links from DOF to ports of the scene.
     pub links: Vec<Link>,
     validator: InputValidator,
     calibration: Calibration,
-    /// force of each link in the frame before \[N\], of the scene
+    /// Force of each link in the previous frame \[N\], in the scene.
     last: Vec<f64>,
-    /// frames of the engine from one frame of the device to the next
+    /// Frames of the engine per frame of the device.
     pace: u32,
-    /// the farthest a port of the scene follows in a frame, and on its way to a device that appears \[m\], real
+    /// Largest motion of a port in one frame, and while it approaches a device that appears \[m, real\].
     reach: f64,
     gentle: f64,
-    /// DOF that move something, a bit each
+    /// DOF that move a port, one bit each.
     used: u32,
-    /// flags of every frame: whether the scene couples a key of it
+    /// Flags of each frame: `COUPLED` if the scene couples a key of the device.
     flags: u32,
-    /// of a coupled device that is slower than the engine
+    /// For a coupled device that is slower than the engine.
     mean_force: Option<MeanForce>,
-    /// where the scene has each DOF \[m\], real
+    /// Position of each DOF in the scene \[m, real\].
     there: [f64; DOF],
 }
 
-/// Keys of a device that are coupled in this scene, with what is felt of them in the hand \[N/m\].
+/// Returns the keys of a device that are coupled in this scene, with their stiffness at the hand \[N/m\].
 pub fn coupled<'s>(scene: &'s Scene, device: &str) -> Vec<(&'s str, f64)> {
     let of = |c: &'s Coupling| {
         scene.ports.tgr.iter().find_map(|p| {
@@ -83,7 +83,7 @@ pub fn coupled<'s>(scene: &'s Scene, device: &str) -> Vec<(&'s str, f64)> {
 }
 
 impl Port {
-    /// The port of a device, with the inputs of `scene` that name it.
+    /// Makes the port of a device, with the inputs of `scene` that name it.
     pub fn new(scene: &Scene, setup: Setup) -> Port {
         let frame_dt = f64::from(scene.rates.ratio) * scene.rates.sample_dt;
         let Setup { device, profile, calibration, gains } = setup;
@@ -97,7 +97,7 @@ impl Port {
             }
             if let Some((_, dof)) = i.device.as_ref().filter(|d| d.0 == device) {
                 let dof = *dof as usize;
-                // others are moved by MIDI and gestures alone
+                // only MIDI and gestures move the others
                 if dof < n.min(DOF) {
                     links.push(Link { dof, input, border, gains: gains.get(dof).copied().unwrap_or_default() });
                 }
@@ -110,7 +110,7 @@ impl Port {
         for l in &links {
             there[l.dof] = scene.inputs[l.input].rest / l.gains.alpha;
         }
-        // a device slower than the engine moves farther at once
+        // a device slower than the engine moves farther in one frame
         let frame = frame_dt.max(1.0 / profile.rate);
         let couples = !coupled(scene, &device).is_empty();
         Port {
@@ -133,19 +133,18 @@ impl Port {
         }
     }
 
-    /// A frame that came from the device.
     pub(super) fn take(&mut self, frame: &DeviceFrame) -> FrameVerdict {
         let mut real = *frame;
         self.calibration.positions(&mut real.pos);
         if self.calibration.axis.len() >= self.profile.dof as usize {
-            // counts of a sensor are metres from here on, whatever the device knows of them
+            // the positions are metres now, whatever the device reports
             real.status |= status::CALIBRATED;
         }
         self.validator.take(&real, &mut self.hand)
     }
 
-    /// Once a frame, before its first tick: moves the ports of the scene towards the hand. They follow no faster than a
-    /// hand can move; and to a device that appears somewhere else they go gently, so that its appearance does not strike.
+    /// Moves the ports of the scene towards the hand, once a frame before its first tick. They move no faster than a
+    /// hand can, and approach a device that appears elsewhere gently, so that its appearance does not cause a blow.
     pub(super) fn place(&mut self, state: &mut State) {
         self.validator.update(&mut self.hand);
         if self.hand.age == u32::MAX {
@@ -155,7 +154,7 @@ impl Port {
         for k in (0..self.hand.n).filter(|k| self.used >> k & 1 == 1) {
             let reach = if self.hand.met >> k & 1 == 1 { self.reach } else { self.gentle };
             let step = self.hand.x[k] - self.there[k];
-            // exactly the hand where it can be reached, or came by
+            // exactly at the hand, if it is within reach or has passed this position
             if step.abs() < reach || step * (step - self.hand.moved[k]) < 0.0 {
                 self.there[k] = self.hand.x[k];
                 self.hand.met |= 1 << k;
@@ -168,17 +167,17 @@ impl Port {
         }
     }
 
-    /// True where the device has spoken and moves this input of the scene.
+    /// Returns true if the device has sent a frame and moves this input of the scene.
     pub(super) fn speaks_for(&self, input: usize) -> bool {
         self.hand.age != u32::MAX && self.links.iter().any(|l| l.input == input)
     }
 
-    /// True where the device is there and its next frame did not come when it was due.
+    /// Returns true if the device has sent frames, and the next one is overdue.
     pub(super) fn is_stale(&self) -> bool {
         self.hand.age != u32::MAX && self.hand.age >= self.pace
     }
 
-    /// The force of the frame, through the guard, onto the wire.
+    /// Guards the force of the frame and writes the force frame.
     pub(super) fn answer(&mut self, scene: &Scene, state: &State, session: u64, diverged: bool) {
         let hand = &mut self.hand;
         hand.force = [0.0; DOF];
@@ -187,9 +186,9 @@ impl Port {
         hand.inject = 0.0;
         for (l, last) in self.links.iter().zip(&mut self.last) {
             let b = &state.ports.border[l.border];
-            // +β · force on the port, which is that on the hand (docs/numerics.md §6); several ports of one DOF add
+            // force on the hand = +β · force on the port (docs/numerics.md §6); several ports of one DOF add up
             hand.force[l.dof] += l.gains.beta * b.force;
-            // at one rate the force is that of a tick, and power is exact by the mean of two (docs/numerics.md §5.1)
+            // with one tick per frame, the mean of two forces gives the exact power (docs/numerics.md §5.1)
             let mean = if scene.rates.ratio == 1 { 0.5 * (*last + b.force) } else { b.force };
             *last = b.force;
             hand.mean[l.dof] += l.gains.beta * mean;
@@ -199,7 +198,7 @@ impl Port {
             mean.pass(&mut hand.force[..hand.n], hand.fresh);
         }
         if diverged {
-            // a force that is not finite says more than that the model diverged
+            // a force that is not finite is the more specific cause
             if hand.force[..hand.n].iter().any(|f| !f.is_finite()) {
                 hand.trip(Cause::Nonfinite);
             }
@@ -223,7 +222,7 @@ impl Port {
         hand.tripped = Cause::None;
     }
 
-    /// After a reload the scene has its devices at rest again.
+    /// Restarts the approach to the device, from its position in the state `initial`.
     pub(super) fn reach_again(&mut self, initial: &State) {
         for l in &self.links {
             self.there[l.dof] = initial.input[l.input] / l.gains.alpha;
@@ -233,7 +232,7 @@ impl Port {
         self.mean_force = self.mean_force.as_ref().map(|_| MeanForce::new());
     }
 
-    /// Goes on from where another port of the same device is.
+    /// Continues from the state of another port of the same device.
     pub(super) fn follow(&mut self, before: &Port) {
         self.out = ForceFrame { ttl_us: self.out.ttl_us, n: self.out.n, ..before.out };
         self.hand.frame = before.hand.frame;
@@ -247,7 +246,7 @@ impl Port {
         }
     }
 
-    /// The force that `before` sent last fades out, rather than end in a frame; a fault goes on as one.
+    /// Fades out the last force of `before`, instead of ending it in one frame.
     pub(super) fn fade_from(&mut self, before: &Port) {
         if matches!(before.hand.mode, Mode::Ramp | Mode::On | Mode::Damp) {
             self.hand.sent = before.hand.sent;
@@ -255,7 +254,7 @@ impl Port {
         }
     }
 
-    /// Frames the input checks dropped.
+    /// Returns the number of frames dropped by the input checks.
     pub fn dropped(&self) -> u64 {
         self.validator.dropped
     }

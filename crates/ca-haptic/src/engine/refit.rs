@@ -1,9 +1,9 @@
-//! A device that says what it is only once the engine runs: its port made anew.
+//! Replaces the port of a device that describes itself only when the engine is running.
 //!
-//! Decides that the new port is made outside and put in its place between two gesture frames, like a reload, since
-//! stages are sized by what the device is and making them allocates. What the scene and the wire know goes on: where the
-//! port of the scene is, the number of the force frame, whether somebody has armed it. Forces never go on: where they
-//! were on they end in a fault, for they were those of another device.
+//! The new port is made outside the engine and replaces the old one between two gesture frames, like a reload: the
+//! description determines the stages of the guard, and making them allocates. The position of the port in the scene,
+//! the number of the force frame and the arming continue. Forces that were on end in a fault, because they were for
+//! another device.
 
 use super::port::{Port, Setup};
 use crate::frame::{Cause, Mode};
@@ -11,23 +11,22 @@ use crate::guard::Order;
 use crate::profile::Profile;
 use ca_core::Scene;
 
-/// A port to put in the place of another. A copy knows which and what, for the record, and has no port to give.
+/// A port that replaces another. A clone is only for the record: it contains number and profile, but not the port.
 pub struct Refit {
-    /// number of the device in the engine
+    /// Number of the device in the engine.
     pub which: u32,
-    /// what the device is from now on
+    /// New profile of the device.
     pub profile: Profile,
     port: Option<Port>,
 }
 
 impl Refit {
-    /// For device number `which`, whose setup becomes `setup`.
+    /// Makes the new port of device number `which`, from `setup`.
     pub fn new(scene: &Scene, which: u32, setup: Setup) -> Refit {
         Refit { which, profile: setup.profile.clone(), port: Some(Port::new(scene, setup)) }
     }
 
-    /// Changes places with `old`. Nothing allocates. Gives how many faults `old` had; `None` where there is no port to
-    /// give.
+    /// Exchanges the ports without allocating. Returns the number of faults of the old port; `None` for a clone.
     pub(super) fn swap(&mut self, old: &mut Port) -> Option<u64> {
         let new = self.port.as_mut()?;
         if old.chain.is_armed() {

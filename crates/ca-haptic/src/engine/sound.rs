@@ -1,6 +1,6 @@
-//! H16 and the audible half of H15: nothing louder than full scale, nothing sudden when an instrument is loaded or dies.
+//! Limits the sound to full scale and fades it in after a load (H16), and fades it out after a divergence (H15).
 
-/// The last thing a sample passes.
+/// The last stage of the sound.
 pub(super) struct PeakLimit {
     last: Vec<f64>,
     rise: f64,
@@ -11,7 +11,7 @@ pub(super) struct PeakLimit {
 
 /// Fade-in after a load \[s\].
 const RISE: f64 = 0.05;
-/// Fade-out after a divergence \[s\]: with the frame in which it is noticed, less than the 5 ms of H15.
+/// Fade-out after a divergence \[s\]. With the frame that detects the divergence, it is below the 5 ms of H15.
 const FALL: f64 = 0.004;
 
 impl PeakLimit {
@@ -25,7 +25,7 @@ impl PeakLimit {
         }
     }
 
-    /// A sample of each channel. Returns how many were cut. Once `diverged`, the last sample fades away.
+    /// Processes a sample of each channel. Returns how many were cut. After `diverged`, the last sample fades out.
     pub(super) fn pass(&mut self, frame: &mut [f64], diverged: bool) -> u64 {
         if diverged {
             self.rest = (self.rest - self.fall).max(0.0);

@@ -1,10 +1,10 @@
-//! Another version of the scene while it plays: masses of the same name go on from where they are.
+//! Replaces the scene by another version while it plays: masses with the same name continue from where they are.
 //!
-//! Decides that all of it is made outside, since that allocates, and put in the place of the old scene between two gesture
-//! frames; that the old one runs on for [`FADE`], unheard by any hand, and its sound fades into that of the new one, so
-//! that nothing clicks; and that it stays in memory until the next swap, since the engine frees nothing. Both must have
-//! the same rates, outputs and devices, for clocks, rings and files are made for these. Ports of devices are made anew: what
-//! a hand was sent fades out, as it does when frames stay away, and forces begin from nothing, where the device is armed.
+//! The new scene is made outside the engine, because that allocates, and replaces the old one between two gesture
+//! frames. The old scene runs for [`FADE`] without devices, and its sound fades into the new sound to avoid a click. It
+//! stays in memory until the next swap, because the engine frees nothing. Both scenes must have the same rates, outputs
+//! and devices, because clocks, rings and files are made for these. Ports of devices are replaced: the last force on a
+//! hand fades out, as without device frames, and forces begin again from zero if the device is armed.
 
 use super::port::{Port, Setup};
 use super::touch::Hands;
@@ -15,13 +15,13 @@ use ca_core::{InputRole, Location, Scene, State, compute_forces, integrate};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Time in which the sound of the old scene fades out \[s\].
+/// Duration of the fade from the old sound to the new \[s\].
 const FADE: f64 = 0.02;
 
-/// A scene to put in the place of another; afterwards, the other. A copy knows its number, for the record, and has no scene to
-/// give.
+/// A scene that replaces another; afterwards it contains the replaced one. A clone is only for the record: it contains
+/// the number, but not the scene.
 pub struct Swap {
-    /// how many there were before
+    /// Number of versions before this one.
     pub number: u32,
     next: Option<Next>,
 }
@@ -31,25 +31,24 @@ struct Next {
     state: State,
     ports: Vec<Port>,
     hands: Hands,
-    /// places that go on: in the old state, and in the new one
+    /// Places that continue: in the old state, and in the new one.
     carried: Vec<[u32; 2]>,
-    /// the same of groups at the gesture rate, in their own states
+    /// The same in the states of groups at the gesture rate.
     slow: Vec<[u32; 2]>,
-    /// of what links across hold there, numbers of those that go on
+    /// The same for the values that links across the rate boundary hold, by index.
     held: Vec<[u32; 2]>,
-    /// inputs that go on
     inputs: Vec<[u32; 2]>,
-    /// ticks of the fade that are left, and all of them
+    /// Ticks left of the fade, and all its ticks.
     left: u32,
     fade: u32,
 }
 
-/// Devices of a scene, in the order of its inputs.
 fn devices(scene: &Scene) -> Vec<&(String, u32)> {
     scene.inputs.iter().filter(|i| i.role == InputRole::Device).filter_map(|i| i.device.as_ref()).collect()
 }
 
-/// Places in the state of `old`, and those in that of `scene`, of the MAT that have the same name in both, in order of the latter.
+/// Returns the places of the MAT with the same name in both scenes: in the states of `old` and of `scene`, ordered by
+/// the latter.
 pub fn carried(old: &Scene, scene: &Scene) -> Vec<[u32; 2]> {
     let before = places(old);
     let mut carried: Vec<[u32; 2]> = Vec::new();
@@ -58,13 +57,13 @@ pub fn carried(old: &Scene, scene: &Scene) -> Vec<[u32; 2]> {
             carried.extend((0..u32::from(axes)).map(|k| [from + k, to + k]));
         }
     }
-    // one after the other in memory
+    // in the order of memory
     carried.sort_unstable_by_key(|c| c[1]);
     carried
 }
 
-/// Of places that go on, those of groups at the gesture rate in both: as they stand in the states of these, and among what links
-/// across hold.
+/// Returns the continuing places that belong to groups at the gesture rate in both scenes: as indices into the states
+/// of the groups, and into the values that links across the rate boundary hold.
 fn slow(old: &Scene, scene: &Scene, carried: &[[u32; 2]]) -> [Vec<[u32; 2]>; 2] {
     let own = |scene: &Scene| -> HashMap<u32, (u32, Option<u32>)> {
         let of = |g: &Arc<SlowGroup>| {
@@ -80,7 +79,7 @@ fn slow(old: &Scene, scene: &Scene, carried: &[[u32; 2]]) -> [Vec<[u32; 2]>; 2] 
     [both.iter().map(|[from, to]| [from.0, to.0]).collect(), held]
 }
 
-/// First place and axes of each MAT, by name.
+/// Returns the first place and the number of axes of each MAT, by name.
 fn places(scene: &Scene) -> HashMap<String, (u32, u8)> {
     let mats = (0..scene.mats()).filter_map(|i| scene.symbols.get(i));
     let place = |s: ca_core::Symbol| {
@@ -93,11 +92,11 @@ fn places(scene: &Scene) -> HashMap<String, (u32, u8)> {
 /// A part of a scene that cannot change while it plays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FixedPart {
-    /// the rates of sound and gesture
+    /// The rates of sound and gesture.
     Rates,
-    /// the sound channels
+    /// The sound channels.
     Outputs,
-    /// the device ports
+    /// The device ports.
     Devices,
 }
 
@@ -115,10 +114,11 @@ impl core::fmt::Display for FixedPart {
 impl core::error::Error for FixedPart {}
 
 impl Swap {
-    /// From `old` to `scene`, which begins in `state` but where masses of the same name go on; `anew` none does.
+    /// Prepares the change from `old` to `scene`, which begins in `state`. Masses with the same name continue from
+    /// where they are, unless `anew` is true.
     ///
     /// # Errors
-    /// If the two differ in what cannot change while it plays.
+    /// If the scenes differ in a part that cannot change while it plays.
     pub fn new(
         old: &Scene,
         scene: Arc<Scene>,
@@ -150,8 +150,8 @@ impl Swap {
         })
     }
 
-    /// Changes places with what an engine plays; `goes_on` where the old state is worth it, `fades` where forces fade out. Gives
-    /// false without a scene to give. Nothing allocates.
+    /// Exchanges the scenes without allocating. With `goes_on` the old state continues, with `fades` forces fade out.
+    /// Returns false for a clone.
     pub(super) fn swap(
         &mut self,
         scene: &mut Arc<Scene>,
@@ -207,20 +207,19 @@ impl Swap {
         true
     }
 
-    /// One tick of the old scene up to its outputs, which fade into `sound`, those of the new one.
+    /// Plays one tick of the old scene up to its outputs, and fades them into `sound`, the outputs of the new scene.
     pub(super) fn sample(&mut self, sound: &mut [f64]) {
         let Some(next) = self.next.as_mut().filter(|n| n.left > 0) else { return };
         compute_forces(&next.scene, &mut next.state);
         let share = f64::from(next.left) / f64::from(next.fade);
         for (to, old) in sound.iter_mut().zip(&next.state.output) {
-            // one that diverges meanwhile is not heard
+            // silence if it diverges meanwhile
             let old = if old.is_finite() { *old } else { 0.0 };
             *to += share * (old - *to);
         }
         next.left -= 1;
     }
 
-    /// Masses of the old scene move, as long as it is heard.
     pub(super) fn advance(&mut self) {
         if let Some(next) = self.next.as_mut().filter(|n| n.left > 0) {
             integrate(&next.scene, &mut next.state);

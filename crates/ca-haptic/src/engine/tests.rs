@@ -1,4 +1,4 @@
-//! The engine end to end, without a process: a key on a spring.
+//! Tests the engine end to end, without a process: a key on a spring.
 
 use super::{Engine, EngineCommand, Options, Port, Setup};
 use crate::calibration::Calibration;
@@ -20,7 +20,6 @@ spring = { between = ["key", "wall"], k = 500 }
 out = { from = "key" }
 "#;
 
-/// A device of one key.
 pub(crate) fn setup() -> Setup {
     let profile = Profile { dof: 1, ..Profile::shipped("tgr12").expect("shipped") };
     Setup { device: "key".into(), profile, calibration: Calibration::default(), gains: vec![] }
@@ -115,20 +114,20 @@ fn a_device_that_says_what_it_is_goes_on_from_where_it_was() {
     play(&mut e, 6000, 0.0);
     let on = play(&mut e, 600, 1e-3);
     assert!(on.mode == Mode::On as u32 && (f64::from(on.force[0]) + 0.5).abs() < 1e-6, "{on:?}");
-    // another device while forces are on: those end in a fault, which is counted
+    // another device while forces are on: they end in a fault, which is counted
     let other = Profile { force: 1.0, ..described };
     e.command(EngineCommand::Refit(Box::new(super::Refit::new(&scene, 0, with(other)))));
     let fault = play(&mut e, 1, 1e-3);
     assert_eq!((fault.mode, fault.cause), (Mode::Fault as u32, crate::frame::Cause::Disconnect as u16));
     assert_eq!((fault.force[0], e.counts.faults), (0.0, 1));
-    // what is only a copy has no port to give
+    // a clone does not contain a port
     let copy = super::Refit::new(&scene, 0, setup()).clone();
     e.command(EngineCommand::Refit(Box::new(copy)));
     assert_eq!((e.counts.refused, e.ports[0].profile.name.as_str()), (1, "unknown"));
 }
 
-/// A hand that goes 1.5 mm into 500 N/m in 30 ms, whose device sends nothing for `stall` frames on the
-/// way: largest force.
+/// Returns the largest force on a hand that moves 1.5 mm into 500 N/m in 30 ms, while its device sends nothing for
+/// `stall` frames on the way.
 fn struck_after_a_stall(stall: u64) -> f64 {
     let (_, scene) = load(KEY, "key.ca.toml", &ca_model::catalog(), &ca_compile::Options::default());
     let scene = Arc::new(scene.expect("it compiles").scene);
@@ -146,7 +145,7 @@ fn struck_after_a_stall(stall: u64) -> f64 {
         }
         let before = held;
         let out = *e.answer().next().expect("one device");
-        // taken a frame later, and not at all while it is held up
+        // used a frame later, and not at all during the stall
         held = if (6050..6050 + stall).contains(&n) { before } else { out.seq };
         most = most.max(f64::from(out.force[0]).abs());
         e.finish();

@@ -1,64 +1,64 @@
-//! Hands without a device: a pointer that pulls on a mass, ports moved by a slider, and the gesture that a model brings along.
+//! Manual input without a device: a pointer that pulls a mass, ports moved by sliders, and the gesture of a model.
 //!
-//! Decides that all of them end in what a scene knows already, its inputs and the [`Pointer`], so that a scene without them pays nothing but a question a
-//! tick; that nothing jumps, since a jump of a port is a blow: ports glide to where they are sent (over no time only where a model
-//! says so of its MIDI), and the model's own
-//! gesture begins with a lead-in from where its ports are; and that who stops a gesture leaves positions where they are and lets go of
-//! forces. A port of a device is moved by a gesture, or sent somewhere, as long as no device has spoken. Live parameters in a
-//! gesture are the recorder's, which knows what else was set: they come as changes.
+//! All of it acts on the inputs of the scene and on the [`Pointer`], so that a scene without manual input pays only one
+//! check per tick. No port jumps, because a jump is a blow: ports glide to their targets (without a glide only if a
+//! model specifies that for its MIDI), and the model's own gesture begins with a lead-in from the present positions.
+//! When a gesture stops, positions stay and forces are released. Gestures and sliders move the port of a device until
+//! the device has sent a frame. The recorder sets live parameters in a gesture, because it knows the other changes:
+//! they come as [`Change`](super::Change).
 
 use ca_core::pointer::Pointer;
 use ca_core::{InputRole, Scene, State};
 use ca_io::gesture::{Track, own};
 
-/// Time a port takes to where a slider sends it \[s\]: that of a page speaks 60 times a second.
+/// Duration of the glide to the value of a slider \[s\]: a slider on the page sends 60 values a second.
 pub const GLIDE: f64 = 1.0 / 60.0;
-/// No port takes longer to where it is sent \[s\].
+/// Longest glide of a port \[s\].
 pub const LONGEST: f64 = 60.0;
-/// Time from where ports are to where a gesture begins \[s\].
+/// Duration of the lead-in, from the present positions to the start of a gesture \[s\].
 const LEAD: f64 = 0.05;
 
-/// Ticks of the lead-in of a gesture.
+/// Returns the lead-in of a gesture \[ticks\].
 pub(crate) fn lead(scene: &Scene) -> u64 {
     (LEAD * scene.rate).round() as u64
 }
 
-/// What a hand without a device does.
+/// An action of manual input.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Touch {
-    /// holds a mass
+    /// Holds a mass.
     Grab(Pointer),
-    /// pulls it to this displacement from rest \[m\]
+    /// Pulls the held mass to this displacement from rest \[m\].
     Pull([f64; 3]),
-    /// lets go
+    /// Releases it.
     Release,
-    /// begins the model's own gesture
+    /// Starts the model's own gesture.
     Play(Box<OwnGesture>),
-    /// ends it
+    /// Stops it.
     Stop,
-    /// sends a port, by its index into [`State::input`], to a position \[m\] or a force \[N\] in so long \[s\]
+    /// Moves a port, by its index into [`State::input`], to a position \[m\] or a force \[N\] in a time \[s\].
     Port(u32, f64, f64),
 }
 
-/// The same without what it needs: for the record.
+/// A [`Touch`] without the memory that it needs, for the record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Touched {
-    /// MAT number `.0` is held
+    /// Holds MAT number `.0`.
     Grab(u32),
-    /// it is pulled to this displacement \[m\]
+    /// Pulls it to this displacement \[m\].
     Pull([f64; 3]),
-    /// it is let go
+    /// Releases it.
     Release,
-    /// the model's own gesture begins
+    /// Starts the model's own gesture.
     Play,
-    /// it ends
+    /// Stops it.
     Stop,
-    /// a port is sent to a position \[m\] or a force \[N\] in so long \[s\]
+    /// Moves a port to a position \[m\] or a force \[N\] in a time \[s\].
     Port(u32, f64, f64),
 }
 
 impl Touch {
-    /// What is recorded of it.
+    /// Returns the form for the record.
     pub fn touched(&self) -> Touched {
         match self {
             Touch::Grab(pointer) => Touched::Grab(pointer.mass() as u32),
@@ -72,7 +72,7 @@ impl Touch {
 }
 
 impl Touched {
-    /// What does it again in a scene; `None` where that has no such mass or gesture.
+    /// Returns the action that repeats it in a scene; `None` if the scene lacks the mass or the gesture.
     pub fn again(&self, scene: &Scene) -> Option<Touch> {
         Some(match *self {
             Touched::Grab(mass) => Touch::Grab(Pointer::new(scene, mass as usize).ok()?),
@@ -86,7 +86,7 @@ impl Touched {
 }
 
 impl Touched {
-    /// In words; none for what comes many times a second.
+    /// Returns a description; `None` for an action that comes many times a second.
     pub fn words(&self, scene: Option<&Scene>) -> Option<String> {
         Some(match self {
             Touched::Grab(mass) => {
@@ -101,32 +101,31 @@ impl Touched {
     }
 }
 
-/// A port that a gesture moves.
 #[derive(Clone, Debug, PartialEq)]
 struct Driven {
     input: usize,
     role: InputRole,
     track: Track,
     near: usize,
-    /// where it was when the gesture began
+    /// Value at the start of the gesture.
     from: f64,
 }
 
-/// The gesture that a model brings along, as an engine plays it.
+/// The gesture of a model, as an engine plays it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OwnGesture {
     driven: Vec<Driven>,
-    /// tick at which it began
+    /// Tick at which it began.
     start: u64,
-    /// ticks of its lead-in
+    /// Ticks of its lead-in.
     lead: u64,
     sample_dt: f64,
-    /// the scene was loaded again: nothing of it is left but its memory, which is freed elsewhere
+    /// True after the scene was loaded again: it is stopped, and its memory is freed on another thread later.
     over: bool,
 }
 
 impl OwnGesture {
-    /// Of a scene; `None` where the model brings none.
+    /// Makes the gesture of a scene; `None` if the model has none.
     pub fn new(scene: &Scene) -> Option<OwnGesture> {
         if scene.about.gestures.is_empty() {
             return None;
@@ -146,7 +145,7 @@ impl OwnGesture {
         }
     }
 
-    /// Moves the ports of one kind to where they are at `tick`.
+    /// Sets the ports for which `is` returns true to their values at `tick`.
     fn drive(&mut self, tick: u64, input: &mut [f64], is: impl Fn(InputRole, usize) -> bool) {
         if self.over {
             return;
@@ -164,7 +163,7 @@ impl OwnGesture {
     }
 }
 
-/// A port on its way.
+/// A port that moves to a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Glide {
     input: usize,
@@ -174,7 +173,6 @@ struct Glide {
 }
 
 impl Glide {
-    /// So many ticks on.
     fn turn(&mut self, input: &mut [f64], ticks: u32) {
         let x = &mut input[self.input];
         *x = if self.left > ticks { *x + self.step * f64::from(ticks) } else { self.to };
@@ -182,11 +180,10 @@ impl Glide {
     }
 }
 
-/// All hands of an engine that are no device.
 pub(super) struct Hands {
     pub(super) pointer: Option<Pointer>,
     own: Option<Box<OwnGesture>>,
-    /// room for every port
+    /// Has capacity for each port.
     glides: Vec<Glide>,
     rate: f64,
 }
@@ -196,7 +193,7 @@ impl Hands {
         Hands { pointer: None, own: None, glides: Vec::with_capacity(scene.inputs.len()), rate: scene.rate }
     }
 
-    /// Does what is asked; gives back what is to be freed elsewhere, and false where the scene has no such port.
+    /// Executes an action. Returns memory to be freed on another thread, and false if it does not fit the scene.
     pub(super) fn touch(&mut self, scene: &Scene, state: &State, touch: Touch) -> (Option<Box<OwnGesture>>, bool) {
         match touch {
             Touch::Grab(mut pointer) => {
@@ -232,7 +229,7 @@ impl Hands {
         let room = self.glides.len() < self.glides.capacity();
         match self.glides.iter_mut().find(|g| g.input == input) {
             Some(g) => *g = glide,
-            // one for each port, for which there is room
+            // one for each port, so it always fits
             None if room => self.glides.push(glide),
             None => {}
         }
@@ -246,7 +243,6 @@ impl Hands {
         Some(own)
     }
 
-    /// Lets go of everything.
     pub(super) fn let_go(&mut self) {
         self.pointer = None;
         self.glides.clear();
@@ -255,11 +251,11 @@ impl Hands {
         }
     }
 
-    /// Once a gesture frame: ports of devices, of those for which nobody speaks.
+    /// Moves the ports of devices that have not sent a frame, once a gesture frame.
     pub(super) fn frame(&mut self, scene: &Scene, state: &mut State, silent: impl Fn(usize) -> bool) {
         let is_device = |input: usize| scene.inputs[input].role == InputRole::Device;
         for g in self.glides.iter_mut().filter(|g| is_device(g.input)) {
-            // whose device speaks goes where that is
+            // the device moves this port
             if !silent(g.input) {
                 g.left = 0;
                 continue;
@@ -268,13 +264,13 @@ impl Hands {
         }
         self.glides.retain(|g| g.left > 0 || !is_device(g.input));
         if let Some(own) = &mut self.own {
-            // at a frame it is read where the frame ends, as everywhere
+            // at the gesture rate, its value is read at the end of the frame
             let end = state.tick + if state.tick == 0 { 0 } else { u64::from(scene.rates.ratio) - 1 };
             own.drive(end, &mut state.input, |role, input| role == InputRole::Device && silent(input));
         }
     }
 
-    /// Once a tick, before its forces.
+    /// Moves the other ports, once a tick before its forces.
     #[inline]
     pub(super) fn tick(&mut self, scene: &Scene, state: &mut State) {
         if !self.glides.is_empty() {

@@ -1,57 +1,57 @@
-//! What a device says of itself, once a second: a process that comes later learns it without asking.
+//! Self-description of a device, sent once a second so that a process that starts later receives it without asking.
 
 use super::{DOF, FrameMismatch, VERSION, fnv};
 #[cfg(feature = "iceoryx")]
 use iceoryx2::prelude::ZeroCopySend;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
-/// The capabilities of a device, 904 bytes. Texts are UTF-8 with zeros after them.
+/// Capabilities of a device, 904 bytes. Texts are UTF-8, padded with zeros.
 #[derive(Clone, Copy, Debug, PartialEq, FromBytes, IntoBytes, KnownLayout, Immutable)]
 #[cfg_attr(feature = "iceoryx", derive(ZeroCopySend), type_name("ca.v1.About"))]
 #[repr(C)]
 pub struct About {
-    /// [`About::MAGIC`]
+    /// [`About::MAGIC`].
     pub magic: u32,
-    /// [`VERSION`]
+    /// [`VERSION`].
     pub version: u32,
-    /// [`About::LAYOUT`]
+    /// [`About::LAYOUT`].
     pub layout: u64,
-    /// name of the device
+    /// Name of the device.
     pub device: [u8; 16],
-    /// as in its frames
+    /// Session, as in its frames.
     pub session: u64,
-    /// as in its frames
+    /// Calibration, as in its frames.
     pub calibration: u64,
-    /// make and model
+    /// Make and model.
     pub model: [u8; 32],
-    /// serial number
+    /// Serial number.
     pub serial: [u8; 32],
-    /// firmware
+    /// Firmware version.
     pub firmware: [u8; 16],
-    /// frames a second
+    /// Frames a second.
     pub rate: u32,
-    /// degrees of freedom
+    /// Degrees of freedom.
     pub n: u16,
-    /// how many neighbouring DOF make one force vector: 1 for keys, 3 for a stylus
+    /// Number of neighbouring DOF in one force vector: 1 for keys, 3 for a stylus.
     pub axes: u16,
-    /// least position \[m\]
+    /// Least position \[m\].
     pub low: [f32; DOF],
-    /// largest position \[m\]
+    /// Largest position \[m\].
     pub high: [f32; DOF],
-    /// largest force \[N\]
+    /// Largest force \[N\].
     pub force: [f32; DOF],
-    /// largest force for ever \[N\]
+    /// Largest continuous force \[N\].
     pub continuous: [f32; DOF],
-    /// largest stiffness it renders \[N/m\]; 0 where not known
+    /// Largest stiffness that it renders \[N/m\]; 0 if not known.
     pub stiffness: [f32; DOF],
-    /// largest viscosity it renders \[N s/m\]; 0 where not known
+    /// Largest viscosity that it renders \[N s/m\]; 0 if not known.
     pub damping: [f32; DOF],
 }
 
 impl About {
-    /// "caAB"
+    /// The bytes "caAB".
     pub const MAGIC: u32 = u32::from_le_bytes(*b"caAB");
-    /// The definition of this record as a ROS 2 message.
+    /// ROS 2 message definition of this record.
     pub const SCHEMA: &'static str = "\
 uint32 magic
 uint32 version
@@ -72,10 +72,10 @@ float32[32] continuous
 float32[32] stiffness
 float32[32] damping
 ";
-    /// Hash of that text.
+    /// Hash of [`About::SCHEMA`].
     pub const LAYOUT: u64 = fnv(Self::SCHEMA.as_bytes());
 
-    /// Of a device of `n` keys that says nothing more of itself than `rate` frames a second.
+    /// Makes a description with `n` keys, `rate` frames a second, and nothing else known.
     pub fn new(name: &str, rate: u32, n: usize) -> About {
         About {
             magic: Self::MAGIC,
@@ -99,18 +99,17 @@ float32[32] damping
         }
     }
 
-    /// True where magic, version and layout are those of this build, and it has 1 to [`DOF`] degrees of freedom.
+    /// Returns true if magic, version and layout match this build, and it has 1 to [`DOF`] degrees of freedom.
     pub fn is_ours(&self) -> bool {
         self.wrong().is_none()
     }
 
-    /// What is wrong with its head.
     fn wrong(&self) -> Option<FrameMismatch> {
         FrameMismatch::find([self.magic, Self::MAGIC], [self.layout, Self::LAYOUT], self.version, self.n)
     }
 }
 
-/// A text of fixed length as people read it.
+/// Decodes a text of fixed length, up to its first zero.
 pub fn text(bytes: &[u8]) -> String {
     let end = bytes.iter().position(|b| *b == 0).unwrap_or(bytes.len());
     String::from_utf8_lossy(&bytes[..end]).into_owned()

@@ -1,38 +1,38 @@
-//! Why forces are off, and how they are sent.
+//! Causes for forces being off, and modes of a force.
 
 use serde::{Deserialize, Serialize};
 
-/// Why the force is off (H14); a superset of what DHD reports. Numbers are those on the wire.
+/// Reason why the force is off (H14); a superset of the DHD causes. Values are those on the wire.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 #[repr(u16)]
 pub enum Cause {
-    /// forces are on, or on their way
+    /// Forces are on, or about to begin.
     #[default]
     None = 0,
-    /// nobody has armed the device yet, or it was disarmed
+    /// The device is not armed yet, or was disarmed.
     Disarmed = 1,
-    /// a button of the device
+    /// A button of the device was pressed.
     Button = 2,
-    /// the dead man's switch was released
+    /// The dead man's switch was released.
     Deadman = 3,
-    /// faster than the device may move
+    /// The device moved too fast.
     Velocity = 4,
-    /// frames of the device stayed away
+    /// No frames came from the device.
     WatchdogIn = 5,
-    /// forces of the engine stayed away, as the device saw it
+    /// No forces came from the engine, according to the device.
     WatchdogOut = 6,
-    /// the model gave a force that is not finite
+    /// The model gave a force that is not finite.
     Nonfinite = 7,
-    /// too many frames that cannot be true
+    /// Too many frames were impossible.
     Implausible = 8,
-    /// too much force for too long
+    /// The force was too large for too long.
     Thermal = 9,
-    /// the device went away
+    /// The device was lost.
     Disconnect = 10,
-    /// a program asked for it
+    /// A program asked for it.
     Software = 11,
-    /// the model diverged
+    /// The model diverged.
     ModelUnstable = 12,
 }
 
@@ -54,12 +54,12 @@ pub const CAUSES: [Cause; 13] = [
 ];
 
 impl Cause {
-    /// From the wire; what has no name is [`Cause::Software`].
+    /// Reads a cause from the wire; an unknown number is [`Cause::Software`].
     pub fn read(n: u16) -> Cause {
         CAUSES.get(usize::from(n)).copied().unwrap_or(Cause::Software)
     }
 
-    /// Its name as people read it, e.g. `WATCHDOG_IN`.
+    /// Returns its name, e.g. `WATCHDOG_IN`.
     pub fn name(self) -> &'static str {
         [
             "NONE",
@@ -79,30 +79,30 @@ impl Cause {
     }
 }
 
-/// What the force of a frame is.
+/// Mode of the force in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[repr(u32)]
 pub enum Mode {
-    /// zero: disarmed, or waiting until the hand is clear of everything
+    /// Zero: disarmed, or waiting until nothing pushes.
     #[default]
     Off = 0,
-    /// fading in
+    /// Fading in.
     Ramp = 1,
-    /// as the model says, within limits
+    /// The force of the model, within limits.
     On = 2,
-    /// braking
+    /// Braking.
     Damp = 3,
-    /// zero until somebody arms again
+    /// Zero until the device is armed again.
     Fault = 4,
 }
 
 impl Mode {
-    /// From the wire; what has no name is a fault.
+    /// Reads a mode from the wire; an unknown number is a fault.
     pub fn read(n: u32) -> Mode {
         [Mode::Off, Mode::Ramp, Mode::On, Mode::Damp].get(n as usize).copied().unwrap_or(Mode::Fault)
     }
 
-    /// Its name as people read it.
+    /// Returns its name.
     pub fn name(self) -> &'static str {
         ["off", "ramp", "on", "damp", "fault"][self as usize]
     }

@@ -1,4 +1,4 @@
-//! What a device says: where the hand is.
+//! Frame from a device: the position of the hand.
 
 use super::{DOF, FrameMismatch, VERSION, fnv};
 #[cfg(feature = "iceoryx")]
@@ -7,23 +7,23 @@ use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 /// Bits of [`DeviceFrame::status`].
 pub mod status {
-    /// the process reaches its hardware
+    /// The process reaches its hardware.
     pub const CONNECTED: u32 = 1;
-    /// its motors have power
+    /// Its motors have power.
     pub const POWERED: u32 = 2;
-    /// positions are metres, forces newtons
+    /// Positions are metres, forces newtons.
     pub const CALIBRATED: u32 = 4;
-    /// somebody holds it
+    /// The device is held.
     pub const IN_USE: u32 = 8;
-    /// the dead man's switch is there and released
+    /// The dead man's switch exists and is released.
     pub const DEADMAN: u32 = 16;
-    /// motors are shorted
+    /// The motors are shorted.
     pub const BRAKE: u32 = 32;
-    /// motors are warm
+    /// The motors are warm.
     pub const THERMAL: u32 = 64;
-    /// at the edge of its travel
+    /// The position is at the end of the travel.
     pub const EDGE: u32 = 128;
-    /// no hardware: a simulation
+    /// There is no hardware: a simulation.
     pub const SIMULATED: u32 = 256;
 }
 
@@ -32,62 +32,62 @@ pub mod status {
 #[cfg_attr(feature = "iceoryx", derive(ZeroCopySend), type_name("ca.v1.DeviceFrame"))]
 #[repr(C)]
 pub struct DeviceFrame {
-    /// [`DeviceFrame::MAGIC`]
+    /// [`DeviceFrame::MAGIC`].
     pub magic: u32,
-    /// [`VERSION`]
+    /// [`VERSION`].
     pub version: u32,
-    /// [`DeviceFrame::LAYOUT`]
+    /// [`DeviceFrame::LAYOUT`].
     pub layout: u64,
-    /// name of the device, zeros after it
+    /// Name of the device, padded with zeros.
     pub device: [u8; 16],
-    /// a number that changes whenever the device process starts
+    /// Number that changes whenever the device process starts.
     pub session: u64,
-    /// counts frames of a session, from 1
+    /// Number of the frame in its session, from 1.
     pub seq: u64,
-    /// `seq` of the force frame the motors held while the hand came to this position; 0 where not known
+    /// `seq` of the force frame that the motors held while the hand came to this position; 0 if not known.
     pub ack: u64,
-    /// clock of the device \[ns\]
+    /// Clock of the device \[ns\].
     pub t_device_ns: u64,
-    /// `CLOCK_MONOTONIC` when published \[ns\]
+    /// `CLOCK_MONOTONIC` when published \[ns\].
     pub t_host_ns: u64,
-    /// id of the calibration the positions were made with; 0 for none
+    /// Id of the calibration of the positions; 0 for none.
     pub calibration: u64,
-    /// sound sample at which the engine took it; 0 on the wire
+    /// Sound sample at which the engine used it; 0 on the wire.
     pub tick: u64,
-    /// time between frames \[ns\]
+    /// Time between frames \[ns\].
     pub period_ns: u32,
-    /// bits of [`status`]
+    /// Bits of [`status`].
     pub status: u32,
-    /// why the device itself gives no force, a [`Cause`](super::Cause)
+    /// Reason why the device itself gives no force, a [`Cause`](super::Cause).
     pub cause: u16,
-    /// degrees of freedom in use, at most [`DOF`]
+    /// Degrees of freedom in use, at most [`DOF`].
     pub n: u16,
-    /// which positions are valid, a bit each
+    /// Valid positions, a bit each.
     pub mask: u32,
-    /// which velocities are measured, a bit each
+    /// Measured velocities, a bit each.
     pub vel_mask: u32,
-    /// buttons, a bit each
+    /// Buttons, a bit each.
     pub buttons: u32,
-    /// positions \[m\]
+    /// Positions \[m\].
     pub pos: [f64; DOF],
-    /// velocities \[m/s\], where measured
+    /// Velocities \[m/s\], where measured.
     pub vel: [f64; DOF],
-    /// forces measured \[N\]; 0 where not
+    /// Forces measured \[N\]; 0 where not.
     pub force_measured: [f32; DOF],
-    /// orientation; zeros where there is none
+    /// Orientation; zeros if there is none.
     pub quat: [f32; 4],
-    /// pressure, grip and the like
+    /// Pressure, grip and the like.
     pub aux: [f32; 4],
-    /// of the motors \[°C\]; 0 where not measured
+    /// Temperature of the motors \[°C\]; 0 if not measured.
     pub temperature: f32,
-    /// 0
+    /// Always 0.
     pub reserved: u32,
 }
 
 impl DeviceFrame {
-    /// "caDF"
+    /// The bytes "caDF".
     pub const MAGIC: u32 = u32::from_le_bytes(*b"caDF");
-    /// The definition of this frame as a ROS 2 message.
+    /// ROS 2 message definition of this frame.
     pub const SCHEMA: &'static str = "\
 uint32 magic
 uint32 version
@@ -115,10 +115,10 @@ float32[4] aux
 float32 temperature
 uint32 reserved
 ";
-    /// Hash of that text.
+    /// Hash of [`DeviceFrame::SCHEMA`].
     pub const LAYOUT: u64 = fnv(Self::SCHEMA.as_bytes());
 
-    /// A frame of a device with `n` degrees of freedom at rest, connected, powered and calibrated.
+    /// Makes a frame of a device with `n` degrees of freedom at rest, connected, powered and calibrated.
     pub fn new(name: &str, n: usize) -> DeviceFrame {
         let n = n.min(DOF);
         DeviceFrame {
@@ -150,17 +150,16 @@ uint32 reserved
         }
     }
 
-    /// True where magic, version and layout are those of this build, and it has 1 to [`DOF`] degrees of freedom.
+    /// Returns true if magic, version and layout match this build, and it has 1 to [`DOF`] degrees of freedom.
     pub fn is_ours(&self) -> bool {
         self.wrong().is_none()
     }
 
-    /// Why it is none of this build, or not of the device with this uid.
+    /// Returns why it does not match this build or the device with this uid, if so.
     pub fn mismatch(&self, device: [u8; 16]) -> Option<FrameMismatch> {
         self.wrong().or_else(|| FrameMismatch::other(self.device, device))
     }
 
-    /// What is wrong with its head.
     fn wrong(&self) -> Option<FrameMismatch> {
         FrameMismatch::find([self.magic, Self::MAGIC], [self.layout, Self::LAYOUT], self.version, self.n)
     }

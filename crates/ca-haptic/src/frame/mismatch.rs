@@ -1,29 +1,29 @@
-//! Why a frame is none of this build, or of another device.
+//! Reasons why a frame does not match this build or device.
 //!
-//! Decides to name the first thing that is wrong, in the order in which a reader must trust a head: what it is, its version,
-//! its layout, its size, whom it is for. So a layout that somebody changed is not called a version.
+//! The first mismatch is reported, in the order in which a reader must trust a header: magic, version, layout, size,
+//! device. A modified layout is therefore not reported as another version.
 
 use super::{DOF, VERSION, text};
 use std::fmt;
 
-/// What is wrong with the head of a frame.
+/// Mismatch in the header of a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FrameMismatch {
-    /// it does not begin as such a frame does
+    /// The magic number is another one.
     Magic(u32),
-    /// it is of this version, and not of ours
+    /// The version is another one.
     Version(u32),
-    /// the hash of its definition is not ours: fields were added, removed or moved
+    /// The hash of the definition is another one: fields were added, removed or moved.
     Layout(u64),
-    /// it has no degree of freedom, or more than there can be
+    /// The number of degrees of freedom is 0 or more than [`DOF`].
     Size(u16),
-    /// it is for this device
+    /// The frame is for this other device.
     Device(String),
 }
 
 impl FrameMismatch {
-    /// The first thing wrong with a head: magic and layout as they are and as they should be, version, number of DOF.
+    /// Returns the first mismatch; `magic` and `layout` hold the actual and the expected value.
     pub(super) fn find(magic: [u32; 2], layout: [u64; 2], version: u32, n: u16) -> Option<FrameMismatch> {
         if magic[0] != magic[1] {
             Some(FrameMismatch::Magic(magic[0]))
@@ -38,14 +38,13 @@ impl FrameMismatch {
         }
     }
 
-    /// Another device than `wanted`.
     pub(super) fn other(device: [u8; 16], wanted: [u8; 16]) -> Option<FrameMismatch> {
         (device != wanted).then(|| FrameMismatch::Device(text(&device)))
     }
 }
 
 impl FrameMismatch {
-    /// What to do about it.
+    /// Returns how to fix it.
     pub fn fix(&self) -> &'static str {
         match self {
             FrameMismatch::Magic(_) | FrameMismatch::Version(_) | FrameMismatch::Layout(_) => {
@@ -95,7 +94,7 @@ mod tests {
             assert!(why.to_string().contains(want) && !why.fix().is_empty(), "{why}");
             assert_eq!(f.is_ours(), matches!(why, FrameMismatch::Device(_)));
         }
-        // neither a force nor what a device says of itself can be of no degree of freedom
+        // force frames and descriptions need a degree of freedom too
         assert!(!ForceFrame::new("key", 0).is_ours() && ForceFrame::new("key", 1).is_ours());
         assert!(!About::new("key", 1000, 0).is_ours() && About::new("key", 1000, 32).is_ours());
     }

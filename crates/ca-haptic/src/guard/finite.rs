@@ -1,9 +1,9 @@
-//! H1: a force that is not finite never leaves.
+//! H1: replaces a force that is not finite by zero.
 
 use super::{GuardFrame, Stage};
 use crate::frame::{Cause, DOF};
 
-/// Zero instead, and a fault in the same frame.
+/// Sets forces to zero where one is not finite, and raises a fault in the same frame.
 pub struct Finite;
 
 impl Stage for Finite {

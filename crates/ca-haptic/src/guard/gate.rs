@@ -1,10 +1,12 @@
-//! H5, H6, H8, H9: when forces may reach the hand at all.
+//! H5, H6, H8, H9: decides when forces may reach the hand.
 //!
-//! Off → (armed, calibrated, fresh, where the scene has it, and nothing pushes for a while) → ramp → on; any fault
-//! latches until somebody arms again, never ends by data returning. Too fast a motion brakes for a moment before it is
-//! off. A force whose scene is gone fades out in as long as one whose frames stay away. Without fresh frames the force is held,
-//! then fades, then is a fault: frames stayed away, or those that came could not be true. A device that loses its calibration while forces are on says
-//! positions that are no metres, which is implausible.
+//! Off → ramp → on. The ramp begins once the gate is armed, the device is calibrated and fresh, the scene is where the
+//! device is, and nothing has pushed for a while. A fault latches until the gate is armed again; data that return do
+//! not end it. Excess speed brakes for a moment before forces go off.
+//!
+//! A force of a replaced scene fades out in the same time as one without fresh frames. Without fresh frames the force
+//! is held, then fades, then is a fault: `WATCHDOG_IN` where no frames came, `IMPLAUSIBLE` where frames were rejected.
+//! Losing the calibration while forces are on is `IMPLAUSIBLE` too, since positions are no longer metres.
 
 use super::saturation::limit;
 use super::wait::Wait;
@@ -12,15 +14,15 @@ use super::{GuardFrame, Order, Stage};
 use crate::frame::{Cause, DOF, Mode, flag};
 use crate::profile::Profile;
 
-/// Arming, fading in, faults.
+/// Gate for arming, fade-in and faults.
 pub struct Gate {
     axes: usize,
     mode: Mode,
     cause: Cause,
     armed: bool,
-    /// frames since nothing pushed, since the ramp or the brake began
+    /// Frames since nothing pushed, or since the ramp or the brake began.
     since: u32,
-    /// of a force that fades out, the frames that are left
+    /// Frames left of a fade-out.
     fading: Option<u32>,
     clear: f64,
     clear_frames: u32,
@@ -33,17 +35,16 @@ pub struct Gate {
     most: f64,
     faults: u64,
     wait: Wait,
-    /// what the device is, is known
     described: bool,
 }
 
-/// Whole frames in `t` seconds, at least 1.
+/// Returns the whole frames in `t` seconds, at least 1.
 pub(super) fn frames(t: f64, frame_dt: f64) -> u32 {
     (t / frame_dt).round().clamp(1.0, 1e9) as u32
 }
 
 impl Gate {
-    /// As the profile says, at frames of `frame_dt` seconds.
+    /// Builds the gate from a profile, at `frame_dt` seconds a frame.
     pub fn new(profile: &Profile, frame_dt: f64) -> Gate {
         let l = &profile.guard;
         Gate {
@@ -68,20 +69,20 @@ impl Gate {
         }
     }
 
-    /// The force that was sent last fades out, and forces begin anew after it.
+    /// Fades out the force sent last; forces begin anew after it.
     pub fn fade_out(&mut self) {
         (self.mode, self.fading) = (Mode::Ramp, Some(self.zero));
     }
 
     /// Arms, disarms or trips.
     pub fn order(&mut self, order: Order) {
-        // to disarm and to trip end a force at once
+        // disarming and tripping end a force at once
         if order != Order::Arm {
             self.fading = None;
         }
         match order {
             Order::Arm => {
-                // a brake ends in its fault first
+                // a brake first ends in its fault
                 if !self.armed || self.mode == Mode::Fault {
                     (self.armed, self.mode, self.cause, self.since) = (true, Mode::Off, Cause::None, 0);
                 }
@@ -100,12 +101,11 @@ impl Gate {
         }
     }
 
-    /// What kept forces from beginning in the last frame.
+    /// Returns what kept forces from beginning in the last frame.
     pub fn wait(&self) -> Wait {
         self.wait
     }
 
-    /// What keeps forces from beginning: what the device is, where it is, and what the model presses with there.
     fn waits(&self, hand: &GuardFrame) -> Wait {
         if hand.age > self.hold {
             return Wait::Stale;
@@ -139,12 +139,12 @@ impl Gate {
         wait
     }
 
-    /// Whether somebody has armed it, and no fault ended that.
+    /// Returns true if the gate was armed, and no fault ended that.
     pub fn is_armed(&self) -> bool {
         self.armed
     }
 
-    /// Faults that latched so far.
+    /// Returns the number of faults that latched so far.
     pub fn faults(&self) -> u64 {
         self.faults
     }
@@ -166,7 +166,7 @@ impl Stage for Gate {
         if let Some(left) = self.fading.filter(|_| self.mode == Mode::Ramp) {
             hand.flags |= flag::WAIT_CLEAR;
             let part = f64::from(left.saturating_sub(1)) / f64::from(left.max(1));
-            // what the slew limit holds back goes on fading
+            // the fade goes on while the slew limit still holds back a force
             let on = hand.sent[..hand.n].iter().any(|f| *f != 0.0);
             hand.force = hand.sent.map(|f| part * f);
             (self.mode, self.fading) = if on { (Mode::Ramp, Some(left.saturating_sub(1))) } else { (Mode::Off, None) };
@@ -175,7 +175,7 @@ impl Stage for Gate {
         }
         self.fading = None;
         if self.mode != Mode::Off && hand.age >= self.zero {
-            // frames that keep coming and cannot be true have not stayed away
+            // frames came recently but were rejected: not a silent device
             self.fault(if hand.silent <= self.hold { Cause::Implausible } else { Cause::WatchdogIn });
         }
         if self.mode != Mode::Off && !hand.calibrated {

@@ -1,89 +1,85 @@
-//! H10: which frames of a device can be true, and how fast the hand moves.
+//! H10: rejects implausible device frames and measures the speed of the hand, before the model sees either.
 //!
-//! Decides before the model sees anything: a frame of another layout, of a number that does not grow, with a position
-//! that is marked invalid, is no number or could not have been reached by a hand since the last good frame is dropped and
-//! counted; the last good position stays. Ten of them within a tenth of a second are a fault, and ten old ones in order a new beginning. A new
-//! session of the device process starts afresh, with forces off: what was armed was another process.
+//! A frame is dropped and counted if its layout is foreign, its number does not grow, a position is marked invalid or
+//! is not finite, or no hand could have reached the position since the last good frame. The last good position then
+//! stays. Ten dropped frames within a tenth of a second are a fault; ten old ones in sequence start the numbering anew.
+//! A new session of the device process starts with forces off, because another process was armed.
 //!
-//! Speed is measured over frames of the *device*, at least three of them and so long that a step of its sensor is no
-//! motion: an 8-bit fader at 500 Hz moves in jumps of 0.39 mm, which over a single frame of the engine would be more
-//! than a metre a second. One wrong position within what H10 lets pass is then no velocity trip either. The clock of the
-//! device is used where it agrees with ours, else ours.
+//! Speed is measured over at least three frames of the *device*, and for so long that one step of its sensor does not
+//! count as motion. An 8-bit fader at 500 Hz moves in jumps of 0.39 mm, which is more than a metre a second over a
+//! single engine frame. A single wrong position that H10 accepts then does not trip the velocity limit either. The
+//! clock of the device is used where it agrees with the host clock, and the host clock otherwise.
 
 use super::GuardFrame;
 use crate::frame::{Cause, DOF, DeviceFrame, Mode, status};
 use crate::profile::Profile;
 
-/// What became of a frame.
+/// Result of checking a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameVerdict {
-    /// used
+    /// The frame is used.
     Good,
-    /// not a frame of this version and layout, or with fewer degrees of freedom than the profile has
+    /// The version or layout is foreign, or the frame has fewer degrees of freedom than the profile.
     Foreign,
-    /// its number did not grow
+    /// The number did not grow.
     Old,
-    /// a position is marked as not valid
+    /// A position is marked as not valid.
     Masked,
-    /// a position is not finite
+    /// A position is not finite.
     Nonfinite,
-    /// no hand moves so fast
+    /// A position is too far from the last good one.
     Jump,
 }
 
-/// The way in of one device.
+/// Check of the frames of one device.
 pub struct InputValidator {
     n: usize,
     frame_dt: f64,
     session: u64,
     seq: u64,
-    /// fastest motion that is believed \[m/s\], and what the sensor adds to it \[m\]
+    /// Fastest motion accepted \[m/s\], and the resolution of the sensor, which is added to it \[m\].
     reach: f64,
     grain: f64,
-    /// length over which speed is measured \[s\]
+    /// Time over which speed is measured \[s\].
     window: f64,
-    /// engine frame before which the last frame of any kind came
+    /// Engine frame before which the last frame of any kind came.
     heard: u64,
     bad: u32,
     bad_frames: u64,
-    /// engine frames of the last bad ones, a ring
     when: [u64; 64],
     count: u64,
-    /// the last good frames, a ring, and how many there were in this session
+    /// The last good frames, a ring, and their number in this session.
     past: [Seen; PAST],
     seen: usize,
-    /// number of the last frame that was too old, and how many came before it, one after the other
+    /// Number of the last frame that was too old, and how many came before it in sequence.
     stray: u64,
     strays: u32,
-    /// where the hand was in the frame before \[m\]
+    /// Position in the frame before \[m\].
     before: [f64; DOF],
-    /// frames that were dropped
+    /// Number of dropped frames.
     pub dropped: u64,
 }
 
-/// A good frame.
 #[derive(Clone, Copy)]
 struct Seen {
-    /// engine frame before which it came
+    /// Engine frame before which it came.
     at: u64,
-    /// clock of the device, and ours as it read it \[ns\]
+    /// Clock of the device, and the host clock as the device read it \[ns\].
     clock: u64,
     host: u64,
     x: [f64; DOF],
 }
 
-/// Good frames that are remembered.
 const PAST: usize = 32;
-/// Steps of the sensor in the window of a speed, at the speed of the trip: it errs by an eighth of that at most.
+/// Sensor steps in the window of a speed, at the trip speed: the error of a speed is at most an eighth of that.
 const STEPS: f64 = 8.0;
-/// Longest times between two good frames in that window: the farthest jump that is believed goes at twice the speed of
-/// the trip for one of them.
+/// Least window, in longest times between good frames: a jump at twice the trip speed over one of them does not trip.
 const SPIKE: f64 = 2.3;
-/// What must be so, and not so, before forces may come.
+/// Status bits that matter before forces may begin: the first two set, `BRAKE` not.
 const READY: u32 = status::CALIBRATED | status::POWERED | status::BRAKE;
 
 impl InputValidator {
-    /// As the profile says, at engine frames of `frame_dt` seconds.
+    /// Builds the check from a profile, at engine frames of `frame_dt` seconds.
     pub fn new(profile: &Profile, frame_dt: f64) -> InputValidator {
         let grain = profile.grain();
         InputValidator {
@@ -110,12 +106,11 @@ impl InputValidator {
         }
     }
 
-    /// The last good frame but `back`.
     fn last(&self, back: usize) -> Option<&Seen> {
         (back < self.seen.min(PAST)).then(|| &self.past[(self.seen - 1 - back) % PAST])
     }
 
-    /// Looks at a frame that came before engine frame `hand.frame`; a good one moves the hand.
+    /// Checks a frame that came before engine frame `hand.frame`; a good one moves the hand.
     pub fn take(&mut self, f: &DeviceFrame, hand: &mut GuardFrame) -> FrameVerdict {
         let verdict = self.judge(f, hand);
         self.heard = hand.frame;
@@ -131,7 +126,7 @@ impl InputValidator {
             (self.session, self.seq) = (f.session, f.seq);
             hand.x[..self.n].copy_from_slice(&f.pos[..self.n]);
             self.past[self.seen % PAST] = Seen { at: hand.frame, clock: f.t_device_ns, host: f.t_host_ns, x: hand.x };
-            // it counts on for ever, but a ring of 32 forgets how often it went round
+            // wraps from `2 * PAST` to `PAST`: the place in the ring is the same, and the counter cannot overflow
             self.seen = if self.seen + 1 == 2 * PAST { PAST } else { self.seen + 1 };
             hand.calibrated = f.status & READY == status::CALIBRATED | status::POWERED;
             hand.fresh = true;
@@ -140,7 +135,7 @@ impl InputValidator {
         } else {
             match verdict {
                 FrameVerdict::Old => self.reject(f.seq, hand),
-                // where it is cannot be true; that somebody let go may be
+                // the position is wrong, but the reported status may be right
                 FrameVerdict::Masked | FrameVerdict::Nonfinite | FrameVerdict::Jump => device_says(f, hand),
                 _ => {}
             }
@@ -157,8 +152,8 @@ impl InputValidator {
         verdict
     }
 
-    /// A number that was too large once is believed no longer than the frames after it go on as if it had never been:
-    /// as many of them as make a fault begin anew, with forces off.
+    /// Handles a number that is too small. One wild large number could block all later frames: after as many frames in
+    /// sequence as make a fault, numbering starts anew with forces off.
     fn reject(&mut self, seq: u64, hand: &mut GuardFrame) {
         self.strays = if seq == self.stray.wrapping_add(1) { self.strays + 1 } else { 0 };
         self.stray = seq;
@@ -184,11 +179,11 @@ impl InputValidator {
             return FrameVerdict::Nonfinite;
         }
         if let Some(last) = last {
-            // the longer of the two clocks: a frame that was late in one of them is no jump
+            // takes the longer of the two clocks: a frame that was late by one of them is not a jump
             let ours = (hand.frame - last.at + 1) as f64 * self.frame_dt;
             let mut theirs = f.t_device_ns.saturating_sub(last.clock).min(1_000_000_000);
             if f.t_host_ns > 0 && last.host > 0 {
-                // a clock in other units, or a wild one, is as long as the other one says
+                // limits a device clock in other units, or a wild one, by the host clock
                 theirs = theirs.min(f.t_host_ns.saturating_sub(last.host));
             }
             let theirs = theirs as f64 * 1e-9;
@@ -200,19 +195,18 @@ impl InputValidator {
         FrameVerdict::Good
     }
 
-    /// The positions that must be valid, a bit each.
     fn needed(&self) -> u32 {
         if self.n >= DOF { u32::MAX } else { (1 << self.n) - 1 }
     }
 
-    /// Once a frame, after all frames that came: motion, speed and age.
+    /// Updates motion, speed and age; called once a frame after all frames that came.
     pub fn update(&mut self, hand: &mut GuardFrame) {
         for k in 0..self.n {
             hand.moved[k] = hand.x[k] - self.before[k];
         }
         self.before = hand.x;
         let Some(new) = self.last(0) else {
-            // nobody speaks, or nobody who can be believed
+            // no good frame in this session yet
             hand.age = u32::MAX;
             return;
         };
@@ -221,10 +215,10 @@ impl InputValidator {
         if !hand.fresh {
             return;
         }
-        // a quarter of a frame less: three frames of a clock are three frames
+        // a quarter of a frame of tolerance, for the jitter of the clocks
         let (mut old, mut length) = (new, 0.0);
         for back in 1..PAST {
-            // too short a past says more of the sensor than of the hand
+            // over a shorter time the sensor would dominate the speed
             let Some(earlier) = self.last(back) else { return };
             (old, length) = (earlier, self.between(earlier, new));
             if length >= self.window - 0.25 * self.frame_dt {
@@ -238,22 +232,21 @@ impl InputValidator {
         }
     }
 
-    /// Seconds between two good frames.
+    /// Returns the seconds between two good frames.
     fn between(&self, old: &Seen, new: &Seen) -> f64 {
         let ours = ((new.at - old.at) as f64 * self.frame_dt).max(self.frame_dt);
         let theirs = new.clock.saturating_sub(old.clock) as f64 * 1e-9;
-        // frames wait in queues, so ours may be short or long by some; a clock in other units is off by far more
+        // frames wait in queues, so host time may be off by a few; a device clock in other units is off by far more
         let slack = 3.0 * self.frame_dt;
         if theirs > 0.5 * (ours - slack) && theirs < 2.0 * (ours + slack) && theirs > 0.0 { theirs } else { ours }
     }
 
-    /// Session and number of the last good frame.
+    /// Returns session and number of the last good frame.
     pub fn ack(&self) -> (u64, u64) {
         (self.session, self.seq)
     }
 }
 
-/// What the device reports of itself.
 fn device_says(f: &DeviceFrame, hand: &mut GuardFrame) {
     if f.status & status::CONNECTED == 0 {
         hand.trip(Cause::Disconnect);
@@ -269,14 +262,14 @@ fn device_says(f: &DeviceFrame, hand: &mut GuardFrame) {
         hand.trip(Cause::Thermal);
     }
     match Cause::read(f.cause) {
-        // what only an engine can find: it repeats what it was sent, and must not keep alive a fault that was ended
+        // only an engine finds these: the device repeats a cause sent to it, and must not revive a fault that was ended
         Cause::None
         | Cause::Disarmed
         | Cause::WatchdogIn
         | Cause::Nonfinite
         | Cause::Implausible
         | Cause::ModelUnstable => {}
-        // it missed forces that were not on, or repeats what it was sent: no reason against the next ones
+        // forces were off, or the device repeats a cause sent to it: not a reason against the next forces
         Cause::WatchdogOut | Cause::Disconnect | Cause::Velocity | Cause::Software
             if matches!(hand.mode, Mode::Off | Mode::Fault) => {}
         cause => hand.trip(cause),

@@ -1,10 +1,9 @@
 //! The account of energy at the hand, per degree of freedom, in joules of the real world.
 //!
-//! Decides to write three sums rather than their differences, each exact (docs/numerics.md §5.3): what the model
-//! received by the mean force of each frame, what the hand would have given had the model's force been sent, and what
-//! it gave to the force that was sent. The first two are the ledger of the scene
-//! ([`Exchange`](ca_core::internal::state::Exchange)) times β/α; the guard's own share is a line of its own, their difference to
-//! the third.
+//! It stores three sums rather than their differences, each exact (docs/numerics.md §5.3): energy that the model
+//! received through the mean force of each frame, energy that the hand would have given to the model's force, and
+//! energy that it gave to the force actually held. The first two are the ledger of the scene
+//! ([`Exchange`](ca_core::internal::state::Exchange)) times β/α. The guard's share is the second less the third.
 
 use super::GuardFrame;
 use crate::frame::DOF;
@@ -12,21 +11,21 @@ use crate::frame::DOF;
 /// Sums since the engine began \[J\].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct HandLedger {
-    /// energy the model received
+    /// Energy that the model received.
     pub received: [f64; DOF],
-    /// energy the hand would have given to the forces the model asked for
+    /// Energy that the hand would have given to the forces of the model.
     pub asked: [f64; DOF],
-    /// energy the hand gave to the forces the device held
+    /// Energy that the hand gave to the forces that the device held.
     pub given: [f64; DOF],
-    /// what the model asked for in the frame before \[N\]
+    /// Force of the model in the frame before \[N\].
     last: [f64; DOF],
 }
 
 impl HandLedger {
-    /// Records the frame that ends at the present position; `hand.force` is what the model asks for now.
+    /// Records the frame that ends at the present position; `hand.force` is still the force of the model.
     pub(super) fn frame(&mut self, hand: &GuardFrame) {
         for k in 0..hand.n {
-            // a model that diverged receives nothing that could be counted
+            // energy of a diverged model is not finite and is left out
             if hand.received[k].is_finite() {
                 self.received[k] += hand.received[k];
             }
@@ -36,13 +35,13 @@ impl HandLedger {
         }
     }
 
-    /// Energy the border made by answering late (+) or taken (−), before the guard \[J\].
+    /// Returns the energy that the rate boundary made (+) or took (−) by its delay, before the guard \[J\].
     pub fn leak(&self, k: usize) -> f64 {
         self.received[k] - self.asked[k]
     }
 
-    /// Energy that the guard, and a device that takes forces later than the next frame, kept from the hand's work on
-    /// the model: what they cut off (+) or added (−) \[J\].
+    /// Returns the energy withheld from (+) or added to (−) the hand's work on the model \[J\], by the guard and by a
+    /// device that uses forces later than the next frame.
     pub fn removed(&self, k: usize) -> f64 {
         self.asked[k] - self.given[k]
     }

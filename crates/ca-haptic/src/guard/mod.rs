@@ -1,20 +1,21 @@
-//! The guard: what stands between a model and a hand.
+//! The guard limits every force between a model and a hand, and decides when forces may begin.
 //!
-//! Decides on one ordered chain per device, a stage a file, each taking and giving a [`GuardFrame`]; the order is here and
-//! nowhere else. A stage that a profile does not ask for is not in the chain. Nothing allocates, locks or panics after
-//! [`Chain::new`], and everything counts frames, never a clock: a take replays it bit for bit.
+//! Each device has one ordered chain of stages, a file per stage. Each stage changes a [`GuardFrame`]; only this file
+//! defines their order. A stage that the profile does not ask for is left out. After [`Chain::new`] nothing allocates,
+//! locks or panics, and times are counts of frames, never a clock: a take replays the chain bit for bit.
 //!
 //! ```text
 //! input (before the model) → finite → workspace → saturation → passivity → oscillation → thermal → gate → slew
 //! ```
 //!
-//! The largest force comes before the stages that weaken: a gain on 800 N that the next stage cuts to 10 N would weaken
-//! nothing. None of those after it makes a vector longer (the passivity stage cuts its own sum). The gate (arming,
-//! fade-in, latched faults, damped stop) stands before the slew limit rather than after it, so that the last stage is
-//! the one whose promise |ΔF| ≤ limit a watcher on the wire can hold us to. A fault goes to zero at once. Velocity,
-//! staleness and a model that diverged trip from wherever they are noticed: [`GuardFrame::trip`]. What leaves is rounded
-//! towards zero to the single precision of the wire, so that rounding passes no limit and the ledgers know what was sent.
-//! The TTL is stamped on the frame by the engine.
+//! The largest force comes before the stages that weaken: weakening 800 N would have no effect if the next stage cut
+//! the force to 10 N. No stage after it makes a vector longer (the passivity stage cuts its own sum). The gate (arming,
+//! fade-in, latched faults, damped stop) stands before the slew limit, so that the last stage guarantees |ΔF| ≤ limit
+//! on the wire, where it can be checked.
+//!
+//! A fault sets the force to zero at once. Excess velocity, stale frames and a diverged model trip wherever they are
+//! detected: [`GuardFrame::trip`]. The result is rounded towards zero to the single precision of the wire, so that
+//! rounding exceeds no limit and the ledgers hold the values sent. The engine stamps the TTL on the frame.
 
 pub mod finite;
 pub mod gate;
@@ -31,62 +32,61 @@ pub mod workspace;
 use crate::frame::{Cause, DOF, Mode};
 use crate::profile::Profile;
 
-/// One device during one frame, on its way through the chain.
+/// One device during one frame, as it passes through the chain.
 #[derive(Clone, Debug)]
 pub struct GuardFrame {
-    /// degrees of freedom
+    /// Degrees of freedom.
     pub n: usize,
-    /// seconds a frame
+    /// Length of a frame \[s\].
     pub frame_dt: f64,
-    /// gesture frames since the engine began
+    /// Gesture frames since the engine began.
     pub frame: u64,
-    /// a good frame of the device came since the last one
+    /// True if a good frame of the device came since the last one.
     pub fresh: bool,
-    /// frames since the last good one
+    /// Frames since the last good one.
     pub age: u32,
-    /// frames since the last one of any kind, also one that was dropped
+    /// Frames since the last one of any kind, dropped ones included.
     pub silent: u32,
-    /// the device says its positions are metres
+    /// True if the last good frame reported `CALIBRATED` and `POWERED`, and not `BRAKE`.
     pub calibrated: bool,
-    /// DOF that the scene has where they are, a bit each, those it has not at all included: it goes there gently when a
-    /// device appears
+    /// DOF at whose position the scene arrived after the device appeared, a bit each; set for DOF that the scene lacks.
     pub met: u32,
-    /// position \[m\], of the device
+    /// Position of the device \[m\].
     pub x: [f64; DOF],
-    /// motion since the last frame \[m\]
+    /// Motion since the last frame \[m\].
     pub moved: [f64; DOF],
-    /// speed \[m/s\], a mean over a few frames of the device
+    /// Speed, averaged over a few frames of the device \[m/s\].
     pub v: [f64; DOF],
-    /// energy the model received during this frame, by its mean force \[J\] in the measure of the hand
+    /// Energy that the model received during this frame through its mean force, in units of the hand \[J\].
     pub received: [f64; DOF],
-    /// mean force of the model on the hand during this frame \[N\], cut as the force is: what the boundary should have given
+    /// Mean force of the model on the hand in this frame, with the same limits: the ideal rate boundary \[N\].
     pub mean: [f64; DOF],
-    /// force on the hand \[N\]; what each stage changes
+    /// Force on the hand, changed by each stage \[N\].
     pub force: [f64; DOF],
-    /// what was sent with the frame before \[N\]
+    /// Force sent with the frame before \[N\].
     pub sent: [f64; DOF],
-    /// number of the force frame the device held during its motion, from 1; 0 where it does not say
+    /// Number of the force frame that the device held during its motion, from 1; 0 where it does not report one.
     pub ack: u64,
-    /// how many frames ago it was sent; 1 where the device does not say
+    /// Age of that force frame in frames; 1 where the device does not report one.
     pub ago: u64,
-    /// that force \[N\]; where the device does not say, what was sent with the frame before
+    /// Force held by the device \[N\]; where it does not report one, the force sent with the frame before.
     pub acting: [f64; DOF],
-    /// force that the passivity stage added \[N\]
+    /// Force that the passivity stage added \[N\].
     pub injected: [f64; DOF],
-    /// largest damping injected \[N s/m\]
+    /// Largest injected damping \[N s/m\].
     pub inject: f64,
-    /// bits of [`flag`](crate::frame::flag) so far
+    /// Bits of [`flag`](crate::frame::flag) set so far.
     pub flags: u32,
-    /// how the force is meant, written by the gate; before it, that of the frame before
+    /// Mode of the force, written by the gate; before it, the mode of the frame before.
     pub mode: Mode,
-    /// why it is off, written by the gate
+    /// Reason why forces are off, written by the gate.
     pub cause: Cause,
-    /// what went wrong in this frame; the first cause stays
+    /// First fault of this frame.
     pub tripped: Cause,
 }
 
 impl GuardFrame {
-    /// A device of `n` degrees of freedom at frames of `frame_dt` seconds, at rest and off.
+    /// Makes a frame for a device of `n` degrees of freedom at `frame_dt` seconds a frame, at rest and off.
     pub fn new(n: usize, frame_dt: f64) -> GuardFrame {
         GuardFrame {
             n: n.min(DOF),
@@ -116,72 +116,71 @@ impl GuardFrame {
         }
     }
 
-    /// Something is wrong: forces end with this frame, and stay off until somebody arms again.
+    /// Records a fault: forces end with this frame, and stay off until the device is armed again.
     pub fn trip(&mut self, cause: Cause) {
         if self.tripped == Cause::None {
             self.tripped = cause;
         }
     }
 
-    /// Length of a force vector of `axes` neighbouring DOF that begins at `at` \[N\].
+    /// Returns the length of the force vector over `axes` neighbouring DOF from `at` \[N\].
     pub fn length(&self, at: usize, axes: usize) -> f64 {
         norm(&self.force[at..(at + axes).min(self.n)])
     }
 }
 
-/// Length of a vector; of one component, exactly its size.
+/// Returns the length of a vector; for one component exactly its magnitude.
 pub fn norm(v: &[f64]) -> f64 {
     if let [x] = v { x.abs() } else { v.iter().map(|x| x * x).sum::<f64>().sqrt() }
 }
 
-/// A number that the wire holds exactly, no larger than `f`; 0 for what is not finite.
+/// Rounds `f` towards zero to single precision; 0 if it is not finite.
 fn wired(f: f64) -> f64 {
-    // the 29 bits that single precision does not have
+    // clears the 29 bits that single precision lacks
     let cut = f64::from_bits(f.to_bits() & !((1 << 29) - 1)) as f32;
     if cut.is_finite() { f64::from(cut) } else { 0.0 }
 }
 
 /// One stage of the chain.
 pub trait Stage: Send {
-    /// What it is called in reports.
+    /// Returns its name in reports.
     fn name(&self) -> &'static str;
-    /// Takes and gives a hand; called once a frame, also while forces are off.
+    /// Changes the frame; called once a frame, also while forces are off.
     fn pass(&mut self, hand: &mut GuardFrame);
-    /// What was sent in the end, for stages that keep ledgers; called once a frame after the whole chain.
+    /// Records the force finally sent, for stages with ledgers; called once a frame after the whole chain.
     fn sent(&mut self, hand: &GuardFrame) {
         let _ = hand;
     }
 }
 
-/// What a person or program asks of a chain.
+/// Order from a person or program to a chain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
-    /// forces on, once nothing pushes; ends a fault
+    /// Turns forces on, once nothing pushes; ends a fault.
     Arm,
-    /// forces off
+    /// Turns forces off.
     Disarm,
-    /// a fault from outside, e.g. the model diverged
+    /// Raises a fault from outside, e.g. of a model that diverged.
     Trip(Cause),
 }
 
 /// The stages of one device, in order.
 pub struct Chain {
-    /// what the hand gave, and what became of it
+    /// Energy that the hand gave, and where it went.
     pub ledger: ledger::HandLedger,
     finite: finite::Finite,
-    /// those a profile may leave out, and the largest force
     stages: Vec<Box<dyn Stage>>,
     gate: gate::Gate,
     slew: slew::Slew,
-    /// the last forces sent \[N\], a ring by the number of their frame
+    /// Last forces sent, a ring by the number of their frame \[N\].
     past: Box<[[f64; DOF]; PAST]>,
 }
 
-/// Forces that are remembered until the device says which of them it held.
+/// Number of forces stored until the device reports which of them it held.
 const PAST: usize = 32;
 
 impl Chain {
-    /// The chain a profile asks for, at frames of `frame_dt` seconds.
+    /// Builds the chain that a profile asks for, at `frame_dt` seconds a frame.
     pub fn new(profile: &Profile, frame_dt: f64) -> Chain {
         fn boxed<S: Stage + 'static>(s: S) -> Box<dyn Stage> {
             Box::new(s)
@@ -208,7 +207,7 @@ impl Chain {
         self.gate.order(order);
     }
 
-    /// Passes a frame; afterwards `hand.force` may go to the hand.
+    /// Passes a frame; afterwards `hand.force` may be sent to the device.
     pub fn pass(&mut self, hand: &mut GuardFrame) {
         let ago = (hand.frame + 1).saturating_sub(hand.ack);
         let known = hand.ack > 0 && (1..=PAST as u64).contains(&ago);
@@ -229,27 +228,27 @@ impl Chain {
         self.past[(hand.frame + 1) as usize % PAST] = hand.force;
     }
 
-    /// The force that was sent last fades out: another scene made it.
+    /// Fades out the force sent last, which came from another scene.
     pub fn fade_out(&mut self) {
         self.gate.fade_out();
     }
 
-    /// Faults that latched so far.
+    /// Returns the number of faults that latched so far.
     pub fn faults(&self) -> u64 {
         self.gate.faults()
     }
 
-    /// What kept forces from beginning in the last frame.
+    /// Returns what kept forces from beginning in the last frame.
     pub fn wait(&self) -> wait::Wait {
         self.gate.wait()
     }
 
-    /// Whether somebody has armed it, and no fault ended that.
+    /// Returns true if the chain was armed, and no fault ended that.
     pub fn is_armed(&self) -> bool {
         self.gate.is_armed()
     }
 
-    /// Names of the stages, in order.
+    /// Returns the names of the stages, in order.
     pub fn names(&self) -> Vec<&'static str> {
         let own = self.stages.iter().map(|s| s.name());
         [self.finite.name()].into_iter().chain(own).chain([self.gate.name(), self.slew.name()]).collect()
@@ -271,7 +270,6 @@ mod tests {
         assert_eq!(names(&p), full.replace("thermal ", ""));
         (p.guard.passivity, p.guard.oscillation, p.guard.edge) = (false, false, 0.0);
         assert_eq!(names(&p), "finite saturation gate slew");
-        // no motors, no forces to guard
         let mouse = Profile::shipped("mouse").expect("shipped");
         assert_eq!(names(&mouse), "finite saturation gate slew");
     }

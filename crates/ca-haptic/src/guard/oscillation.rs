@@ -1,31 +1,31 @@
-//! H13: a force that shakes the hand is weakened, until it ends.
+//! H13: weakens a force that shakes the hand until the shaking ends.
 //!
-//! Decides on the level of the force above 30 Hz, up to the Nyquist frequency of the loop (a high-pass of second order, a
-//! low-pass only where the profile asks for one, then a running mean of the squares): where its r.m.s. value stays above
-//! its share of the largest force for a while, counted down again where it is below, the force is weakened by a fixed gain. A loop that is unstable at that
-//! gain goes on with a smaller amplitude, or still at the largest force: it is weakened again, and again, each time after
-//! that while. A force that goes on as before and is not cut is one that the model makes by itself, however weak
-//! it reaches the hand, and stays at the gain it has.
+//! The detector measures the force above 30 Hz, up to the Nyquist frequency of the loop: a second-order high-pass, a
+//! low-pass only where the profile asks for one, and a running mean of the squares. If the r.m.s. value stays above its
+//! share of the largest force for long enough (time below counts back), a fixed gain weakens the force.
 //!
-//! The force comes back by itself once what is asked for has been quiet for twenty times as long, fading in as after
-//! arming; twice as long each time it has to be weakened again. A latch would be the alternative, and would take a player's
-//! instrument away for a loud passage. Every weakened frame says so.
+//! A loop that is still unstable at that gain goes on with a smaller amplitude, or still at the largest force, and is
+//! weakened again each time it lasted as long. A force that goes on at the same level without being cut comes from the
+//! model itself, however weak it reaches the hand, and keeps its gain.
+//!
+//! The force fades in again, as after arming, once the force of the model has been quiet for twenty times as long; the
+//! wait doubles each time it has to be weakened again. A latch instead would disable an instrument because of a loud
+//! passage. Every weakened frame carries a flag.
 
 use super::gate::frames;
 use super::{GuardFrame, Stage};
 use crate::frame::{DOF, Mode, flag};
 use crate::profile::Profile;
 
-/// A detector per vector of force.
+/// Detector and gain per force vector.
 pub struct Oscillation {
     axes: usize,
     high: Biquad,
     low: Option<Biquad>,
-    /// share of the new square in the running mean
+    /// Weight of the new square in the running mean.
     share: f64,
     threshold: f64,
     gain: f64,
-    /// smallest gain
     least: f64,
     rise: f64,
     frames: u32,
@@ -33,16 +33,14 @@ pub struct Oscillation {
     seen: [Seen; DOF],
 }
 
-/// Quiet for so many times `oscillation_time`, before the force comes back: the first time, and at most.
+/// Quiet time before the force returns, in units of `oscillation_time`: the first, and the longest.
 const QUIET: [u32; 2] = [20, 640];
-/// What is left of the level of an oscillation that was made by the loop, once the loop is weaker.
+/// Ratio of levels after and before weakening below which the loop made the oscillation.
 const FELL: f64 = 0.7;
-/// Times a force is weakened at most.
 const TIMES: usize = 4;
-/// How many times shorter than `oscillation_time` the mean of the squares is.
+/// Ratio of `oscillation_time` to the time constant of the running mean.
 const MEAN: f64 = 5.0;
 
-/// A filter of second order.
 #[derive(Clone, Copy)]
 struct Biquad {
     b: [f64; 3],
@@ -61,20 +59,20 @@ struct Seen {
     loud: u32,
     quiet: u32,
     gain: f64,
-    /// mean square when it was weakened last; 0 before
+    /// Mean square when it was last weakened; 0 before.
     before: f64,
-    /// frames of quiet until the force comes back
+    /// Frames of quiet until the force returns.
     wait: u32,
 }
 
-/// tan(π f frame_dt) to a few percent up to a quarter of the rate, without a function whose last bit differs between machines.
+/// Approximates tan(π f frame_dt) to a few percent up to a quarter of the rate, with the same bits on every machine.
 fn warped(f: f64, frame_dt: f64) -> f64 {
     let w = std::f64::consts::PI * (f * frame_dt).min(0.4);
     w / (1.0 - w * w / 3.0)
 }
 
 impl Biquad {
-    /// Butterworth, by the bilinear transform.
+    /// Designs a Butterworth filter by the bilinear transform.
     fn new(f: f64, frame_dt: f64, high: bool) -> Biquad {
         let k = warped(f, frame_dt);
         let norm = 1.0 / (1.0 + std::f64::consts::SQRT_2 * k + k * k);
@@ -83,7 +81,7 @@ impl Biquad {
         Biquad { b, a }
     }
 
-    /// Transposed direct form II.
+    // transposed direct form II
     fn pass(&self, s: &mut [f64; 2], x: f64) -> f64 {
         let y = self.b[0] * x + s[0];
         *s = [self.b[1] * x - self.a[0] * y + s[1], self.b[2] * x - self.a[1] * y];
@@ -92,7 +90,7 @@ impl Biquad {
 }
 
 impl Oscillation {
-    /// As the profile says, at frames of `frame_dt` seconds; `None` where it is not wanted.
+    /// Builds the stage from a profile, at `frame_dt` seconds a frame; `None` if the profile turns it off.
     pub fn new(profile: &Profile, frame_dt: f64) -> Option<Oscillation> {
         let l = &profile.guard;
         let level = l.oscillation_level * profile.force;
@@ -113,7 +111,6 @@ impl Oscillation {
 }
 
 impl Seen {
-    /// Nothing heard yet, by a stage that waits `frames` before it weakens.
     fn new(frames: u32) -> Seen {
         Seen { square: 0.0, loud: 0, quiet: 0, gain: 1.0, before: 0.0, wait: QUIET[0].saturating_mul(frames) }
     }
@@ -125,7 +122,7 @@ impl Stage for Oscillation {
     }
 
     fn pass(&mut self, hand: &mut GuardFrame) {
-        // nothing is weakened that nobody feels: waiting for the hand to be clear judges the full force
+        // starts afresh while forces are off: the gate checks the full force before it lets forces begin
         if matches!(hand.mode, Mode::Off | Mode::Fault) {
             (self.past, self.seen) = ([Past::default(); DOF], [Seen::new(self.frames); DOF]);
             return;
@@ -142,11 +139,11 @@ impl Stage for Oscillation {
             let s = &mut self.seen[at];
             s.square += self.share * (square - s.square);
             let first = s.gain == 1.0;
-            // at a smaller gain a loop shakes less
+            // a loop oscillates less at a smaller gain
             let scale = if first { 1.0 } else { s.gain * s.gain };
             let goes_on = first || s.square < FELL * FELL * s.before || hand.flags & flag::SATURATED != 0;
             let loud = s.square > self.threshold * scale && s.gain > self.least && goes_on;
-            // a hand that is thrown off a wall again and again lets go of it in between
+            // counted back rather than reset: a hand that bounces off a wall leaves it in between
             s.loud = if loud { s.loud.saturating_add(1) } else { s.loud.saturating_sub(1) };
             s.quiet = if s.square > self.threshold || s.loud > 0 { 0 } else { s.quiet.saturating_add(1) };
             if s.loud >= self.frames {
@@ -172,7 +169,7 @@ mod tests {
 
     const FRAME_DT: f64 = 1.0 / 3000.0;
 
-    /// Frame in which a sine of `f` hertz and `size` times the largest force is first weakened, of `n`.
+    /// Returns the frame of `n` in which a sine of `f` hertz and `size` times the largest force is first weakened.
     fn weakened(f: f64, size: f64, n: usize) -> Option<usize> {
         let p = Profile::shipped("tgr12").expect("shipped");
         let mut stage = Oscillation::new(&p, FRAME_DT).expect("it is on");
@@ -188,13 +185,13 @@ mod tests {
 
     #[test]
     fn hears_the_band_and_nothing_else() {
-        // r.m.s. 0.42 of the largest force is above 0.3, 0.28 is below
+        // r.m.s. values of 0.42 and 0.28 of the largest force, on either side of 0.3
         for f in [60.0, 100.0, 200.0, 400.0, 1000.0, 1450.0] {
             let at = weakened(f, 0.6, 3000).expect("an oscillation");
             assert!((150..220).contains(&at), "{f} Hz after {at} frames");
             assert_eq!(weakened(f, 0.4, 3000), None, "{f} Hz");
         }
-        // an octave and a half below, and a hand that presses
+        // an octave and a half below the band, and a steady push
         for f in [0.0, 2.0, 10.0] {
             assert_eq!(weakened(f, 1.0, 6000), None, "{f} Hz");
         }
@@ -207,7 +204,7 @@ mod tests {
             let mut stage = Oscillation::new(&p, FRAME_DT).expect("it is on");
             let mut hand = GuardFrame::new(1, FRAME_DT);
             hand.mode = Mode::On;
-            // the largest force for a quarter of each period; r.m.s. of the whole 0.43 of it, at times 0.2
+            // the largest force for a quarter of each period: r.m.s. 0.43 of it overall, at times 0.2
             let at = (0..3000).find(|i| {
                 let phase = (f64::from(*i) * FRAME_DT * f).fract();
                 hand.force[0] = if phase < 0.25 { p.force } else { 0.0 };
@@ -217,7 +214,7 @@ mod tests {
             });
             assert!(at.is_some_and(|n| n < 900), "{f} Hz: {at:?}");
         }
-        // a single blow as long as that is none
+        // a single blow of that length is not an oscillation
         let mut stage = Oscillation::new(&p, FRAME_DT).expect("it is on");
         let mut hand = GuardFrame::new(1, FRAME_DT);
         hand.mode = Mode::On;
@@ -232,7 +229,7 @@ mod tests {
     #[test]
     fn is_weakened_again_while_it_falls_with_the_gain() {
         let p = Profile::shipped("tgr12").expect("shipped");
-        // of a loop, in proportion to the gain; of the model, whatever the gain
+        // a loop shakes in proportion to the gain; the model shakes at any gain
         for (of_loop, want) in [(true, 0.3_f64.powi(4)), (false, 0.3)] {
             let mut stage = Oscillation::new(&p, FRAME_DT).expect("it is on");
             let mut hand = GuardFrame::new(1, FRAME_DT);
@@ -266,7 +263,7 @@ mod tests {
         let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
         assert!(near(gains[1], 1.0) && near(gains[599], 0.3) && near(gains[3500], 0.3), "{}", gains[3500]);
         assert!(near(gains[11_999], 1.0));
-        // back within the time of a ramp, never in a jump
+        // returns over the time of a ramp, without a jump
         assert!(gains.windows(2).all(|g| g[1] - g[0] < 1.0 / 2900.0));
     }
 }

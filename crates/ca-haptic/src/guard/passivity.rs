@@ -1,30 +1,31 @@
-//! H12: the rate boundary gives no energy that the hand did not bring.
+//! H12: removes energy that the rate boundary makes and the hand did not supply.
 //!
-//! Decides on a band-limited ledger and on a small viscosity, rather than on the exact ledger and a force that repays it
-//! within a frame (the controller of Hannaford and Ryu 2002, which this stage was once). The device holds the force of
-//! an earlier frame, so that over a stiff wall the boundary makes energy like a negative viscosity K T κ
-//! (docs/numerics.md §5.2). The device's own friction takes it out again, and only what is left over counts here:
+//! This stage uses a band-limited ledger and a small viscosity. The exact ledger with a force that repays it within a
+//! frame (Hannaford and Ryu 2002) would make energy under sensor noise. The device holds the force of an earlier frame,
+//! so that over a stiff wall the boundary makes energy like a negative viscosity K T κ (docs/numerics.md §5.2). The
+//! device's own friction dissipates it, and only the rest counts here:
 //!
 //! ```text
 //! leak += ((f_acting − f_mean)·v − CREDIT b v² − b_injected v²) T       f_injected = −b_injected v
 //! ```
 //!
-//! Here v is the speed of the hand and f_acting − f_mean is the force that acted less the mean force of the model over
-//! the same frame. Both are low-passed by the same filter, so noise and steps of the sensor, which are fast, hardly enter,
-//! and where K T κ is less than the friction that is counted the leak stays at zero whatever the sensor does. Speeds that
-//! one step or the noise of the profile would show are not motion (a dead zone).
+//! v is the speed of the hand. f_acting − f_mean is the force that acted less the mean force of the model over the same
+//! frame. The same low-pass filters both, which removes most noise and steps of the sensor. Where K T κ is below the
+//! counted friction, the leak stays at zero whatever the sensor does. Speeds that a single step or the noise of the
+//! profile would show do not count as motion (a dead zone).
 //!
-//! The viscosity grows with the leak up to `passivity_viscosity` of the device's own friction. That bound is what keeps
-//! it from giving energy at any delay and frequency: of a viscosity b through a filter H and a delay τ no more than
-//! −b Re{H e^(−jωτ)} ≤ b comes back as a negative one. The leak is capped and an old credit is forgotten, in the manner
-//! of a reference energy that is followed rather than of a debt that is collected (Ryu, Preusche, Hannaford and Hirzinger
-//! 2005), so that nothing is paid at once when a hand lets go. What cannot be held passively by such a viscosity is named
-//! by `ca check --device`, and ended by the oscillation stage.
+//! The viscosity grows with the leak up to `passivity_viscosity` of the device's own friction. This bound keeps it
+//! passive at any delay and frequency: through a filter H and a delay τ, a viscosity b can act as a negative one of at
+//! most −b Re{H e^(−jωτ)} ≤ b. The leak is capped and an old credit decays, as with a reference energy that is followed
+//! (Ryu, Preusche, Hannaford and Hirzinger 2005), so that no burst of force repays it when a hand lets go.
+//! `ca check --device` names keys that such a viscosity cannot hold passively, and the oscillation stage ends their
+//! shaking.
 //!
-//! The work of the injection itself is added up. Where it becomes positive, the injection stops for two seconds, for
-//! twice as long the next time, and every frame of that time carries a flag.
+//! The stage sums the work of the injection. If that becomes positive, the injection stops for two seconds, and for
+//! twice as long the next time; every frame of that time carries a flag.
 //!
-//! The ledger begins anew whenever forces are not fully on, and counts once they were for as long as a device may be late.
+//! The ledger restarts whenever forces are not fully on, and counts once they have been on for the longest delay of a
+//! device.
 
 use super::gate::frames;
 use super::saturation::limit;
@@ -32,45 +33,44 @@ use super::{GuardFrame, PAST, Stage, norm};
 use crate::frame::{DOF, Mode, flag};
 use crate::profile::Profile;
 
-/// Part of the device's friction that counts as taking out energy: the other part is what a profile may be wrong by.
+/// Part of the device's friction that counts as dissipation; the rest allows for an inexact profile.
 const CREDIT: f64 = 0.5;
-/// Part of the largest leak at which the viscosity is the largest; also the largest credit.
+/// Part of the largest leak at which the viscosity is largest; also the largest credit.
 const REFERENCE: f64 = 0.25;
-/// Time constant in which a credit is forgotten \[s\].
+/// Time constant of the decay of a credit \[s\].
 const FORGET: f64 = 0.5;
-/// Work of the injection on the hand at which it stops \[J\], what of the energy it took out counts against that \[J\], and
-/// the time constant in which both are forgotten \[s\].
+/// Work of the injection on the hand at which it stops \[J\], the largest dissipated energy that counts against it
+/// \[J\], and the time constant with which both decay \[s\].
 const WORK: f64 = 1e-5;
 const TAKEN: f64 = 1e-4;
 const WORK_TIME: f64 = 5.0;
-/// For how long it stops, the first time and at most \[s\].
+/// Duration of a stop, the first time and at most \[s\].
 const STOP: [f64; 2] = [2.0, 64.0];
 
-/// Observer and controller, per vector of force.
+/// Passivity observer and controller per force vector.
 pub struct Passivity {
     axes: usize,
-    /// largest force of a vector, and of the injection \[N\]
+    /// Largest force of a vector, and of the injection \[N\].
     most: f64,
     injection: f64,
-    /// friction that is counted, and the largest viscosity that is injected \[N s/m\]
+    /// Friction that counts, and the largest injected viscosity \[N s/m\].
     friction: f64,
     viscosity: f64,
-    /// share of the new value in each pole of the low-pass
+    /// Weight of the new value in each pole of the low-pass.
     share: f64,
-    /// speed below which nothing counts as motion \[m/s\]
+    /// Speed below which nothing counts as motion \[m/s\].
     dead: f64,
-    /// largest leak \[J\]
     cap: f64,
     stop: [u32; 2],
-    /// frames for which forces have been fully on, up to the length of the ring
+    /// Frames for which forces have been fully on, at most the length of the ring.
     on: usize,
     axis: [Axis; DOF],
     vector: [Vector; DOF],
-    /// forces before the injection, and of the injection, a ring by the number of their frame \[N\]
+    /// Forces before the injection, and injected forces, a ring by the number of their frame \[N\].
     past: Box<[[[f64; DOF]; 2]; PAST]>,
 }
 
-/// Two equal poles of a low-pass, of speed and of the difference of forces.
+/// State of a low-pass with two equal poles, for speed and for the difference of forces.
 #[derive(Clone, Copy, Default)]
 struct Axis {
     speed: [f64; 2],
@@ -81,7 +81,7 @@ struct Axis {
 struct Vector {
     leak: f64,
     work: f64,
-    /// frames for which the injection stays off, and for which it will be off the next time
+    /// Frames for which the injection stays off now, and for which it will the next time.
     off: u32,
     next: u32,
 }
@@ -93,12 +93,13 @@ fn low_pass(pole: &mut [f64; 2], share: f64, x: f64) -> f64 {
 }
 
 impl Passivity {
-    /// As the profile says, at frames of `frame_dt` seconds; `None` where it is not wanted, or where the device has no friction
-    /// of its own, beside which no viscosity could be safe.
+    /// Builds the stage from a profile, at `frame_dt` seconds a frame.
+    ///
+    /// Returns `None` if the profile turns it off, or for a device without friction, where no viscosity is safe.
     pub fn new(profile: &Profile, frame_dt: f64) -> Option<Passivity> {
         let l = &profile.guard;
         let viscosity = l.passivity_viscosity * profile.body.friction;
-        // two poles are 3 dB down together at 0.64 of the frequency of each
+        // two equal poles together are 3 dB down at 0.64 of the frequency of each
         let w = core::f64::consts::TAU * l.passivity_band / 0.64;
         let stop = STOP.map(|t| frames(t, frame_dt));
         (l.passivity && profile.force > 0.0 && viscosity > 0.0).then(|| Passivity {
@@ -128,15 +129,15 @@ impl Stage for Passivity {
         let now = (hand.frame + 1) as usize % PAST;
         let [asked, injected] = self.past[(hand.frame + 1 - hand.ago) as usize % PAST];
         self.past[now] = [hand.force, [0.0; DOF]];
-        // the mode is still that of the frame before: the force that did the work
+        // the mode of the frame before, whose force did the work
         self.on = if hand.mode == Mode::On { (self.on + 1).min(PAST) } else { 0 };
-        // whatever force a device says it held was fully on by then
+        // any force that the device may report as held was fully on
         let on = self.on == PAST;
         for at in (0..hand.n).step_by(self.axes) {
             let end = (at + self.axes).min(hand.n);
             let s = &mut self.vector[at];
             if !on {
-                // also the filters: which force a device held while it appeared is a matter of chance
+                // resets the filters too: the force held as a device appeared is arbitrary
                 self.axis[at..end].fill(Axis::default());
                 *s = Vector { leak: 0.0, work: 0.0, off: 0, next: self.stop[0] };
                 continue;
@@ -148,7 +149,7 @@ impl Stage for Passivity {
                 made += low_pass(&mut axis.force, self.share, asked[k] - hand.mean[k]) * *v;
                 work += injected[k] * hand.moved[k];
             }
-            // the part of the speed beyond the dead zone
+            // fraction of the speed beyond the dead zone
             let size = norm(&speed[..end - at]);
             let part = if size > self.dead { 1.0 - self.dead / size } else { 0.0 };
             let paid: f64 = (at..end).zip(speed).map(|(k, v)| injected[k] * v).sum();

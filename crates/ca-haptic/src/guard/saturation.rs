@@ -1,27 +1,27 @@
-//! H2: no vector of force longer than the device may give, its direction kept.
+//! H2: shortens each force vector to the largest force of the device, and keeps its direction.
 
 use super::{GuardFrame, Stage, norm};
 use crate::frame::flag;
 use crate::profile::Profile;
 
-/// The largest force.
+/// Limit of the force vectors.
 pub struct Saturation {
     axes: usize,
     most: f64,
 }
 
 impl Saturation {
-    /// As the profile says.
+    /// Builds the limit from a profile.
     pub fn new(profile: &Profile) -> Saturation {
         Saturation { axes: profile.axes as usize, most: profile.force }
     }
 }
 
-/// Shortens `v` to the length `most`; true where it was longer.
+/// Shortens `v` to the length `most`; returns true if it was longer.
 pub(super) fn limit(v: &mut [f64], most: f64) -> bool {
     let large = v.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
     if large > most {
-        // first to a size whose square is a number: a force of 1e300 keeps its direction too
+        // scaled first so that the square is finite: a force of 1e300 keeps its direction too
         for x in &mut *v {
             *x /= large;
         }

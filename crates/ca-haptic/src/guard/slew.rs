@@ -1,18 +1,19 @@
-//! H3: no force changes faster than the stiffest thing the device renders could change it. Off and fault are zero at
-//! once.
+//! H3: limits the change of a force to what the stiffest thing the device renders could cause.
+//!
+//! Off and fault are zero at once.
 
 use super::{GuardFrame, Stage, norm};
 use crate::frame::{DOF, Mode, flag};
 use crate::profile::Profile;
 
-/// The largest change a frame.
+/// Limit of the change per frame.
 pub struct Slew {
     axes: usize,
     most: f64,
 }
 
 impl Slew {
-    /// As the profile says, at frames of `frame_dt` seconds.
+    /// Builds the limit from a profile, at `frame_dt` seconds a frame.
     pub fn new(profile: &Profile, frame_dt: f64) -> Slew {
         Slew { axes: profile.axes as usize, most: profile.slew() * frame_dt }
     }

@@ -1,30 +1,30 @@
-//! H4: no more force on the average than the motors stand for ever.
+//! H4: keeps the r.m.s. force within the continuous rating of the motors.
 //!
-//! Decides on a budget rather than a fuse: heat is the mean square of what was really sent, of first order over
-//! `thermal` seconds, and in its last fifth the largest force comes down from the peak to the continuous rating, which
-//! is then kept exactly for as long as it takes. So it never becomes a fault by itself; the cause THERMAL is what a
-//! device that measures its motors reports. Arming does not cool a motor: the heat stays.
+//! It is a budget rather than a fuse. Heat is the mean square of the force sent, with the time constant `thermal`. In
+//! the last fifth of the budget the largest force falls from the peak to the continuous rating, where it stays as long
+//! as needed, so this stage never raises a fault. The cause THERMAL comes from a device that measures its motors.
+//! Arming does not cool a motor: the heat stays.
 
 use super::saturation::limit;
 use super::{GuardFrame, Stage, norm};
 use crate::frame::{DOF, flag};
 use crate::profile::Profile;
 
-/// A budget per vector of force.
+/// Budget per force vector.
 pub struct Thermal {
     axes: usize,
     peak: f64,
     rating: f64,
     share: f64,
-    /// mean square of the force \[N²\]
+    /// Mean square of the force \[N²\].
     heat: [f64; DOF],
 }
 
-/// The part of the budget over which the peak comes down.
+/// Part of the budget over which the peak force falls.
 const LAST: f64 = 0.2;
 
 impl Thermal {
-    /// As the profile says, at frames of `frame_dt` seconds; `None` for a device that stands its largest force for ever.
+    /// Builds the budget from a profile, at `frame_dt` seconds a frame; `None` if `continuous` is at least `force`.
     pub fn new(profile: &Profile, frame_dt: f64) -> Option<Thermal> {
         let (peak, rating) = (profile.force, profile.continuous());
         (rating < peak).then(|| Thermal {
@@ -47,7 +47,7 @@ impl Stage for Thermal {
         for at in (0..hand.n).step_by(self.axes) {
             let left = (full - self.heat[at]).max(0.0);
             let soft = self.rating + (self.peak - self.rating) * (left / (LAST * full).max(f64::MIN_POSITIVE)).min(1.0);
-            // what fills the budget in this very frame
+            // force that would use up the budget in this frame
             let hard = (full + left * (1.0 / self.share - 1.0)).sqrt();
             if limit(&mut hand.force[at..(at + self.axes).min(hand.n)], soft.min(hard)) {
                 hand.flags |= flag::THERMAL;

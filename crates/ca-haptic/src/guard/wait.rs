@@ -1,48 +1,47 @@
-//! Why an armed device has no force yet (H5), for people.
+//! Reasons why the forces of an armed device have not begun (H5), for people.
 //!
-//! Decides that the gate says it itself, from the same comparisons, instead of somebody else working it out from the
-//! wire, where a force that is held back is zero like any other.
+//! The gate reports them itself, from its own comparisons. On the wire a withheld force is zero like any other.
 
 use core::fmt;
 
-/// What keeps forces from beginning.
+/// Condition that keeps forces from beginning.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Wait {
-    /// nothing: forces are on, nobody has armed them, or the time without a push is being counted
+    /// None: forces are on, the device is not armed, or the time without a push is being counted.
     #[default]
     Nothing,
-    /// no frame came, or too long ago
+    /// No frame came, or too long ago.
     Stale,
-    /// nobody has described it, and it has not said what it is
+    /// The device has neither a profile nor a description of itself.
     Undescribed,
-    /// it does not say that it is calibrated and has power
+    /// The device does not report that it is calibrated and has power.
     NotReady,
-    /// the scene is still on its way to where the device is
+    /// The scene is still moving to the position of the device.
     OnTheWay,
-    /// faster than the device may move \[m/s\]
+    /// The hand moves too fast.
     Fast {
-        /// degree of freedom
+        /// Degree of freedom.
         dof: u32,
-        /// \[m/s\]
+        /// Speed \[m/s\].
         speed: f64,
-        /// the most \[m/s\]
+        /// Speed limit \[m/s\].
         limit: f64,
     },
-    /// the model presses
+    /// The model pushes.
     Presses {
-        /// first degree of freedom of the vector that presses most
+        /// First degree of freedom of the vector that pushes most.
         dof: u32,
-        /// its force \[N\]
+        /// Its force \[N\].
         force: f64,
-        /// what counts as nothing \[N\]
+        /// Force below which nothing pushes \[N\].
         limit: f64,
-        /// how many vectors press
+        /// Number of vectors that push.
         count: u32,
     },
 }
 
 impl Wait {
-    /// The same with the degree of freedom called as `name` has it.
+    /// Returns the reason as text, with `name` giving the name of a degree of freedom.
     pub fn said(&self, name: &dyn Fn(u32) -> String) -> String {
         match *self {
             Wait::Nothing => "nothing".into(),
@@ -66,7 +65,6 @@ impl Wait {
     }
 }
 
-/// Three digits.
 fn short(v: f64) -> String {
     let digits = if v > 0.0 { (2 - v.log10().floor() as i32).clamp(0, 12) as usize } else { 0 };
     let text = format!("{v:.digits$}");

@@ -1,31 +1,30 @@
-//! H11: the ends of the travel are soft.
+//! H11: softens the ends of the travel.
 //!
-//! Decides that the model sees the hand where it is, at any place, and that the hand meets a spring of the guard's own
-//! in the last part of the travel. Clamping what the model sees was the alternative: there the instrument would stop
-//! following the hand, and its force would come from a place where nobody is. The spring is as stiff as half of what
-//! the device renders, or so that the largest force is reached at the end stop, whichever is less.
+//! The model sees the true position everywhere, and a spring of the guard pushes the hand back in the last part of the
+//! travel. Clamping the position instead would stop the instrument from following the hand, with forces for a wrong
+//! position. The spring has half of the stiffness that the device renders, or reaches the largest force at the stop,
+//! whichever is softer.
 //!
-//! A fader parked at its end, or an arm that hangs at its lowest, is in the soft edge when somebody arms. It is not
-//! pushed out, which nobody asked for, and does not have to be lifted before forces begin: an edge is there once the hand
-//! has been outside of it.
+//! A fader parked at its end, or an arm hanging at its lowest, is inside an edge when the device is armed. It need not
+//! be lifted for forces to begin, and it is not pushed out: an edge acts only after the hand has been outside of it.
 
 use super::{GuardFrame, Stage};
 use crate::frame::{DOF, Mode, flag};
 use crate::profile::Profile;
 
-/// A spring at each end of each axis.
+/// Spring at each end of each axis.
 pub struct Workspace {
     low: f64,
     high: f64,
     k: f64,
-    /// its force of the frame before \[N\]
+    /// Force of the spring in the frame before \[N\].
     last: [f64; DOF],
-    /// axes that have been outside since forces were off
+    /// Axes that have been outside of their edges since forces were off.
     left: [bool; DOF],
 }
 
 impl Workspace {
-    /// As the profile says; `None` where it wants hard ends.
+    /// Builds the springs from a profile; `None` if it asks for hard ends.
     pub fn new(profile: &Profile) -> Option<Workspace> {
         let [low, high] = profile.range;
         let width = profile.guard.edge * (high - low);
@@ -59,7 +58,7 @@ impl Stage for Workspace {
                 }
                 hand.force[i] += push;
             }
-            // over an even motion, exactly
+            // exact for a motion at constant speed
             hand.mean[i] += 0.5 * (self.last[i] + push);
             self.last[i] = push;
         }
@@ -74,7 +73,7 @@ mod tests {
     fn pushes_back_from_both_ends_up_to_the_largest_force() {
         let p = Profile::shipped("tgr12").expect("shipped");
         let mut stage = Workspace::new(&p).expect("it has edges");
-        // 5 % of 20 mm; 10 N at the stop is less than half of 40 N/mm
+        // 5 % of 20 mm; 10 N at the stop is softer than half of 40 N/mm
         for (x, want) in [(0.0, 0.0), (8.9e-3, 0.0), (9.5e-3, -5.0), (0.01, -10.0), (-9.1e-3, 1.0), (-0.01, 10.0)] {
             let mut hand = GuardFrame::new(1, 1.0 / 3000.0);
             (hand.x[0], hand.mode) = (x, Mode::On);
@@ -82,7 +81,7 @@ mod tests {
             assert!((hand.force[0] - want).abs() < 1e-9, "{x}: {}", hand.force[0]);
             assert_eq!(hand.flags & flag::EDGE != 0, want != 0.0);
         }
-        // armed while inside: not pushed out, and closed again once it has been outside
+        // armed while inside: not pushed out, but pushed back once it has been outside
         let mut hand = GuardFrame::new(1, 1.0 / 3000.0);
         for (x, mode, want) in [
             (0.01, Mode::Off, 0.0),

@@ -1,10 +1,10 @@
-//! Which server plays a device.
+//! Claims a device for one server.
 //!
-//! A server claims a device when the device sends, not when the server starts: most models name a device that is absent, and two
-//! of them may be open at the same time. The claim is the only publisher on the line of forces. The server with the claim keeps it
-//! until it ends. Other servers ignore the frames of the device, and claim it again once a second while it sends. A separate
-//! thread makes the claim, because iceoryx2 may wait a second for a process that comes or goes, and forces of other devices must
-//! not wait.
+//! A server claims a device when the device sends, not when the server starts: most models name a device that is
+//! absent, and two such models may be open at the same time. The claim is the only publisher of the service `out`, and
+//! a server holds it until it ends. Other servers ignore the frames of the device and try again once a second while it
+//! sends. A separate thread makes the claim: iceoryx2 may wait a second for a process that is just starting or ending,
+//! and the forces of other devices must not wait.
 
 use super::error::HostError;
 use super::lines::Frames;
@@ -17,44 +17,41 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::Duration;
 
-/// Between two claims of a device that another server has \[ns\].
+/// Interval between attempts to claim a device that another server has \[ns\].
 const AGAIN_NS: u64 = 1_000_000_000;
-/// A frame that waited longer is of a device that has gone \[ns\].
+/// Age up to which a frame from before the claim is used \[ns\]. A device with an older one has disconnected.
 const FRESH_NS: u64 = 250_000_000;
 
 type Forces = Publisher<Ipc, ForceFrame, ()>;
 
-/// Result of a claim.
 pub(super) enum News {
-    /// the device is ours, and [`Claim::waiting`] gives its newest frame
+    /// This server has the device, and [`Claim::waiting`] returns its newest frame.
     Ours {
-        /// the newest force was sent to it
+        /// True if the newest force was sent to the device.
         told: bool,
     },
-    /// another server has it, in words; said once of each
+    /// Another server has it: message, once for each server.
     Taken(String),
 }
 
-/// A device, ours or not.
 pub(super) struct Claim {
     site: Site,
     line: Arc<Frames<ForceFrame>>,
     forces: Option<Forces>,
     asked: Option<Receiver<Result<Forces, HostError>>>,
-    /// how long others may claim it first \[ns\]
+    /// Delay from its first frame to the claim \[ns\].
     after: u64,
-    /// when it is claimed \[ns\]; none where the device has not spoken
+    /// Time of the next claim \[ns\]; `None` before the first frame.
     next: Option<u64>,
-    /// what was said of the server that has it
+    /// Last message of [`News::Taken`].
     said: String,
-    /// the newest frame that was not used, and when it came \[ns\]
+    /// Newest unused frame, and its arrival time \[ns\].
     frame: Option<(DeviceFrame, u64)>,
-    /// the newest force that was not sent
     force: Option<ForceFrame>,
 }
 
 impl Claim {
-    /// Of a device that is claimed when it speaks, `after` which others have had their turn.
+    /// Claims the device a time `after` its first frame, so that a server with a shorter delay gets it.
     pub(super) fn when_it_speaks(site: &Site, line: Frames<ForceFrame>, after: Duration) -> Claim {
         Claim {
             site: site.clone(),
@@ -69,7 +66,6 @@ impl Claim {
         }
     }
 
-    /// Of a device that is claimed now.
     pub(super) fn now(site: &Site, line: Frames<ForceFrame>) -> Result<Claim, HostError> {
         let forces = line.publisher(site)?;
         Ok(Claim { forces: Some(forces), ..Claim::when_it_speaks(site, line, Duration::ZERO) })
@@ -79,7 +75,7 @@ impl Claim {
         self.forces.is_some()
     }
 
-    /// A frame of a device that is not ours came at `now` \[ns\].
+    /// Notes a frame of an unclaimed device that came at `now` \[ns\], and starts a claim when one is due.
     pub(super) fn heard(&mut self, frame: &DeviceFrame, now: u64) {
         self.frame = Some((*frame, now));
         let next = *self.next.get_or_insert(now + self.after);
@@ -95,11 +91,11 @@ impl Claim {
         self.asked = thread.is_ok().then_some(told);
     }
 
-    /// The result of a claim, once.
+    /// Returns the result of a claim, once.
     pub(super) fn news(&mut self) -> Option<News> {
         match self.asked.as_ref()?.try_recv() {
             Ok(Ok(forces)) => {
-                // a device gives no force before it saw its engine at rest
+                // a device applies no force before it has received a frame of an engine at rest
                 let told = self.force.take().is_some_and(|force| forces.send_copy(force).is_ok());
                 (self.forces, self.asked) = (Some(forces), None);
                 Some(News::Ours { told })
@@ -118,12 +114,12 @@ impl Claim {
         }
     }
 
-    /// The frame that came before the device was ours, once, and not where it is of long ago.
+    /// Returns the newest frame from before the claim, once, if it is younger than [`FRESH_NS`].
     pub(super) fn waiting(&mut self, now: u64) -> Option<DeviceFrame> {
         self.frame.take().filter(|(_, at)| now.saturating_sub(*at) < FRESH_NS).map(|(frame, _)| frame)
     }
 
-    /// Sends a force; whether it went, or nothing of a device that is not ours.
+    /// Sends a force. Returns true if it was sent, and `None` for an unclaimed device.
     pub(super) fn send(&mut self, force: &ForceFrame) -> Option<bool> {
         let sent = self.forces.as_ref().map(|forces| forces.send_copy(*force).is_ok());
         if sent.is_none() {

@@ -1,9 +1,8 @@
-//! The side of a device: positions out, forces in.
+//! The client for device processes: sends positions and receives forces.
 //!
-//! Decides that a device process needs five calls and no knowledge of who comes first: it opens or makes its lines,
-//! sends, takes the newest force, may wait for it, and asks [`DeviceClient::safe_force`] for what may reach a motor. An
-//! engine that is killed, stopped or started again is no error here: forces become zero (see [`watch`](super::watch))
-//! and come back with the next engine.
+//! A device process needs five calls: open, send, read the newest force, wait for one, and [`DeviceClient::safe_force`]
+//! for the forces that may reach the motors. Device and engine may start in either order. An engine that is killed,
+//! stopped or restarted is not an error: forces are zero (see [`watch`](super::watch)) until the next engine sends any.
 
 use super::error::HostError;
 use super::lines::{Frames, Line, Wakeup, check_name};
@@ -21,33 +20,34 @@ use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::Node;
 use std::time::Duration;
 
-/// How often a device says who it is \[ns\].
+/// Interval between `About` messages \[ns\].
 const EVERY_NS: u64 = 1_000_000_000;
 
-/// A device on its lines.
+/// The connection of a device process to the engine.
 pub struct DeviceClient {
     about: About,
     seq: u64,
     reported: u64,
     held: Option<u64>,
-    /// number of the force frame that the caller was given last
+    /// Number of the force frame last returned to the caller.
     given: u64,
     watch: Watch,
-    // ports before the node they belong to
+    // ports are dropped before their node
     frames: Publisher<Ipc, DeviceFrame, ()>,
     forces: Subscriber<Ipc, ForceFrame, ()>,
     says: Publisher<Ipc, About, ()>,
     bell: Listener<Ipc>,
     _node: Node<Ipc>,
-    /// protects the prefix
+    /// Holds the lock on the prefix.
     _site: Site,
 }
 
 impl DeviceClient {
-    /// Opens the lines of the device that `about` names ([`About::device`]); session and header are filled in here.
+    /// Opens the services of the device that [`About::device`] names, and fills in session and header of `about`.
     ///
     /// # Errors
-    /// Where the name is none or is taken, the shared memory is not ours or too small, or iceoryx2 refuses.
+    /// If the name is invalid or taken, the shared memory belongs to another user or is too small, or a call to
+    /// iceoryx2 fails.
     pub fn open(site: &Site, about: About) -> Result<DeviceClient, HostError> {
         let name = text(&about.device);
         check_name(&name)?;
@@ -59,7 +59,7 @@ impl DeviceClient {
         (about.magic, about.version, about.layout) = (About::MAGIC, VERSION, About::LAYOUT);
         (about.device, about.session) = (uid(name), session());
         let node = site.node(&format!("device {name}"))?;
-        // first the line that only one can have
+        // the exclusive service first
         let frames = Frames::open(&node, name, Line::In, 0)?.publisher(site)?;
         let forces = Frames::open(&node, name, Line::Out, 0)?.subscriber(site, 0)?;
         let says = Frames::open(&node, name, Line::About, 1)?.publisher(site)?;
@@ -83,7 +83,7 @@ impl DeviceClient {
         Ok(client)
     }
 
-    /// What it says of itself.
+    /// Returns the description that the device sends.
     pub fn about(&self) -> &About {
         &self.about
     }
@@ -94,26 +94,28 @@ impl DeviceClient {
         Ok(())
     }
 
-    /// Says that what moved the motors until the next frame was force frame `seq`, and not the newest, as in a device
-    /// that takes forces later than they come, or by other rules than [`DeviceClient::safe_force`]. Holds for one
-    /// [`DeviceClient::send`], which then leaves it to the caller to say why there is no force.
+    /// Sets the force frame `seq` that the motors held until the next frame, for one [`DeviceClient::send`], which then
+    /// sends the caller's `cause` unchanged. A device needs this if it applies forces later than it reads them, or by
+    /// other rules than [`DeviceClient::safe_force`].
     pub fn held(&mut self, seq: u64) {
         self.held = Some(seq);
     }
 
-    /// Sends a frame: fills in who it is from (header, device, session), its number, the last force that was asked for
-    /// ([`DeviceClient::safe_force`], [`DeviceClient::force`]), the time and, where 0, the period; on the wire also why
-    /// there is no force, where the frame gives no reason of its own. Returns how many read it; 0 is no error, the engine
-    /// may come later.
+    /// Sends a frame and returns the number of its readers.
+    ///
+    /// It fills in header, device, session, `seq`, time, `ack` (the last force frame returned by
+    /// [`DeviceClient::safe_force`] or [`DeviceClient::force`]), and a period of 0. If `cause` is 0, it sends the cause
+    /// for which the force is zero, and leaves `frame.cause` unchanged. 0 readers are not an error, because the engine
+    /// may start later.
     ///
     /// # Errors
-    /// Where iceoryx2 refuses; a frame that nobody reads is no error.
+    /// If a call to iceoryx2 fails.
     pub fn send(&mut self, frame: &mut DeviceFrame) -> Result<usize, HostError> {
         let now = now_ns();
         if now.saturating_sub(self.reported) >= EVERY_NS {
             self.tell(now)?;
         } else {
-            // one who came since is given the last at once
+            // a new reader gets the last message at once
             let _ = self.says.update_connections();
         }
         self.seq += 1;
@@ -127,8 +129,8 @@ impl DeviceClient {
         }
         let mut sent = *frame;
         if own && sent.cause == 0 {
-            // what it found itself; else, where the engine gives no force, that it was not asked for one: why, the engine
-            // knows better, and would take its own fault for another. One that never heard of an engine misses none
+            // Only causes that the device found itself are sent. A cause of the engine becomes `Disarmed`, because the
+            // engine would take its own fault for a new one. So does a missing engine, if there was none before.
             let found = self.watch.last().map_or(Cause::Disarmed, |_| self.watch.cause(now));
             sent.cause = match found {
                 Cause::None | Cause::WatchdogOut | Cause::Disconnect => found,
@@ -138,54 +140,55 @@ impl DeviceClient {
         self.frames.send_copy(sent).map_err(|e| HostError::system("a frame cannot be sent", e))
     }
 
-    /// Takes all that came. True if there is a newer frame than before.
+    /// Receives all waiting frames. Returns true if one is newer than the last.
     fn drain(&mut self) -> bool {
         let mut newer = false;
-        // what cannot be received is not there: the watch makes it zero
+        // a frame that cannot be received counts as missing, and `watch` returns zero force
         while let Ok(Some(frame)) = self.forces.receive() {
             newer |= self.watch.take(&frame);
         }
         newer
     }
 
-    /// The newest force frame of this layout and for this device, if one came since the last call. For display and
-    /// measurement; motors get [`DeviceClient::safe_force`].
+    /// Returns the newest force frame with this layout and for this device, if one came since the last call. It is for
+    /// display and measurement; use [`DeviceClient::safe_force`] for motors.
     pub fn force(&mut self) -> Option<ForceFrame> {
         if self.drain() { self.give().copied() } else { None }
     }
 
-    /// What may reach the motors now \[N\]: zeros after the life of the last frame, when off or at fault, from an engine
-    /// not yet seen at rest.
+    /// Returns the forces that may reach the motors now \[N\]. They are zero when the last frame is older than its
+    /// `ttl_us`, when its mode is off or fault, and until the session of the engine has sent a frame with one of these
+    /// modes.
     pub fn safe_force(&mut self) -> [f64; DOF] {
         self.drain();
         self.give();
         self.watch.force(now_ns())
     }
 
-    /// The newest frame, which is what the motors hold from now on: one that is only looked at ([`DeviceClient::cause`])
-    /// acts on nobody, and must not be acknowledged.
+    /// Returns the newest frame and notes it as the one that the motors hold from now on. A frame that is read only for
+    /// [`DeviceClient::cause`] does not reach the motors and must not be acknowledged.
     fn give(&mut self) -> Option<&ForceFrame> {
         let last = self.watch.last();
         self.given = last.map_or(0, |f| f.seq);
         last
     }
 
-    /// Why [`DeviceClient::safe_force`] gives nothing; [`Cause::None`] where it gives a force.
+    /// Returns why [`DeviceClient::safe_force`] is zero; [`Cause::None`] if it returns a force of the engine.
     pub fn cause(&mut self) -> Cause {
         self.drain();
         self.watch.cause(now_ns())
     }
 
-    /// What it knows of its engine.
+    /// Returns the state of the connection to the engine.
     pub fn watch(&self) -> &Watch {
         &self.watch
     }
 
-    /// Sleeps until a force frame comes, at most this long. True if one came.
+    /// Sleeps until a force frame comes, at most for `timeout`. Returns true if one came.
     pub fn wait(&mut self, timeout: Duration) -> bool {
         self.bell.timed_wait(|_| {}, timeout).map_or_else(
             |_| {
-                // a bell that cannot be heard does not make the caller spin
+                // sleeps on an error too, so that the caller does not spin
                 std::thread::sleep(timeout);
                 false
             },

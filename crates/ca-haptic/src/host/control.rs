@@ -1,10 +1,10 @@
-//! What people ask of a running server: parameters, arming, status.
+//! Control of a running server: parameters, arming, status.
 //!
-//! Requests and replies are JSON texts, one line each, over a stream socket in the folder of the place. A person can read
-//! them. The users that can reach the devices can reach this, no others. The socket lies in a folder of mode 0700, since
-//! it has the mode that the system gives it until it can be changed. `/dev/shm` is not used: whatever other users put there,
-//! forces can be turned off. One server has a place, by a lock that the kernel releases when the server is killed. All
-//! values of one request land in one tick.
+//! Requests and replies are JSON texts, one line each, over a stream socket in the folder of the site. The socket is in
+//! a folder of mode 0700, because it has the default mode until that can be changed. So it has the same trust boundary
+//! as the devices: the user. It does not use `/dev/shm`, so forces can be disarmed whatever other users put there. A
+//! lock allows one server for each site, and the kernel releases it when the server is killed. All values of one
+//! request take effect in one tick.
 
 use super::error::{HostError, HostErrorKind};
 use super::site::Site;
@@ -18,14 +18,12 @@ use std::path::PathBuf;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// Callers at a time.
 const CALLERS: usize = 8;
-/// Longest text \[bytes\].
+/// Longest request \[bytes\].
 const LONGEST: usize = 16 << 20;
-/// Longest time in which a caller asks, and in which it takes its answer.
+/// Time limit of a caller to send its request, and to read the reply.
 const CALL: Duration = Duration::from_secs(2);
 
-/// The folder of the socket and of the lock.
 fn folder(site: &Site) -> PathBuf {
     site.root().join("control")
 }
@@ -34,10 +32,10 @@ fn socket(site: &Site) -> PathBuf {
     folder(site).join(format!("v{VERSION}"))
 }
 
-/// Time for the last callers to take their answers when the server ends.
+/// Time limit of the last callers to read their replies when the server ends.
 const READ: Duration = Duration::from_secs(1);
 
-/// The server's end.
+/// The server side of the control socket.
 pub struct ControlServer {
     listener: UnixListener,
     calls: Vec<Call>,
@@ -46,10 +44,10 @@ pub struct ControlServer {
 }
 
 impl ControlServer {
-    /// Opens it. Another server at this place is an error; one that was killed is not.
+    /// Opens the socket. A socket left by a killed server is replaced.
     ///
     /// # Errors
-    /// If another server has the place, or the folder cannot be written.
+    /// If another server runs at this site, or the folder cannot be written.
     pub fn open(site: &Site) -> Result<ControlServer, HostError> {
         super::stale_shm::strangers(site)?;
         let failed = |e: io::Error| HostError::system(format!("`{}` cannot be served", socket(site).display()), e);
@@ -78,7 +76,7 @@ impl ControlServer {
         })
     }
 
-    /// Answers what was asked. What cannot be read is answered here.
+    /// Answers waiting requests with `answer`, without blocking. A request that cannot be parsed is refused here.
     pub fn poll(&mut self, answer: &mut dyn FnMut(Request) -> Reply) {
         while self.calls.len() < CALLERS {
             let Ok((stream, _)) = self.listener.accept() else { break };
@@ -91,7 +89,7 @@ impl ControlServer {
 }
 
 impl Drop for ControlServer {
-    /// Waits until the last answers are taken: one of them may be the answer to [`Request::Stop`].
+    /// Waits until the last replies are read: one of them may be the reply to [`Request::Stop`].
     fn drop(&mut self) {
         let end = Instant::now() + READ;
         self.calls.retain(|call| call.answer.is_some());
@@ -99,12 +97,12 @@ impl Drop for ControlServer {
             self.calls.retain_mut(|call| call.turn(&mut |_| Reply::refused("the server ends")));
             sleep(Duration::from_millis(1));
         }
-        // the lock is still held: this is our socket
+        // the lock is still held, so this is the socket of this server
         let _ = fs::remove_file(&self.socket);
     }
 }
 
-/// The lock of the place, or the process that has it.
+/// Returns the lock of the site, or the process that has it.
 fn locked(site: &Site) -> io::Result<Result<File, String>> {
     let folder = folder(site);
     match fs::DirBuilder::new().mode(0o700).create(&folder) {
@@ -130,18 +128,17 @@ fn locked(site: &Site) -> io::Result<Result<File, String>> {
     }
 }
 
-/// One caller: a line comes in, a line goes out.
 struct Call {
     stream: UnixStream,
     asked: Vec<u8>,
-    /// what is still to be sent
+    /// Rest of the reply.
     answer: Option<Vec<u8>>,
-    /// when the caller came, or when its answer was made
+    /// Start of the current time limit: connection, then reply.
     since: Instant,
 }
 
 impl Call {
-    /// Goes on as far as it can without waiting. False once it is over.
+    /// Continues as far as possible without blocking. Returns false at the end of the call.
     fn turn(&mut self, answer: &mut dyn FnMut(Request) -> Reply) -> bool {
         if self.answer.is_none() {
             let Ok(there) = self.ask() else { return false };
@@ -167,7 +164,7 @@ impl Call {
         false
     }
 
-    /// Reads what came: the length of the request once it is whole.
+    /// Reads available bytes. Returns the length of the request once it is complete.
     fn ask(&mut self) -> io::Result<Option<usize>> {
         let mut block = [0; 4096];
         loop {
@@ -191,7 +188,7 @@ impl Call {
     }
 }
 
-/// Asks the server of this place, and waits for its answer at most this long.
+/// Sends a request to the server of this site and returns its reply.
 ///
 /// # Errors
 /// If no server answers within `patience`.
@@ -219,10 +216,9 @@ pub fn ask(site: &Site, request: &Request, patience: Duration) -> Result<Reply, 
     })
 }
 
-/// The line that is answered to a line.
 fn asked(site: &Site, text: &[u8], patience: Duration) -> io::Result<Vec<u8>> {
     let begin = Instant::now();
-    // a timeout of zero is refused by the system
+    // the system refuses a timeout of zero
     let left = || patience.checked_sub(begin.elapsed()).filter(|d| !d.is_zero()).ok_or(ErrorKind::TimedOut);
     let mut stream = UnixStream::connect(socket(site))?;
     stream.set_write_timeout(Some(left()?))?;

@@ -1,38 +1,36 @@
-//! What is said about shared memory that cannot be used.
-//!
-//! Decides, as for files, on one record: a kind for programs; for people what is wrong and one thing to do about it.
-//! The twenty variants of each iceoryx2 call end here.
+//! The error of shared memory: a kind for programs, and for people a message with one remedy, as for files. It replaces
+//! the twenty error variants of each iceoryx2 call.
 
 use std::fmt;
 
-/// What sort of failure, for programs.
+/// Kind of an error, for programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum HostErrorKind {
-    /// the place of the shared memory cannot be used: too long, not ours, not writable
+    /// The folder of the site cannot be used: path too long, owned by another user, or not writable.
     Site,
-    /// a device cannot have this name
+    /// The name of a device is invalid.
     Name,
-    /// somebody else has this place: end that process, or take another name
+    /// Another process has the device or site: end that process, or choose another name.
     Busy,
-    /// the other side speaks another version or layout: build both from one release
+    /// The other side uses another version or layout: build both from one release.
     Version,
-    /// nobody answers: start the other side and try again
+    /// The other side does not answer: start it and try again.
     Absent,
-    /// an answer that makes no sense
+    /// The answer cannot be parsed.
     Answer,
-    /// the system refused something; what, is in the text
+    /// A call to the system or to iceoryx2 failed; the text names it.
     System,
 }
 
-/// Why shared memory could not be used.
+/// An error of shared memory.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HostError {
-    /// what sort of failure
+    /// Kind, for programs.
     pub kind: HostErrorKind,
-    /// what is wrong
+    /// Message for people.
     pub what: String,
-    /// what to do about it; empty where nothing sensible can be said
+    /// Remedy; empty if none is known.
     pub fix: String,
 }
 
@@ -40,7 +38,6 @@ impl HostError {
     pub(crate) fn new(kind: HostErrorKind, what: impl Into<String>, fix: impl Into<String>) -> HostError {
         HostError { kind, what: what.into(), fix: fix.into() }
     }
-    /// Something the system or iceoryx2 refused.
     pub(crate) fn system(what: impl fmt::Display, why: impl fmt::Debug) -> HostError {
         HostError::new(
             HostErrorKind::System,

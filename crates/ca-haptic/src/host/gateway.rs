@@ -1,10 +1,9 @@
-//! The side of the server: N devices, one thread.
+//! Receives frames from all devices on one thread, and sends them forces.
 //!
-//! Decides that this thread polls instead of waiting for events: a wait on a set of events allocates and costs more than
-//! a look every 50 µs (a millisecond while no device is there), and the engine is woken by its own clock. Frames are only
-//! looked at for their layout and their sender here; whether they can be true is the guard's question. A device is there
-//! from its first frame and gone after a quarter of a second of silence, whatever its process does. Which server plays it is
-//! decided then (`claim.rs`).
+//! The thread polls every 50 µs (every 1 ms without devices). An iceoryx2 `WaitSet` allocates on each wait and is
+//! slower, and the engine runs on its own clock anyway. This module checks only the layout and sender of a frame;
+//! `guard` checks its content. A device counts as connected from its first frame until 250 ms without one. Its first
+//! frame also starts the claim that decides which server uses it (`claim.rs`).
 
 use super::claim::{Claim, News};
 use super::error::{HostError, HostErrorKind};
@@ -24,59 +23,59 @@ use std::thread::{JoinHandle, sleep};
 use std::time::{Duration, Instant};
 use zerocopy::IntoBytes;
 
-/// Time between two looks, and while no device is there.
+/// Poll interval with devices.
 const POLL: Duration = Duration::from_micros(50);
+/// Poll interval without devices.
 const IDLE: Duration = Duration::from_millis(1);
-/// How long the end of the thread is waited for.
+/// Longest wait for the end of the thread.
 const LEAVE: Duration = Duration::from_secs(5);
-/// Silence after which a device is gone \[ns\].
+/// Time without frames after which a device counts as disconnected \[ns\].
 const SILENCE_NS: u64 = 250_000_000;
 
-/// Between two words on a device that is another all the time \[ns\].
+/// Shortest interval between two [`Event::Here`] of a device whose session keeps changing \[ns\].
 const REPORT_NS: u64 = 10_000_000;
-/// Frames of a device in one look: one that sends without end is no reason for the others to wait.
+/// Most frames of one device in one poll, so that a device that never stops sending does not delay the others.
 const BURST: usize = 16;
-/// Frames in a row that nobody misses without being gone.
+/// A gap of at least this many frame numbers counts as one missed frame: a real one would exceed [`SILENCE_NS`].
 const UNLIKELY: u64 = 1 << 32;
 
-/// What happened to a device.
+/// An event of a device.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
-    /// its first frame came, of a process with this session
+    /// The first frame of a process came.
     Here {
-        /// as in its frames
+        /// Session number in its frames.
         session: u64,
     },
-    /// it says who it is; again whenever that changes
+    /// The device described itself, for the first time or with changes.
     About(Box<About>),
-    /// nothing came for a quarter of a second
+    /// No frame came for 250 ms.
     Gone,
-    /// another server has it, in words; its frames are not used until that one ends
+    /// Another server has the device, as the message says; its frames are ignored until that server ends.
     Taken(String),
-    /// frames came that are not used, and why; reported once a session of silence
+    /// Unusable frames came, for this reason; reported once until the next [`Event::Here`].
     Foreign(FrameMismatch),
 }
 
-/// What was counted, for all devices together.
+/// Counters, for all devices together.
 #[derive(Debug, Default)]
 pub struct Traffic {
-    /// device frames received
+    /// Device frames received.
     pub received: AtomicU64,
-    /// of these, not of this version or of another device
+    /// Received frames of another version or another device.
     pub foreign: AtomicU64,
-    /// device frames that were never seen here: gaps in their numbers
+    /// Device frames missed, from gaps in their numbers.
     pub missed: AtomicU64,
-    /// device frames for which the ring to the engine had no room
+    /// Device frames lost because the ring to the engine was full.
     pub full: AtomicU64,
-    /// force frames sent
+    /// Force frames sent.
     pub sent: AtomicU64,
-    /// force frames that could not be sent
+    /// Force frames that could not be sent.
     pub unsent: AtomicU64,
-    /// device frames that are not used, and force frames that are not sent, because the device is not claimed
+    /// Device frames not used and force frames not sent, because the device is not claimed.
     pub unclaimed: [AtomicU64; 2],
 }
 
-/// One device, seen from here.
 struct Place {
     name: String,
     uid: [u8; 16],
@@ -86,16 +85,16 @@ struct Place {
     bell: Notifier<Ipc>,
     session: u64,
     seq: u64,
-    /// when the last frame came \[ns\]; 0 while it is gone
+    /// Time of the last frame \[ns\]; 0 while disconnected.
     heard: u64,
     complained: bool,
-    /// when it last announced itself \[ns\]
+    /// Time of the last [`Event::Here`] \[ns\].
     reported: u64,
     about: Option<About>,
 }
 
 impl Place {
-    /// A frame that is used: whose it is, and what is missing before it.
+    /// Notes a frame that is used: reports a new session, and counts the frames missed before it.
     fn follow(
         &mut self,
         k: usize,
@@ -105,14 +104,12 @@ impl Place {
         traffic: &Traffic,
     ) {
         if self.heard == 0 || self.session != frame.session {
-            // one that changes all the time is reported now and then
             if now.saturating_sub(self.reported) > REPORT_NS {
                 events.push_back((k, Event::Here { session: frame.session }));
                 (self.reported, self.complained) = (now, false);
             }
         } else {
             let gap = frame.seq.saturating_sub(self.seq).saturating_sub(1);
-            // a number from nowhere is not so many frames
             traffic.missed.fetch_add(if gap < UNLIKELY { gap } else { 1 }, Relaxed);
         }
         (self.session, self.seq, self.heard) = (frame.session, frame.seq, now.max(1));
@@ -124,27 +121,26 @@ pub struct Gateway {
     places: Vec<Place>,
     events: VecDeque<(usize, Event)>,
     traffic: Arc<Traffic>,
-    // after the ports that belong to it
+    // dropped after its ports
     _node: Node<Ipc>,
-    /// protects the prefix
+    /// Holds the lock on the prefix.
     _site: Site,
 }
 
 impl Gateway {
-    /// Opens the lines of these devices. Another server that has one of them is an error; one that was killed is not.
+    /// Opens the services of these devices and claims the devices now.
     ///
     /// # Errors
-    /// Where a name is none or is taken, or the shared memory cannot be made.
+    /// If a name is invalid or given twice, another running server has a device, or the shared memory cannot be made.
     pub fn open<S: AsRef<str>>(site: &Site, names: &[S]) -> Result<Gateway, HostError> {
         Gateway::with(site, names, None)
     }
 
-    /// The same; with `after`, each device is claimed `after` its first frame instead of now.
+    /// Opens the services. Each device is claimed a time `after` its first frame, or now for `None`.
     fn with<S: AsRef<str>>(site: &Site, names: &[S], after: Option<Duration>) -> Result<Gateway, HostError> {
         super::stale_shm::strangers(site)?;
         let names: Vec<String> = names.iter().map(|n| n.as_ref().into()).collect();
         let need = room::DEVICE * names.len() as u64;
-        // each device has its own patience
         let limit = LIMIT * u32::try_from(names.len()).unwrap_or(u32::MAX).clamp(1, 10);
         within(site, need, limit, move |site| Gateway::made(site, &names, after))
     }
@@ -160,7 +156,7 @@ impl Gateway {
             }
             let line = Frames::open(&node, name, Line::Out, 0)?;
             places.push(Place {
-                // first the line that only one can have
+                // the exclusive service first
                 claim: match after {
                     Some(after) => Claim::when_it_speaks(site, line, after),
                     None => Claim::now(site, line)?,
@@ -181,7 +177,7 @@ impl Gateway {
         Ok(Gateway { places, events: VecDeque::new(), traffic: Arc::default(), _node: node, _site: site.clone() })
     }
 
-    /// Takes all frames that came, oldest first: the number of the device, and the frame.
+    /// Receives all waiting frames and gives `incoming` the number of the device and the frame, oldest first.
     pub fn poll(&mut self, incoming: &mut impl FnMut(usize, DeviceFrame)) {
         let now = now_ns();
         for (k, p) in self.places.iter_mut().enumerate() {
@@ -224,9 +220,9 @@ impl Gateway {
                 self.events.push_back((k, Event::Gone));
             }
             for _ in 0..BURST {
-                // what it says waits until it is ours
+                // descriptions are read once the device is claimed
                 let Some(Ok(Some(about))) = p.claim.is_ours().then(|| p.says.receive()) else { break };
-                // bytes, since what is not finite differs from itself
+                // as bytes, because NaN differs from itself
                 let new = p.about.is_none_or(|a| a.as_bytes() != about.as_bytes());
                 if about.is_ours() && about.device == p.uid && new {
                     p.about = Some(*about);
@@ -236,8 +232,8 @@ impl Gateway {
         }
     }
 
-    /// Sends a force to device `k` and wakes it. Never waits. Its life is counted from `t_host_ns`, which whoever made it
-    /// has written: a force that was held up on its way here is no fresh one.
+    /// Sends a force to device `k` and wakes it, without blocking. The lifetime of the force runs from `t_host_ns`,
+    /// which the caller has set, so that a delay before this call counts.
     pub fn send(&mut self, k: usize, frame: &ForceFrame) {
         let Some(p) = self.places.get_mut(k) else { return };
         let Some(sent) = p.claim.send(frame) else {
@@ -246,26 +242,26 @@ impl Gateway {
         };
         let count = if sent { &self.traffic.sent } else { &self.traffic.unsent };
         count.fetch_add(1, Relaxed);
-        // a sleeper that cannot be woken looks by itself sooner or later
+        // a device that cannot be woken reads the force at its own timeout
         let _ = p.bell.notify();
     }
 
-    /// The oldest event not yet reported: the number of the device, and what happened.
+    /// Removes and returns the oldest event, with the number of its device.
     pub fn event(&mut self) -> Option<(usize, Event)> {
         self.events.pop_front()
     }
 
-    /// What device `k` said of itself last.
+    /// Returns the last `About` of device `k`.
     pub fn about(&self, k: usize) -> Option<&About> {
         self.places.get(k)?.about.as_ref()
     }
 
-    /// What was counted.
+    /// Returns the counters.
     pub fn traffic(&self) -> Arc<Traffic> {
         self.traffic.clone()
     }
 
-    /// Moves frames between shared memory and rings until told to stop. Returns itself, with its places.
+    /// Moves frames between shared memory and rings until `stop` is set, and returns the gateway, still open.
     #[must_use]
     pub fn run(mut self, rings: &mut Rings, stop: &AtomicBool) -> Gateway {
         while !stop.load(Relaxed) {
@@ -279,24 +275,24 @@ impl Gateway {
                 self.send(k as usize, &frame);
             }
             while let Some((k, event)) = self.event() {
-                // one who no longer listens does not want to know
                 let _ = rings.events.send((k as u32, event));
             }
             sleep(if self.places.iter().any(|p| p.heard != 0) { POLL } else { IDLE });
         }
-        // the last word of an engine is that forces are off: nobody should have to wait for its silence
+        // the last frames turn forces off, so that devices need not wait for a timeout
         while let Ok((k, frame)) = rings.outgoing.pop() {
             self.send(k as usize, &frame);
         }
         self
     }
 
-    /// Opens the lines in a new thread and runs there. Each device is claimed `after` its first frame: the server with the shorter
-    /// delay gets it, and the other reports [`Event::Taken`].
-    /// Asks the system for `request`; what it granted is in [`Running::granted`].
+    /// Opens the services in a new thread and runs there.
+    ///
+    /// Each device is claimed a time `after` its first frame: the server with the shorter delay gets it, and the other
+    /// reports [`Event::Taken`]. The thread asks the system for `request`; [`Running::granted`] has the result.
     ///
     /// # Errors
-    /// As [`Gateway::open`], or where no thread can be started.
+    /// If a name is invalid or given twice, the shared memory cannot be made, or no thread can be started.
     pub fn start<S: AsRef<str>>(
         site: &Site,
         names: &[S],
@@ -325,21 +321,21 @@ impl Gateway {
     }
 }
 
-/// What joins the gateway thread to the rest of a server.
+/// Connections of the gateway thread to the rest of a server.
 pub struct Rings {
-    /// frames of devices, to the engine; where it is full, the newest are lost and counted
+    /// Device frames to the engine; when it is full, new frames are lost and counted.
     pub incoming: rtrb::Producer<(u32, DeviceFrame)>,
-    /// forces, from the engine
+    /// Forces from the engine.
     pub outgoing: rtrb::Consumer<(u32, ForceFrame)>,
-    /// what happens to devices, to somebody who has time
+    /// Events of devices, to a thread that is not real-time.
     pub events: mpsc::Sender<(u32, Event)>,
 }
 
-/// A gateway thread. Ends when dropped.
+/// A gateway thread, which ends when this value is dropped.
 pub struct Running {
-    /// what is counted
+    /// Counters.
     pub traffic: Arc<Traffic>,
-    /// what the system granted its thread
+    /// Priority and other rights that the system granted the thread.
     pub granted: Granted,
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
@@ -351,7 +347,7 @@ impl Drop for Running {
         let end = Instant::now() + LEAVE;
         while self.thread.as_ref().is_some_and(|t| !t.is_finished()) {
             if Instant::now() > end {
-                // one that hangs in iceoryx2 holds up nobody
+                // a thread that hangs in iceoryx2 is left behind
                 return;
             }
             sleep(IDLE);
@@ -362,11 +358,11 @@ impl Drop for Running {
     }
 }
 
-/// Every device that speaks at this place, within this time: most answer within a few milliseconds, a device that sends
-/// seldom within a second.
+/// Returns the `About` of each device of this site that answers within `patience`. Most devices need a few
+/// milliseconds, a device that rarely sends up to a second.
 ///
 /// # Errors
-/// Where the shared memory cannot be opened.
+/// If the shared memory cannot be opened.
 pub fn list_devices(site: &Site, patience: Duration) -> Result<Vec<About>, HostError> {
     within(site, room::LOOK, LIMIT + patience, move |site| said(site, patience))
 }

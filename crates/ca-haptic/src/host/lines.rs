@@ -1,8 +1,8 @@
-//! The services of a device, and how both sides open them.
+//! Opens the services of a device, for both sides.
 //!
-//! Decides the sizes of all queues in one place, so that it does not matter who comes first. One publisher a line: a
-//! second device of the same name, or a second server, is refused with the name of the process that has the place. Of a
-//! process that was killed, the place is swept and taken.
+//! All queue sizes are here, so that either side may make the services. A service has one publisher: a second device of
+//! the same name, or a second server, gets an error with the name of the process that is the publisher. The publisher
+//! of a killed process is removed and replaced.
 
 use super::error::{HostError, HostErrorKind};
 use super::site::{Ipc, Site};
@@ -22,28 +22,28 @@ use std::fmt::Debug;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// Newest frames kept for a reader that is late.
+/// Length of the queue of a reader: the newest frames.
 const BUFFER: usize = 4;
-/// Readers of a line: the other side, and those who list or watch.
+/// Most readers of a service: the other side, and processes that list or watch.
 const READERS: usize = 8;
-/// How long somebody who comes or goes may stand in the way.
+/// Longest wait for another process that is just starting or ending.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Which line of a device.
+/// A service of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Line {
-    /// device frames
+    /// Device frames.
     In,
-    /// force frames
+    /// Force frames.
     Out,
-    /// what the device says of itself
+    /// Description of the device.
     About,
-    /// wakes the device
+    /// Event that wakes the device.
     Wake,
 }
 
 impl Line {
-    /// Name of the service of a device.
+    /// Returns the name of this service for a device.
     pub fn of(self, device: &str) -> String {
         let end = match self {
             Line::In => "in",
@@ -55,10 +55,10 @@ impl Line {
     }
 }
 
-/// Whether a device can have this name: 1 to 16 letters, digits, `_`, `-`, `.`
+/// Checks the name of a device: 1 to 16 ASCII letters, digits, `_`, `-` or `.`
 ///
 /// # Errors
-/// Where it is another one.
+/// If the name is not of this form.
 pub fn check_name(name: &str) -> Result<(), HostError> {
     let plain = name.bytes().all(|b| b.is_ascii_alphanumeric() || matches!(b, b'_' | b'-' | b'.'));
     if (1..=16).contains(&name.len()) && plain {
@@ -72,7 +72,6 @@ fn service_name(name: &str) -> Result<ServiceName, HostError> {
     ServiceName::new(name).map_err(|e| HostError::system(format!("`{name}`"), e))
 }
 
-/// A line of frames, opened or made.
 pub(super) struct Frames<T: Debug + ZeroCopySend + 'static> {
     name: String,
     device: String,
@@ -80,7 +79,7 @@ pub(super) struct Frames<T: Debug + ZeroCopySend + 'static> {
 }
 
 impl<T: Debug + Copy + ZeroCopySend + 'static> Frames<T> {
-    /// Opens or makes it. `history` is how many past frames one who comes later is given.
+    /// Opens or makes the service. A later reader gets up to `history` past frames.
     pub fn open(node: &Node<Ipc>, device: &str, line: Line, history: usize) -> Result<Frames<T>, HostError> {
         let name = line.of(device);
         let service = service_name(&name)?;
@@ -105,7 +104,7 @@ impl<T: Debug + Copy + ZeroCopySend + 'static> Frames<T> {
         }
     }
 
-    /// The one who writes on it. Never waits: a reader that is late loses the oldest.
+    /// Makes the publisher. It never waits: a late reader loses the oldest frames.
     pub fn publisher(&self, site: &Site) -> Result<Publisher<Ipc, T, ()>, HostError> {
         let end = Instant::now() + PATIENCE;
         loop {
@@ -125,7 +124,8 @@ impl<T: Debug + Copy + ZeroCopySend + 'static> Frames<T> {
         }
     }
 
-    /// A reader. Its queue is of our length, also where somebody who records made the line with room for longer ones.
+    /// Makes a subscriber with a queue of [`BUFFER`] frames, even if a recording process made the service for longer
+    /// ones.
     pub fn subscriber(&self, site: &Site, history: usize) -> Result<Subscriber<Ipc, T, ()>, HostError> {
         let end = Instant::now() + PATIENCE;
         loop {
@@ -144,7 +144,6 @@ impl<T: Debug + Copy + ZeroCopySend + 'static> Frames<T> {
         }
     }
 
-    /// The living process that writes on this line.
     fn holder(&self, site: &Site) -> Option<String> {
         let mut node = None;
         self.factory.dynamic_config().list_publishers(|p| {
@@ -155,7 +154,6 @@ impl<T: Debug + Copy + ZeroCopySend + 'static> Frames<T> {
         site.who(|id| *id == node)
     }
 
-    /// How many write on it.
     pub fn writers(&self) -> usize {
         self.factory.dynamic_config().number_of_publishers()
     }
@@ -171,7 +169,7 @@ impl<T: Debug + Copy + ZeroCopySend + 'static> Frames<T> {
     }
 }
 
-/// Whether somebody is just coming or going.
+/// Returns true for an error that passes, because another process is just making or removing the service.
 fn passing(e: Either) -> bool {
     use Either::{PublishSubscribeCreateError as C, PublishSubscribeOpenError as O};
     matches!(
@@ -218,7 +216,7 @@ fn refused(name: &str, e: Either) -> HostError {
     }
 }
 
-/// Names of the devices that have lines at this place.
+/// Lists the names of the devices that have services at this site.
 pub(super) fn devices(site: &Site) -> Result<Vec<String>, HostError> {
     let (start, end) = (format!("ca/v{}/", crate::frame::VERSION), "/about");
     let mut names = Vec::new();
@@ -237,14 +235,12 @@ pub(super) fn devices(site: &Site) -> Result<Vec<String>, HostError> {
     Ok(names)
 }
 
-/// What wakes a device.
 pub(super) struct Wakeup {
     factory: iceoryx2::service::port_factory::event::PortFactory<Ipc>,
     name: String,
 }
 
 impl Wakeup {
-    /// Opens or makes it.
     pub fn open(node: &Node<Ipc>, device: &str) -> Result<Wakeup, HostError> {
         let name = Line::Wake.of(device);
         let service = service_name(&name)?;
@@ -260,19 +256,17 @@ impl Wakeup {
                 .open_or_create();
             match made {
                 Ok(factory) => return Ok(Wakeup { factory, name }),
-                // every refusal of a bell passes, or stays for the text
+                // every error is retried until `end`
                 Err(_) if Instant::now() < end => sleep(Duration::from_millis(5)),
                 Err(e) => return Err(HostError::system(format!("`{name}` cannot be opened"), e)),
             }
         }
     }
 
-    /// The one who rings.
     pub fn notifier(&self, site: &Site) -> Result<Notifier<Ipc>, HostError> {
         self.port(site, || self.factory.notifier_builder().create())
     }
 
-    /// The one who is woken.
     pub fn listener(&self, site: &Site) -> Result<Listener<Ipc>, HostError> {
         self.port(site, || self.factory.listener_builder().create())
     }

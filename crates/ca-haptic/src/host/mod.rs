@@ -1,9 +1,9 @@
 //! Devices in other processes: frames over shared memory, and the control of a running server.
 //!
-//! Decides that iceoryx2 is seen nowhere but in this folder. Its ports allocate when they publish and when a peer
-//! connects, so they live in the [`gateway`] thread, which the engine meets through rings only. Live frames go by
-//! publish and subscribe with overflow: the newest four, nobody ever waits. A blackboard would be faster, and locked for
-//! good by a writer that is killed.
+//! Only this module uses iceoryx2. Its ports allocate when they publish and when a peer connects, so they live in the
+//! [`gateway`] thread, which exchanges frames with the engine through rings. Live frames use publish-subscribe with
+//! overflow: a reader gets the newest four, and no writer waits. A blackboard would be faster, but a killed writer
+//! leaves it locked forever.
 //!
 //! ```text
 //! ca/v1/<device>/in     DeviceFrame   device → engine
@@ -12,11 +12,11 @@
 //! ca/v1/<device>/wake   event         a force frame is there
 //! ```
 //!
-//! `ca set`, `ca disarm` and the like speak to a server over a socket in the folder of the place ([`control`]).
+//! `ca set`, `ca disarm` and similar commands reach a server over a socket in the folder of the [`Site`] ([`control`]).
 //!
-//! The trust boundary is the user: every process of the same user can write into this memory, no other can open it. Other
-//! users cannot know its names before they are used (`shm/prefix.rs`), their files under such names are ignored (`ours.rs`), and
-//! opening has a limit of time (`within.rs`).
+//! The trust boundary is the user: each process of the same user can write to this memory, and no other user can open
+//! it. Other users cannot know the names before they are used (`shm/prefix.rs`). Files that they create under these
+//! names are ignored (`ours.rs`), and opening has a time limit (`within.rs`).
 
 mod claim;
 pub mod client;

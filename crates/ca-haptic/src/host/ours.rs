@@ -1,11 +1,13 @@
 //! Checks the files in `/dev/shm` that carry our prefix: owner, mode and size.
 //!
-//! iceoryx2 opens any file with the right name. A file of another user is ignored: iceoryx2 cannot open most of them, and a
-//! step that fails names the file. If iceoryx2 did map such a file, whose content the other user can change, that is an
-//! error ([`unmixed`]). An empty file of this user has lost its maker: it is removed, and so is a service in the folder
-//! that was begun and not finished. The one file that iceoryx2 0.10 makes with mode 0666 (a counter; its configuration
-//! cannot change that) is made here first, with mode 0600, and iceoryx2 opens what it finds. A later change of the mode
-//! would be too late: another user may have opened the file before.
+//! iceoryx2 opens any file with the expected name. A file of another user is ignored: iceoryx2 cannot open most of
+//! them, and a step that fails names the file. If iceoryx2 did map such a file, that is an error ([`unmixed`]), because
+//! the other user can change its content. An empty file of this user is left over from a process that ended, and is
+//! removed. So is an unfinished service in the folder.
+//!
+//! iceoryx2 0.10 makes one file, a counter, with mode 0666, which its configuration cannot change. This module makes
+//! that file first, with mode 0600, and iceoryx2 opens it. A later change of the mode would be too late: another user
+//! may have opened the file before.
 
 use super::error::{HostError, HostErrorKind};
 use super::room;
@@ -21,20 +23,19 @@ use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// How long a file may be without a byte in it: its maker is between two calls of the system.
+/// Time for which a file may be empty, while another process is between the two system calls that make it.
 const UNMADE: Duration = Duration::from_secs(1);
 
-/// The counter of nodes in iceoryx2 0.10.0: the end of its name (the SHA-1 of the name of its type, then its own), and its
-/// bytes: the release as a number, a counter, padding.
+/// End of the file name of the node counter in iceoryx2 0.10.0: the SHA-1 of the name of its type, then its own name.
 const COUNTER: &str = "9204dd183d1c4d8e1ff592a30766ffa6765aa8b5_node.0_10_0.global_mgmt";
+/// First 8 bytes of the counter file: the release as a number. A counter and padding follow.
 const RELEASE: u64 = 10 << 16;
 
-/// Files of this user with our prefix.
 fn files(site: &Site) -> impl Iterator<Item = (PathBuf, Metadata)> {
     with_prefix(site.prefix()).filter(|(_, about)| !is_foreign(about))
 }
 
-/// A failure of the system, which a file of another user may have caused: names that file.
+/// Adds to a system error the file of another user that may have caused it.
 pub(super) fn blamed(site: &Site, e: HostError) -> HostError {
     match foreign(site.prefix()).first() {
         Some((path, about)) if e.kind == HostErrorKind::System => {
@@ -47,7 +48,7 @@ pub(super) fn blamed(site: &Site, e: HostError) -> HostError {
     }
 }
 
-/// An error where this process has mapped one of these files, or one that is there now, of another user.
+/// Returns an error if this process has mapped a file of another user, from the list `before` or present now.
 pub(super) fn unmixed(site: &Site, before: &[(PathBuf, Metadata)]) -> Result<(), HostError> {
     let now = foreign(site.prefix());
     let foreign: BTreeSet<u64> = before.iter().chain(&now).map(|(_, about)| about.ino()).collect();
@@ -74,7 +75,7 @@ fn failed(path: &Path, what: &str, e: &io::Error) -> HostError {
     HostError::new(HostErrorKind::Site, text, "see `ca shm list`, or set another CA_SHM_ROOT")
 }
 
-/// Closes our files to other users, removes those that no process can use, and makes the counter.
+/// Closes the files of this user to other users, removes those that no process can use, and makes the counter.
 pub(super) fn check(site: &Site) -> Result<(), HostError> {
     if !Path::new(SHM).is_dir() {
         return Ok(());
@@ -101,7 +102,7 @@ pub(super) fn check(site: &Site) -> Result<(), HostError> {
     counter(site)
 }
 
-/// Files that are still empty.
+/// Sets modes to 0600, and returns empty files and unfinished services.
 fn look(site: &Site) -> Result<Vec<PathBuf>, HostError> {
     let mut unmade = Vec::new();
     for (path, about) in files(site) {
@@ -120,7 +121,7 @@ fn look(site: &Site) -> Result<Vec<PathBuf>, HostError> {
     Ok(unmade)
 }
 
-/// Services whose maker has not finished them: it may write there until then, and nobody else can open them.
+/// Returns services that are not finished: they are writable until then, and no other process can open them.
 fn half_made(site: &Site) -> impl Iterator<Item = PathBuf> {
     let entries = fs::read_dir(site.root().join("services")).into_iter().flatten().flatten();
     entries.filter(|e| e.metadata().is_ok_and(|m| m.is_file() && m.mode() & 0o200 != 0)).map(|e| e.path())
@@ -134,8 +135,7 @@ fn counter_of(site: &Site) -> PathBuf {
     Path::new(SHM).join(format!("{}{COUNTER}", site.prefix()))
 }
 
-/// Makes the counter, or makes it anew where others may have opened it. Whoever holds the old one holds nothing that
-/// matters: a process looks into it only while it makes a node.
+/// Makes the counter, and replaces one that other users may have opened. Processes read it only to make a node.
 fn counter(site: &Site) -> Result<(), HostError> {
     static TURN: AtomicU32 = AtomicU32::new(0);
     let path = counter_of(site);
@@ -158,10 +158,10 @@ fn counter(site: &Site) -> Result<(), HostError> {
     })
 }
 
-/// Takes the memory of all our files now, so that a `/dev/shm` that others fill later ends nobody with a SIGBUS.
+/// Allocates the memory of all files now, so that no process gets a SIGBUS when `/dev/shm` is full later.
 pub(super) fn reserve(site: &Site) -> Result<(), HostError> {
     for (path, about) in files(site) {
-        // blocks are of 512 bytes, whatever the file system
+        // a block is 512 bytes on any file system
         if about.blocks() * 512 >= about.len() || about.mode() & 0o600 != 0o600 {
             continue;
         }

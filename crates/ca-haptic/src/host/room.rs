@@ -1,21 +1,21 @@
-//! Room for shared memory.
+//! Checks that `/dev/shm` has enough free memory, before files are made there.
 //!
-//! Decides to ask before anything is made: where a `/dev/shm` is full (64 kB in some containers), the system gives names
-//! and sizes as before, and ends whoever writes there with a SIGBUS.
+//! When `/dev/shm` is full (64 kB in some containers), the system still makes files of any size, and kills the process
+//! that writes to them with SIGBUS.
 
 use super::error::{HostError, HostErrorKind};
 use super::shm::names::SHM;
 use std::fs::File;
 use std::io;
 
-/// Most that one side of a device makes \[bytes\]: queues of frames, what it says of itself, and links to its readers.
+/// Most memory of one side of a device \[bytes\]: queues of frames, its description, and connections to its readers.
 pub(super) const DEVICE: u64 = 192 << 10;
-/// Most that a look around makes \[bytes\].
+/// Most memory of a process that lists devices \[bytes\].
 pub(super) const LOOK: u64 = 64 << 10;
 
-/// An error where `/dev/shm` has not so many bytes free.
+/// Returns an error if `/dev/shm` has fewer than `need` bytes free.
 pub(super) fn check(need: u64) -> Result<(), HostError> {
-    // what cannot be asked is not there: another system, another place
+    // without `/dev/shm`, as on other systems, there is nothing to check
     let Some(free) = free() else { return Ok(()) };
     if free >= need {
         return Ok(());
@@ -26,13 +26,11 @@ pub(super) fn check(need: u64) -> Result<(), HostError> {
     Err(HostError::new(HostErrorKind::System, what, fix))
 }
 
-/// Bytes that this user can still write there.
 fn free() -> Option<u64> {
     let about = rustix::fs::statvfs(SHM).ok()?;
     Some(about.f_bavail.saturating_mul(about.f_frsize))
 }
 
-/// Takes the first `bytes` of a file's memory.
 #[cfg(target_os = "linux")]
 pub(super) fn take(file: &File, bytes: u64) -> io::Result<()> {
     Ok(rustix::fs::fallocate(file, rustix::fs::FallocateFlags::empty(), 0, bytes)?)
@@ -50,7 +48,7 @@ mod tests {
     use crate::host::{DeviceClient, Gateway, Site, stale_shm};
     use std::time::Duration;
 
-    /// Memory of all files of a place \[bytes\], in whole pages.
+    /// Returns the memory of all files of a site \[bytes\], in whole pages.
     fn used(site: &Site) -> u64 {
         let files = stale_shm::list(site).into_iter().flat_map(|g| g.files);
         files.filter(|f| f.0.starts_with(SHM)).map(|f| f.1.next_multiple_of(4096)).sum()
@@ -67,7 +65,7 @@ mod tests {
         device.send(&mut crate::frame::DeviceFrame::new("a", 12)).expect("sent");
         let both = used(&site);
         assert!(both - server <= DEVICE, "{both} - {server}");
-        // links to as many readers as there may be
+        // connections to other readers
         let readers: Vec<_> =
             (0..3).map(|_| crate::host::gateway::list_devices(&site, Duration::from_millis(1))).collect();
         assert!(readers.iter().all(Result::is_ok) && used(&site) - both <= LOOK);

@@ -1,9 +1,10 @@
-//! Where the shared memory of a user lives.
+//! Defines where the shared memory of a user is.
 //!
 //! Each user has one folder, `CA_SHM_ROOT` or `/tmp/ca-<uid>`, closed to other users. All names in the folder and in
-//! `/dev/shm` begin with one prefix. It has the version of our frames, the release of iceoryx2 (its layout changes with
-//! each) and the random digits of the folder (`shm/prefix.rs`), so two versions or two folders never touch each
-//! other's memory. iceoryx2 reads no configuration file here, because the sizes of its queues are part of the protocol.
+//! `/dev/shm` begin with one prefix. It contains the version of the frames, the release of iceoryx2 (whose layout
+//! changes with each release) and the random digits of the folder (`shm/prefix.rs`). So two versions or two folders
+//! never access each other's memory. iceoryx2 reads no configuration file here, because the sizes of its queues are
+//! part of the protocol.
 
 use super::error::{HostError, HostErrorKind};
 use super::shm::{files, names, prefix};
@@ -18,41 +19,41 @@ use std::os::unix::fs::{DirBuilderExt, MetadataExt};
 use std::path::{Component, Path, PathBuf};
 use std::sync::{Arc, Once};
 
-/// Shared memory between processes, with ports that are made on one thread and used on another
+/// Shared memory between processes. Its ports may be made on one thread and used on another
 /// ([`within`](super::within)).
 pub(super) type Ipc = ipc_threadsafe::Service;
 
-/// Longest name of the folder \[bytes\]: with the prefix, a number of at most 36 digits and a suffix it must fit the
-/// address of a socket, 107 bytes.
+/// Longest path of the folder \[bytes\]. With the prefix, a number of at most 36 digits and a suffix, it must fit the
+/// address of a socket, which has 107 bytes.
 pub const LONGEST: usize = 44;
 
-/// Links that are followed on the way to a folder, as in the kernel.
+/// Most symbolic links followed in a path, as in the kernel.
 const LINKS: u32 = 40;
 
-/// The library's own log is set once a process.
+/// Sets the log level of iceoryx2 once per process.
 static LOGS: Once = Once::new();
 
-/// Where devices and engine of a user meet.
+/// Folder and prefix of the shared memory that devices and engine of a user share.
 #[derive(Clone, Debug)]
 pub struct Site {
     root: PathBuf,
     prefix: String,
-    /// protects the prefix for as long as a clone of this value lives
+    /// Lock on the prefix, until the last clone of this value is dropped.
     _claim: Arc<File>,
 }
 
-/// Dead processes whose remains were found by [`Site::sweep`].
+/// Number of killed processes whose files [`Site::sweep`] found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Swept {
-    /// remains that were removed
+    /// Processes whose files were removed.
     pub removed: u32,
-    /// remains that could not be removed now
+    /// Processes whose files could not be removed now.
     pub left: u32,
 }
 
 impl Site {
-    /// The place of this user: `CA_SHM_ROOT`, or `/tmp/ca-<uid>`. If another user has made that folder, it is `ca` in
-    /// `XDG_RUNTIME_DIR`.
+    /// Returns the site of this user: `CA_SHM_ROOT`, or `/tmp/ca-<uid>`. If another user has made that folder, it is
+    /// `ca` in `XDG_RUNTIME_DIR`.
     ///
     /// # Errors
     /// If the folder belongs to another user, is a symbolic link, or cannot be made.
@@ -65,10 +66,11 @@ impl Site {
         }
     }
 
-    /// A place of one's own, made if it is not there.
+    /// Returns the site with the folder `root`, which is made if it does not exist.
     ///
     /// # Errors
-    /// As [`Site::of_user`], or where the path is too long.
+    /// As [`Site::of_user`], or if the path is relative, longer than [`LONGEST`] or not UTF-8, another user could
+    /// redirect it, or other users can write to the folder.
     pub fn at(root: &Path) -> Result<Site, HostError> {
         let bad =
             |what: &str, fix: &str| HostError::new(HostErrorKind::Site, format!("`{}` {what}", root.display()), fix);
@@ -93,7 +95,7 @@ impl Site {
                 .create(&root)
                 .map_err(|e| bad(&format!("cannot be made: {e}"), fix))?;
         }
-        // again: somebody may have been faster
+        // again, because another process may have made a part of the path meanwhile
         safe()?;
         let about = fs::metadata(&root).map_err(|e| bad(&format!("cannot be looked at: {e}"), fix))?;
         if !about.is_dir() {
@@ -116,17 +118,17 @@ impl Site {
         Ok(Site { root, prefix: names::prefix(&digits), _claim: Arc::new(claim) })
     }
 
-    /// The folder.
+    /// Returns the folder.
     pub fn root(&self) -> &Path {
         &self.root
     }
 
-    /// What all names of ours begin with, in the folder and in `/dev/shm`.
+    /// Returns the prefix of all names in the folder and in `/dev/shm`.
     pub fn prefix(&self) -> &str {
         &self.prefix
     }
 
-    /// For iceoryx2.
+    /// Returns the configuration of iceoryx2.
     pub fn config(&self) -> Config {
         let mut config = Config::default();
         // both were checked when the site was made
@@ -139,12 +141,12 @@ impl Site {
         config
     }
 
-    /// A node of iceoryx2, named so that others can say who it is. Making one removes what dead ones left.
+    /// Makes a node of iceoryx2, with a name that other processes can report. This removes the files of dead nodes.
     pub(super) fn node(&self, name: &str) -> Result<Node<Ipc>, HostError> {
         let failed =
             |e: &dyn std::fmt::Debug| HostError::system(format!("`{}` cannot be used", self.root.display()), e);
         let name = NodeName::new(name).map_err(|e| failed(&e))?;
-        // Ctrl-C is the program's
+        // the program handles Ctrl-C
         NodeBuilder::new()
             .config(&self.config())
             .name(&name)
@@ -153,7 +155,6 @@ impl Site {
             .map_err(|e| failed(&e))
     }
 
-    /// Every node: its name, its process, whether it lives.
     pub(super) fn nodes(&self, mut each: impl FnMut(NodeState<Ipc>)) -> Result<(), HostError> {
         Node::<Ipc>::list(&self.config(), |state| {
             each(state);
@@ -162,7 +163,7 @@ impl Site {
         .map_err(|e| HostError::system(format!("`{}` cannot be listed", self.root.display()), e))
     }
 
-    /// Removes what killed processes left behind, without a limit of time: [`Site::sweep`] has one.
+    /// Removes what killed processes left behind, without the time limit of [`Site::sweep`].
     pub(super) fn swept(&self) -> Swept {
         let mut swept = Swept::default();
         let _ = self.nodes(|state| {
@@ -176,7 +177,7 @@ impl Site {
         swept
     }
 
-    /// The process and the name of a living node.
+    /// Describes the process of the living node that matches `id`.
     pub(super) fn who(&self, id: impl Fn(&iceoryx2::identifiers::UniqueNodeId) -> bool) -> Option<String> {
         let mut who = None;
         let _ = self.nodes(|state| {
@@ -190,8 +191,10 @@ impl Site {
     }
 }
 
-/// The first step on the way to a folder by which another user could lead us elsewhere, and why: a symbolic link that
-/// is neither ours nor root's, a folder in which everybody can rename what is not theirs.
+/// Returns the first step of a path by which another user could redirect it, and the reason.
+///
+/// Such a step is a symbolic link that belongs to neither this user nor root, or a folder in which all users may rename
+/// the files of other users.
 fn unsafe_step(path: &Path) -> Option<(PathBuf, String)> {
     let mut left: Vec<PathBuf> = path.components().rev().map(|c| PathBuf::from(c.as_os_str())).collect();
     let (mut at, mut links) = (PathBuf::new(), 0);
@@ -204,7 +207,7 @@ fn unsafe_step(path: &Path) -> Option<(PathBuf, String)> {
             Some(Component::CurDir) | None => continue,
             _ => at.push(&step),
         }
-        // what is not there yet, we make
+        // a missing step is made later
         let Ok(about) = fs::symlink_metadata(&at) else { continue };
         if about.is_symlink() {
             if about.uid() != uid() && about.uid() != 0 {
@@ -223,8 +226,8 @@ fn unsafe_step(path: &Path) -> Option<(PathBuf, String)> {
     None
 }
 
-/// The first folder that other users leave to this one: `usual`, unless one of them has made it, or `runtime`. A process that
-/// starts after the other user has removed it follows those that run already.
+/// Returns `usual`, or `runtime` if another user has made `usual`. A missing `usual` also gives way to an existing
+/// `runtime`: the other user may have removed it, and processes that run already use `runtime`.
 fn free(usual: PathBuf, runtime: Option<PathBuf>) -> PathBuf {
     let taken = fs::symlink_metadata(&usual).map(|m| m.uid() != uid());
     match (taken, runtime) {

@@ -1,9 +1,9 @@
-//! What lies in the folder and in `/dev/shm` under names of ours, and who still uses it.
+//! Lists the files of a site in its folder and in `/dev/shm` with the processes that use them, and removes stale files.
 //!
-//! A file is alive while a living process has it mapped or open, as the system says, in any version; no version can read
-//! the books of another. Files are judged in groups, one for each version (prefix). In a group with living members, only
-//! iceoryx2 removes what it knows to be dead; in a group without any, each file is removed. Files of other users are
-//! ignored.
+//! A file is in use while `/proc` shows a process that has it mapped or open. This works for all versions, whereas no
+//! version can read the records of another. Files form groups, one for each version (prefix). In a group in use, only
+//! iceoryx2 removes files, those that it knows to be dead. In any other group, each file is removed. Files of other
+//! users are ignored.
 
 use super::error::{HostError, HostErrorKind};
 use super::shm::files::{each_ours, name};
@@ -18,39 +18,39 @@ use std::path::PathBuf;
 /// All files of one version.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Group {
-    /// what their names begin with
+    /// Common beginning of the file names.
     pub prefix: String,
-    /// version of the frames
+    /// Version of the frames.
     pub frames: String,
-    /// release of iceoryx2
+    /// Release of iceoryx2.
     pub iox: String,
-    /// true where these are the names this build uses
+    /// True if this build uses these names.
     pub ours: bool,
-    /// living processes that use them: id and name
+    /// Processes that use the files: id and name.
     pub alive: Vec<(u32, String)>,
-    /// the files, with their size \[bytes\]
+    /// Path and size \[bytes\] of each file.
     pub files: Vec<(PathBuf, u64)>,
 }
 
 impl Group {
-    /// Size of all files \[bytes\].
+    /// Returns the total size of the files \[bytes\].
     pub fn bytes(&self) -> u64 {
         self.files.iter().map(|f| f.1).sum()
     }
 }
 
-/// What was removed.
+/// Result of [`clean`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Cleaned {
-    /// the files that are gone, with their size \[bytes\]
+    /// Path and size \[bytes\] of each removed file.
     pub removed: Vec<(PathBuf, u64)>,
-    /// what could not be removed, and why
+    /// Path of each file that could not be removed, and the reason.
     pub failed: Vec<(PathBuf, String)>,
-    /// groups that living processes use, and which were left alone but for their dead members
+    /// Groups in use; only their dead files were removed.
     pub kept: Vec<Group>,
 }
 
-/// The prefix of a file of this place, in any version. Releases before the random digits took a hash of the folder.
+/// Returns the prefix of a file of this site, in any version. Older releases used a hash of the folder as digits.
 fn prefix_of(site: &Site, name: &str) -> Option<String> {
     let (frames, iox, hash) = parse(name)?;
     let digits = site.prefix().strip_prefix(&stamp())?.strip_suffix('_')?;
@@ -58,7 +58,7 @@ fn prefix_of(site: &Site, name: &str) -> Option<String> {
     (hash == digits || hash == before()).then(|| format!("ca{frames}-{iox}-{hash}_"))
 }
 
-/// Everything of this place, one group a version.
+/// Lists all files of this site, one group for each version.
 pub fn list(site: &Site) -> Vec<Group> {
     let mut groups: BTreeMap<String, Group> = BTreeMap::new();
     let mut add = |path: PathBuf| {
@@ -83,7 +83,7 @@ pub fn list(site: &Site) -> Vec<Group> {
     list
 }
 
-/// Who has which of these files mapped or open, of the processes of this user.
+/// Returns the processes of this user that have each file mapped or open.
 fn users(files: &BTreeSet<PathBuf>) -> BTreeMap<PathBuf, Vec<(u32, String)>> {
     let mut users: BTreeMap<PathBuf, Vec<(u32, String)>> = BTreeMap::new();
     let Ok(processes) = fs::read_dir("/proc") else { return users };
@@ -114,11 +114,11 @@ fn users(files: &BTreeSet<PathBuf>) -> BTreeMap<PathBuf, Vec<(u32, String)>> {
     users
 }
 
-/// Removes what no living process uses.
+/// Removes the files that no process uses.
 pub fn clean(site: &Site) -> Cleaned {
     let mut cleaned = Cleaned::default();
     let before: Vec<_> = list(site).into_iter().flat_map(|g| g.files).collect();
-    // iceoryx2 knows which of its own are dead, also while others live
+    // iceoryx2 can remove dead files in a group that is in use
     site.sweep();
     for group in list(site) {
         if !group.alive.is_empty() {
@@ -133,7 +133,7 @@ pub fn clean(site: &Site) -> Cleaned {
             }
         }
     }
-    // folders of nodes, where nothing is in them any more
+    // folders of nodes, if empty
     if let Ok(nodes) = fs::read_dir(site.root().join("nodes")) {
         for node in nodes.flatten() {
             let _ = fs::remove_dir(node.path());
@@ -143,8 +143,7 @@ pub fn clean(site: &Site) -> Cleaned {
     cleaned
 }
 
-/// An error where living processes of another version are at this place: they would never meet, and nobody would know
-/// why.
+/// Returns an error if processes of another version run at this site: they would ignore each other silently.
 pub(super) fn strangers(site: &Site) -> Result<(), HostError> {
     let mut other = false;
     each_ours(site.root(), &mut |path| {

@@ -1,9 +1,9 @@
-//! The user of a process, as the system knows it.
+//! The user id of this process.
 
 use std::fs;
 use std::os::unix::fs::MetadataExt;
 
-/// The user of this process. `/proc/self` belongs to it.
+/// Returns the user id of this process: the owner of `/proc/self`.
 pub fn uid() -> u32 {
     fs::metadata("/proc/self").map_or(0, |m| m.uid())
 }

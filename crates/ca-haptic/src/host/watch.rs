@@ -1,37 +1,38 @@
-//! H7, at the device: which force frames may reach a motor.
+//! Selects the force frames that may reach a motor (H7, on the side of the device).
 //!
-//! Decides without any transport, as a pure function of frames and of the clock, so that every language can follow it
-//! line by line. A force is given while its frame is younger than its time to live, of our layout, for this device, of a
-//! session of the engine that was seen at rest, and neither off nor a fault. An engine that starts again is at rest
-//! first, so a session that begins with a force is no beginning of ours. Everything else is zero.
+//! It depends on frames and time only, without transport, so that it can be translated to other languages line by line.
+//! A force is used if its frame is younger than its time to live, has the layout of this build, is for this device, and
+//! has neither mode off nor mode fault. In addition, the session of the engine must have sent a frame with mode off or
+//! fault: an engine starts at rest, so a session first received with a force began earlier. Otherwise the force is
+//! zero.
 
 use crate::frame::{Cause, DOF, ForceFrame, Mode};
 
-/// Longest life of a force whatever its frame says \[ns\].
+/// Longest lifetime of a force, whatever its frame says \[ns\].
 pub const LONGEST_NS: u64 = 100_000_000;
 
-/// What a device knows of its engine.
+/// State of the connection to the engine, for one device.
 #[derive(Clone, Debug)]
 pub struct Watch {
     device: [u8; 16],
     last: Option<ForceFrame>,
-    /// the session of `last` was seen at rest
+    /// True once a frame with the session of `last` had mode off or fault.
     rested: bool,
-    /// frames that were not for us, or not of this layout
+    /// Number of frames for another device or with another layout.
     pub foreign: u64,
-    /// frames older than one that was already there
+    /// Number of frames that are not newer than the last.
     pub old: u64,
-    /// how often the engine was another than before
+    /// Number of changes of the engine's session.
     pub restarts: u64,
 }
 
 impl Watch {
-    /// Of the device with this uid.
+    /// Starts without a frame, for the device with this uid.
     pub fn new(device: [u8; 16]) -> Watch {
         Watch { device, last: None, rested: false, foreign: 0, old: 0, restarts: 0 }
     }
 
-    /// Looks at a frame. True if it is the newest.
+    /// Checks a frame and stores the newest. Returns true if this one is the newest.
     pub fn take(&mut self, f: &ForceFrame) -> bool {
         if !f.is_ours() || f.device != self.device {
             self.foreign += 1;
@@ -53,12 +54,12 @@ impl Watch {
         true
     }
 
-    /// The newest frame.
+    /// Returns the newest frame.
     pub fn last(&self) -> Option<&ForceFrame> {
         self.last.as_ref()
     }
 
-    /// Forces to give at time `now` \[ns\], `CLOCK_MONOTONIC`.
+    /// Returns the forces for the motors \[N\] at time `now` \[ns\] of `CLOCK_MONOTONIC`.
     pub fn force(&self, now: u64) -> [f64; DOF] {
         let mut force = [0.0; DOF];
         if let (Cause::None, Some(f)) = (self.cause(now), &self.last) {
@@ -69,11 +70,11 @@ impl Watch {
         force
     }
 
-    /// Why there is no force at time `now` \[ns\], as seen from here; [`Cause::None`] where there is.
+    /// Returns why the force at time `now` \[ns\] is zero, as far as the device knows; [`Cause::None`] if it is used.
     pub fn cause(&self, now: u64) -> Cause {
         let Some(f) = &self.last else { return Cause::Disconnect };
         let life = (u64::from(f.ttl_us) * 1000).min(LONGEST_NS);
-        // a frame of the future is of another clock
+        // a time in the future is from another clock
         if now == 0 || now.checked_sub(f.t_host_ns).is_none_or(|age| age > life) {
             return Cause::WatchdogOut;
         }
@@ -118,9 +119,9 @@ mod tests {
         assert_eq!(w.force(10 * MS), want, "only the DOF in use");
         assert_eq!(w.force(15 * MS), want);
         assert_eq!((w.force(15 * MS + 1), w.cause(15 * MS + 1)), ([0.0; DOF], Cause::WatchdogOut));
-        // from another clock
+        // times of another clock
         assert_eq!((w.force(10 * MS - 1), w.force(0)), ([0.0; DOF], [0.0; DOF]));
-        // nothing lives longer than the longest
+        // `LONGEST_NS` limits `ttl_us`
         let mut f = frame(7, 3, Mode::On, 10 * MS);
         f.ttl_us = u32::MAX;
         assert!(w.take(&f));
@@ -181,7 +182,7 @@ mod tests {
             assert_eq!(w.force(MS), before);
         }
         assert_eq!((w.foreign, w.old), (6, 2));
-        // and where nothing else comes, the end of the force has a reason
+        // without further frames the force ends with a cause
         assert_eq!(w.cause(6 * MS + 1), Cause::WatchdogOut);
     }
 }

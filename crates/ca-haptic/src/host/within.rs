@@ -1,9 +1,8 @@
-//! A limit of time on whatever iceoryx2 opens, lists or sweeps.
+//! Sets a time limit on what iceoryx2 opens, lists or sweeps.
 //!
-//! Decides to do such steps on a thread of their own and to wait for that thread no longer than a limit: some of iceoryx2's
-//! own waits have none (a file of size zero holds up version 0.10 for ever), and no caller of ours may hang with them. So
-//! ports are of the kind that may change threads; their locks are never contended. A thread that hangs is left behind,
-//! asleep most of the time.
+//! iceoryx2 can wait without a limit: version 0.10 waits forever for a file of size zero. So each such step runs on a
+//! separate thread, and the caller waits for that thread up to the limit. The ports are therefore of the kind that may
+//! change threads; their locks are never contended. A thread that hangs is left behind, asleep most of the time.
 
 use super::error::{HostError, HostErrorKind};
 use super::shm::files;
@@ -12,15 +11,14 @@ use super::{ours, room};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
-/// Longest time in which lines open: somebody who comes or goes may stand in the way of each for a second.
+/// Time limit for opening services. Each of them may wait a second for a process that is just starting or ending.
 pub(super) const LIMIT: Duration = Duration::from_secs(10);
 
-/// Longest time a sweep may take.
 const SWEEP: Duration = Duration::from_secs(2);
-/// Memory of the thread's stack \[bytes\]: a server that keeps its memory in RAM pays for all of it, at each sweep.
+/// Stack of the thread \[bytes\]. It is small, because a server with locked memory allocates all of it at each sweep.
 const STACK: usize = 512 << 10;
 
-/// Does something at a place, once our files there are closed to other users and `need` bytes are free.
+/// Runs `act` on a site, after checking its files ([`ours`]) and that `need` bytes are free.
 pub(super) fn within<T: Send + 'static>(
     site: &Site,
     need: u64,
@@ -32,17 +30,18 @@ pub(super) fn within<T: Send + 'static>(
     let foreign = files::foreign(site.prefix());
     let made = limited(site, limit, act).map_err(|e| ours::blamed(site, e))?;
     ours::unmixed(site, &foreign)?;
-    // what came while it was opened
+    // files made by `act`
     ours::check(site)?;
     ours::reserve(site)?;
     Ok(made)
 }
 
 impl Site {
-    /// Removes what killed processes left behind, so that their places are free. A fraction of a millisecond when there
-    /// is nothing to do, some milliseconds when there is: for a thread that has time, once to ten times a second.
+    /// Removes what killed processes left behind, so that their services are free again. Call it once to ten times a
+    /// second, on a thread that is not real-time: it takes some milliseconds, or a fraction of one if there is nothing
+    /// to remove.
     pub fn sweep(&self) -> Swept {
-        // what cannot be swept now may be at the next turn, and whoever opens a line says why not
+        // the next sweep tries again, and opening a service reports the reason
         within(self, 0, SWEEP, |site| Ok(site.swept())).unwrap_or_default()
     }
 }
@@ -58,7 +57,7 @@ fn limited<T: Send + 'static>(
         .name("ca opens".into())
         .stack_size(STACK)
         .spawn(move || {
-            // one who waits no longer does not want it
+            // after the limit, the receiver no longer exists
             let _ = tell.send(act(&here));
         })
         .map_err(|e| HostError::system("no thread", e))?;
@@ -83,7 +82,7 @@ mod tests {
         let dir = tempfile::Builder::new().prefix("caw").tempdir_in("/tmp").expect("a folder");
         let site = Site::at(dir.path()).expect("a place");
         limited(&site, LIMIT, |site| site.node("one")).expect("it opens");
-        // an empty counter, as whoever is faster than our look could leave it
+        // an empty counter, as another process could leave it after `ours::check`
         let name = std::fs::read_dir("/dev/shm")
             .expect("shared memory")
             .flatten()
@@ -94,7 +93,7 @@ mod tests {
         std::fs::write(&path, []).expect("it is cut");
         let e = limited(&site, Duration::from_millis(300), |site| site.node("two")).expect_err("it hangs");
         assert!(e.kind == HostErrorKind::System && e.what.contains("300ms"), "{e}");
-        // and with our look before it, the place heals
+        // `ours::check` repairs it
         within(&site, 0, LIMIT, |site| site.node("three")).expect("it opens");
         crate::host::stale_shm::clean(&site);
     }

@@ -1,36 +1,36 @@
-//! What is known of a device that nobody has described: what it says of itself.
+//! Profile of a device without a profile file, from its own description.
 //!
-//! Decides that a device may say what it is, and never how much force it may give: degrees of freedom, axes, travel and
-//! rate are facts that its own process knows best, so they come from its [`About`]; force, stiffness and speed stay those
-//! of `unknown`, or less where the device says less. Its travel only says where the soft edges are. Until it has said
-//! what it is there is no force at all: which components make one vector is not known before.
+//! A device may report its properties, but not its largest force. Degrees of freedom, axes, travel and rate come from
+//! its [`About`], because its own process knows them best. Force, stiffness and speed come from `unknown`, or are less
+//! where the device reports less. Its travel only places the soft edges. It gives no force before its description,
+//! because the components of a force vector are not yet known.
 
 use super::{Profile, ProfileFault};
 use crate::frame::{About, DOF, text};
 
-/// Name of the profile of a device that nobody has described.
+/// Name of the profile of a device without a profile file.
 pub const UNKNOWN: &str = "unknown";
-/// Slowest and fastest device that is believed \[Hz\]: the time a force is held grows with the period.
+/// Accepted frame rates \[Hz\]; the time for which a force is held grows with the period.
 const RATES: [f64; 2] = [100.0, 100_000.0];
 
 impl Profile {
-    /// Whether nobody has described the device, so that what it is comes from its [`About`].
+    /// Returns true for a device without a profile file, whose properties come from its [`About`].
     pub fn is_unknown(&self) -> bool {
         self.name == UNKNOWN
     }
 
-    /// This profile for a device that has not yet said what it is, of which `dof` degrees of freedom are wanted: no
-    /// force.
+    /// Returns this profile without force, for a device with `dof` wanted DOF that has not described itself yet.
     #[must_use]
     pub fn undescribed(&self, dof: u32) -> Profile {
         Profile { dof: dof.clamp(1, DOF as u32), axes: 1, force: 0.0, continuous: None, ..self.clone() }
     }
 
-    /// This profile for a device that says what it is: its degrees of freedom, axes, travel and rate; force and stiffness
-    /// of this profile, or less.
+    /// Returns this profile with the degrees of freedom, axes, travel and rate of the description.
+    ///
+    /// Force and stiffness stay as in this profile, or less if the device reports less.
     ///
     /// # Errors
-    /// The first statement of the device that makes no sense.
+    /// The first impossible statement of the device.
     pub fn described(&self, about: &About) -> Result<Profile, ProfileFault> {
         let (n, axes) = (u32::from(about.n), u32::from(about.axes));
         if n == 0 || n as usize > DOF {
@@ -42,7 +42,7 @@ impl Profile {
         let all = ..n as usize;
         let low = about.low[all].iter().fold(f64::INFINITY, |m, x| m.min(f64::from(*x)));
         let high = about.high[all].iter().fold(f64::NEG_INFINITY, |m, x| m.max(f64::from(*x)));
-        // 0 and what is not finite say nothing
+        // 0 and non-finite values mean not known
         let least = |own: &[f32]| {
             own[all].iter().filter(|v| v.is_finite() && **v > 0.0).map(|v| f64::from(*v)).min_by(f64::total_cmp)
         };
@@ -61,7 +61,7 @@ impl Profile {
         if let Some(k) = least(&about.stiffness) {
             p.stiffness = Some(self.stiffness.map_or(k, |own| own.min(k)));
         }
-        // a slow device is given the time of two frames more before its force is zero
+        // a slow device gets two more frames before its force is zero
         p.guard.zero = p.guard.zero.max(2.0 * p.hold());
         let title = text(&about.model);
         if !title.is_empty() {

@@ -7,31 +7,31 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ProfileFault {
-    /// a number of this name is below 0
+    /// The named number is below 0.
     Negative(&'static str, f64),
-    /// a time of this name is shorter than the least \[s\]
+    /// The named time is shorter than this limit \[s\].
     Short(&'static str, f64, f64),
-    /// a number of this name is not above 0
+    /// The named number is not above 0.
     NotAbove(&'static str, f64),
-    /// a number of this name is above the largest, which has this unit
+    /// The named number is above this limit, which has this unit.
     Large(&'static str, f64, f64, &'static str),
-    /// this number of degrees of freedom is not possible
+    /// The number of degrees of freedom is out of range.
     Dof(u32),
-    /// this number of axes does not divide this number of degrees of freedom
+    /// The number of axes is out of range or does not divide the number of degrees of freedom.
     Axes(u32, u32),
-    /// the travel is not a range
+    /// The travel is not a range.
     Range,
-    /// the force is zero before it is no longer held
+    /// The force reaches zero before the end of its hold.
     Zero,
-    /// the band of oscillations is not a range
+    /// The band of oscillations is not a range.
     Band,
-    /// this number of bad frames is not possible
+    /// The number of bad frames is out of range.
     Bad(u32),
-    /// the edges take all of the travel
+    /// The edges take up the whole travel.
     Edge,
-    /// the device says that it has this number of degrees of freedom
+    /// The device reports this number of degrees of freedom.
     SaysDof(u32),
-    /// the device says that this number of axes of this number of degrees of freedom make a force
+    /// The device reports force vectors of this number of axes, with this number of degrees of freedom.
     SaysAxes(u32, u32),
 }
 
@@ -64,7 +64,7 @@ impl fmt::Display for ProfileFault {
 
 impl std::error::Error for ProfileFault {}
 
-/// An answer to a request is a text.
+/// Requests are answered in text.
 impl From<ProfileFault> for String {
     fn from(why: ProfileFault) -> String {
         why.to_string()

@@ -1,17 +1,16 @@
-//! What makes no sense in a profile: numbers that are none, and limits so large that a hand would be without them.
+//! Checks a profile for invalid numbers and for limits so large that they would not protect a hand.
 //!
-//! Decides on fixed bounds, far beyond every device there is, rather than on trust: a slip of a digit, or `1e300` for
-//! "none", would switch off what protects a hand without a word.
+//! The bounds are fixed, far beyond any real device: a wrong digit, or `1e300` for "none", must not silently switch off
+//! a protection.
 
 use super::{Profile, ProfileFault};
 
 /// Shortest time in which a force may begin or fade in \[s\].
 const SOON: f64 = 0.01;
-/// Of what must be more than 0.
+/// Lower bound of numbers that must be positive.
 const ABOVE: f64 = f64::MIN_POSITIVE;
 
 impl Profile {
-    /// The first thing about it that makes no sense.
     pub(super) fn sense(&self) -> Result<(), ProfileFault> {
         let l = &self.guard;
         let all = [

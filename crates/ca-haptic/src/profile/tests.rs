@@ -1,4 +1,4 @@
-//! Profiles that make no sense are refused, and each limit of a number has two sides.
+//! Refused profiles, and both sides of each limit.
 
 use super::Profile;
 
@@ -56,7 +56,7 @@ fn each_bound_has_two_sides() {
         let absurd = if bad < good { 1e-300 } else { 1e300 };
         assert!(read(absurd).is_err(), "{name} = {absurd}");
     }
-    // a hold so long that nothing watches a device any more
+    // a longer hold would defeat the watchdog
     let hold = |hold: f64| Profile::read(&text(&format!("guard|hold = {hold:?}\nzero = 0.9")), "x.toml");
     assert!(hold(0.5).is_ok() && hold(0.51).is_err());
 }

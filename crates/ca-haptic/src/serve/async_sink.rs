@@ -1,15 +1,15 @@
-//! A sink on a thread of its own.
+//! Runs a sink on a separate thread.
 //!
-//! Decides that no disk stands between a person and `ca disarm`, and none between the rings of the engine and another
-//! file: the recorder hands over and goes on, whatever a sink does. What waits for it is bounded by seconds of the
-//! performance and by memory ([`BufferLimits`]); beyond that, frames, sound and pictures are left out of this file alone,
-//! counted, and reported where they are missing. What decides the future of an engine (changes, orders, reloads) is rare,
-//! and always handed over. Once there is no room, half of it must be free before the next is taken: one long hole says
-//! more than a thousand short ones. A hand-over that waits in the rings instead was tried: one slow file then made holes
-//! in all of them, and the recorder without word.
+//! A slow disk must delay neither `ca disarm` nor another file, so the recorder hands data over and continues, whatever
+//! a sink does. [`BufferLimits`] limits the waiting data, in seconds of the performance and in bytes. Beyond the
+//! limits, frames, sound and pictures are left out of this file only, counted, and reported at the gap. Records that
+//! affect everything after them (changes, orders, reloads) are rare and always handed over. After an overflow, data is
+//! accepted only when half of the buffer is free, because one long gap is clearer than a thousand short ones. An
+//! earlier design let data wait in the rings: one slow file made gaps in all files, and the recorder could not report
+//! them.
 //!
-//! The thread asks for a larger share of the cores rather than for real time: a writer that has much to catch up with
-//! would keep a core from everything else, and bring the kernel's guard upon the engine.
+//! The thread asks for a larger share of the cores instead of real time. A real-time writer with a backlog would block
+//! a core, and the kernel would throttle the engine with it.
 
 use super::sink::{Notice, Sink, SinkStreams, missing};
 use super::summary::StatsSnapshot;
@@ -24,28 +24,27 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{Builder, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// How much may wait for a sink.
+/// Limits of the data that waits for a sink.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BufferLimits {
-    /// sound samples a second, by which ticks are seconds
+    /// Sound samples per second, to convert ticks to seconds.
     pub rate: f64,
-    /// how late it may be written \[s\]
+    /// Longest delay \[s\].
     pub seconds: f64,
-    /// memory of what waits \[bytes\]
+    /// Most memory \[bytes\].
     pub bytes: usize,
 }
 
 impl BufferLimits {
-    /// Half a minute of a performance, or a quarter of a gigabyte where that is less: what one device and its sound need.
+    /// Returns 30 s and 256 MB (2²⁸ bytes), which is enough for 30 s of one device and its sound.
     pub fn of(scene: &Scene) -> BufferLimits {
         BufferLimits { rate: scene.rate, seconds: 30.0, bytes: 1 << 28 }
     }
 }
 
-/// How late a sink may be written before people hear of it \[s\].
+/// Delay from which a sink is reported \[s\].
 const LATE: f64 = 2.0;
 
-/// One thing to be written.
 enum Message {
     Record(Box<Record>),
     Sound(u64, Vec<f64>),
@@ -57,7 +56,7 @@ enum Message {
 }
 
 impl Message {
-    /// When it happened, where that says how far a sink has come.
+    /// Returns its tick, if that shows the progress of the sink.
     fn tick(&self) -> Option<u64> {
         match self {
             Message::Record(r) => Some(r.tick()),
@@ -72,21 +71,20 @@ impl Message {
                 Message::Record(_) => size_of::<Record>(),
                 Message::Sound(_, v) | Message::View(_, v) => size_of_val(&v[..]),
                 Message::Said(h) => h.text.len(),
-                // it is there anyway
+                // not allocated for this message
                 Message::Swapped(..) | Message::StatsSnapshot(_) | Message::End => 0,
             }
     }
 }
 
-/// What both sides look at.
 #[derive(Default)]
 struct Shared {
-    /// things, and their bytes
+    /// Number of waiting messages, and their bytes.
     waiting: AtomicUsize,
     bytes: AtomicUsize,
-    /// the tick of what was written last
+    /// Tick written last.
     done: AtomicU64,
-    /// records, sound samples and pictures that found no room
+    /// Records, sound samples and pictures that did not fit.
     lost: [AtomicU64; 3],
     over: AtomicBool,
     failed: Mutex<Option<FileError>>,
@@ -102,7 +100,7 @@ impl Shared {
     }
 }
 
-/// Says that the thread has ended, however it did: nobody waits for it any more.
+/// Sets `over` when the thread ends in any way, so that no other thread waits for it.
 struct Over<'a>(&'a Shared);
 
 impl Drop for Over<'_> {
@@ -111,26 +109,26 @@ impl Drop for Over<'_> {
     }
 }
 
-/// The recorder's end.
+/// The recorder's side.
 pub struct SinkHandle {
     name: String,
     to: Sender<Message>,
     shared: Arc<Shared>,
     streams: SinkStreams,
     room: BufferLimits,
-    /// the latest tick handed over
+    /// Latest tick received.
     newest: u64,
-    /// there was no room, and not half of it is free again
+    /// True from an overflow until half of the buffer is free again.
     full: bool,
-    /// records left out since the last that was handed over
+    /// Records left out since the last one handed over.
     missing: u64,
-    /// what was reported: the loss, when \[ticks\], and how late it is to be for the next word \[s\]
+    /// Last report: losses, tick, and the delay from which the next report is due \[s\].
     reported: [u64; 3],
     reported_at: u64,
     next: f64,
 }
 
-/// The owner's end.
+/// The owner's side.
 pub struct AsyncSink<T> {
     to: Sender<Message>,
     shared: Arc<Shared>,
@@ -139,8 +137,7 @@ pub struct AsyncSink<T> {
 }
 
 impl<T> Drop for AsyncSink<T> {
-    /// Waits for a thread that nobody ended, so that its sink is gone before the process is: what it half wrote is then
-    /// removed.
+    /// Waits for a thread that was not ended: its sink must remove a partial file before the process ends.
     fn drop(&mut self) {
         if let Some(thread) = self.thread.take() {
             let _ = self.to.send(Message::End);
@@ -150,10 +147,10 @@ impl<T> Drop for AsyncSink<T> {
 }
 
 impl<T: Sink + Send + 'static> AsyncSink<T> {
-    /// Moves a sink to a thread of this name, which asks the system for `request`.
+    /// Moves a sink to a thread with this name, which asks the system for `request`.
     ///
     /// # Errors
-    /// Where no thread can be started.
+    /// If no thread can be started.
     pub fn start(
         name: &str,
         mut sink: T,
@@ -168,7 +165,7 @@ impl<T: Sink + Send + 'static> AsyncSink<T> {
             .name(name.into())
             .spawn(move || {
                 let _over = Over(&of);
-                // gone before it is said to be over: what is sent then is not taken in silence
+                // dropped before `_over`, so that a later send fails instead of being ignored
                 let from = from;
                 let _ = tell.send(rt::ask(request));
                 match work(&mut sink, &from, &of) {
@@ -196,17 +193,18 @@ impl<T: Sink + Send + 'static> AsyncSink<T> {
         Ok((line, AsyncSink { to, shared, granted: granted.recv().unwrap_or_default(), thread: Some(thread) }))
     }
 
-    /// What the system granted its thread.
+    /// Returns what the system granted its thread.
     pub fn granted(&self) -> &Granted {
         &self.granted
     }
 
-    /// Records, sound samples and pictures that found no room on their way to this sink.
+    /// Returns the records, sound samples and pictures that did not fit in the buffer of this sink.
     pub fn lost(&self) -> [u64; 3] {
         self.shared.lost()
     }
 
-    /// Ends it, and waits so long for what is still to be written; a thread that stands still is left, for who does not need its sink.
+    /// Ends the sink, and waits at most for `patience` until everything is written. A blocked thread is left behind.
+    /// Use this if the sink is not needed again.
     pub fn leave(mut self, patience: Duration) {
         let _ = self.to.send(Message::End);
         let end = Instant::now() + patience;
@@ -219,12 +217,12 @@ impl<T: Sink + Send + 'static> AsyncSink<T> {
         }
     }
 
-    /// The sink, once everything handed over is written; none where it failed and the recorder has reported it.
+    /// Returns the sink once everything handed over is written; `None` if it failed and the recorder has reported that.
     ///
     /// # Errors
-    /// Why the sink failed, where the recorder has not reported it.
+    /// If the sink failed and the recorder has not reported it.
     pub fn end(mut self) -> Result<Option<T>, FileError> {
-        // where it failed nobody listens any more
+        // after a failure, the receiver is gone
         let _ = self.to.send(Message::End);
         let sink = self.thread.take().and_then(|t| t.join().ok()).flatten();
         self.shared.failed().map_or(Ok(sink), Err)
@@ -255,7 +253,7 @@ fn work(sink: &mut impl Sink, from: &Receiver<Message>, shared: &Shared) -> Resu
 impl SinkHandle {
     fn put(&mut self, thing: Message) -> Result<(), FileError> {
         self.newest = self.newest.max(thing.tick().unwrap_or(0));
-        // where nothing waits nothing is late, however long nothing came
+        // without waiting messages the sink is up to date, even after a long pause
         if self.shared.waiting.fetch_add(1, Relaxed) == 0 {
             self.shared.done.fetch_max(self.newest, Relaxed);
         }
@@ -264,7 +262,7 @@ impl SinkHandle {
         self.to.send(thing).map_err(|_| self.shared.failed().unwrap_or_else(gone))
     }
 
-    /// How late the sink is written \[s\].
+    /// Returns the delay of the sink \[s\].
     fn behind(&self) -> f64 {
         if self.shared.waiting.load(Relaxed) == 0 {
             return 0.0;
@@ -272,9 +270,9 @@ impl SinkHandle {
         self.newest.saturating_sub(self.shared.done.load(Relaxed)) as f64 / self.room.rate
     }
 
-    /// Whether something that happened at `tick` may wait, too. If not, `n` of this kind are lost.
+    /// Returns true if data of `tick` may wait too. Otherwise counts `n` of this kind as lost.
     fn has_room(&mut self, tick: u64, kind: usize, n: u64) -> bool {
-        // the next word of one that has ended is why
+        // the thread has ended, and the next send returns the reason
         if self.shared.over.load(Relaxed) {
             return true;
         }
@@ -307,7 +305,7 @@ impl Sink for SinkHandle {
             return Some((true, format!("{}: {} are missing so far; {why}", self.name, missing(lost))));
         }
         let behind = self.behind();
-        // beyond that, what is lost says it
+        // beyond the limit, the losses are reported
         if behind >= self.next && behind < self.room.seconds {
             self.next = 2.0 * behind;
             let most = self.room.seconds;
@@ -371,7 +369,7 @@ impl Sink for SinkHandle {
     }
 
     fn said(&mut self, notice: &Notice) -> Result<(), FileError> {
-        // one a second, or what a person did: a terminal that stands still is no reason to fill the memory
+        // messages are rare, but a blocked terminal must not fill the memory
         let full = self.shared.bytes.load(Relaxed) >= 2 * self.room.bytes && !self.shared.over.load(Relaxed);
         if full { Ok(()) } else { self.put(Message::Said(notice.clone())) }
     }

@@ -1,11 +1,10 @@
-//! Which clock the gesture frames follow.
+//! The clocks that gesture frames can follow, one at a time.
 //!
-//! Decides on three, one at a time. The monotonic clock is the one for playing: frames fall due a period apart, whatever
-//! devices do. Where sound goes straight to a device that plays it, that device's clock rules: no other keeps the ring
-//! between the two from running full or dry. The device's own clock takes one frame of the first device for each frame
-//! of the engine: no slip between the two, for a device that drives everything, and for closed loops that must be the
-//! same every time. While no device is there, time passes as on the clock of the machine, so that a performance of a
-//! given length ends.
+//! The monotonic clock is for playing: frames are due one period apart, whatever devices do. A sound device is the
+//! clock while sound goes straight to it: with any other clock, the ring between the two would run full or empty. With
+//! a force device as the clock, each frame of the first device gives one frame of the engine, without slip. This is for
+//! a device that drives everything, and for closed loops that must be reproducible. Without a device, time passes as on
+//! the monotonic clock, so that a performance of given length ends.
 
 #[cfg(feature = "system")]
 use crate::rt::{Waits, now_ns};
@@ -13,29 +12,28 @@ use crate::rt::{Waits, now_ns};
 /// The clock of the gesture frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Clock {
-    /// a period apart
+    /// Frames one period apart.
     Monotonic,
-    /// as the device needs it that plays the sound, [`Rings::audio`](super::Rings::audio); a period apart without one
+    /// Frames as the sound device of [`Rings::audio`](super::Rings::audio) needs them; one period apart without it.
     Audio,
-    /// with each frame of the first device; without one for this long \[ns\], a frame all the same, and the time counts as
-    /// periods left out
+    /// A frame with each frame of the first device, or after `patience`; that time counts as periods left out.
     Device {
-        /// \[ns\]
+        /// Longest wait for a frame \[ns\].
         patience: u64,
     },
 }
 
-/// How a frame began.
+/// Start of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Start {
-    /// how late it was \[ns\]
+    /// Delay \[ns\].
     pub late: u64,
-    /// periods that were left out before it
+    /// Periods left out before it.
     pub missed: u64,
 }
 
 #[cfg(feature = "system")]
-/// Deadlines of the monotonic clock: `start + n·period`, never summed, so that a period of 333 333.3 ns does not drift.
+/// Deadlines of the monotonic clock: `start + n·period`, not summed, so that a period of 333 333.3 ns does not drift.
 pub(super) struct Pace {
     start: u64,
     period: f64,
@@ -49,8 +47,8 @@ impl Pace {
         Pace { start: now_ns(), period: period * 1e9, n: 0, waits: Waits::default() }
     }
 
-    /// Waits for the next deadline. Where it is already a whole period past, the periods between are left out: no frame
-    /// is computed twice for one position of the hand.
+    /// Waits for the next deadline. If it passed a whole period ago, the periods between are left out, so that no
+    /// position of the hand is used for two frames.
     pub(super) fn next(&mut self) -> Start {
         self.n += 1;
         let due = self.start + (self.n as f64 * self.period) as u64;
@@ -62,8 +60,8 @@ impl Pace {
 }
 
 #[cfg(feature = "system")]
-/// Waits until `ready`, at most `patience` \[ns\], for a loop of this `period` \[ns\]. Sleeps in pieces, since the other
-/// side is another thread; a wait in vain took as many periods as it lasted.
+/// Waits until `ready`, at most for `patience` \[ns\], in a loop with this `period` \[ns\]. Sleeps in pieces, because
+/// the other side is another thread. After `patience`, the whole wait counts as periods left out.
 pub(super) fn wait_for(waits: &mut Waits, patience: u64, period: f64, mut ready: impl FnMut() -> bool) -> Start {
     let begin = now_ns();
     let mut now = begin;
@@ -75,14 +73,14 @@ pub(super) fn wait_for(waits: &mut Waits, patience: u64, period: f64, mut ready:
         waits.sleep(now + piece(now - begin, patience));
         now = now_ns();
     }
-    // one that is always ready is no reason never to sleep
+    // sleeps at times, even if frames are always ready
     waits.pass();
     Start::default()
 }
 
 #[cfg(feature = "system")]
-/// How long to sleep before the next look at a ring, after a wait of `waited` of `patience` \[ns\]: an eighth of the
-/// wait, so that an answer is seen late by as much at most, and a device that never comes costs a look a millisecond.
+/// Returns the time to sleep before the next check of a ring, after `waited` of `patience` \[ns\]. It is an eighth of
+/// the wait, which limits the delay of an answer, and at most 1 ms.
 fn piece(waited: u64, patience: u64) -> u64 {
     (waited / 8).clamp(20_000, 1_000_000).min(patience - waited)
 }
@@ -101,7 +99,7 @@ mod tests {
         assert!(looks <= 150, "{looks} looks in a tenth of a second");
         assert!(start.late >= 100_000_000 && start.missed >= 300, "{start:?}");
         assert_eq!(start.missed, (start.late as f64 / 333_333.3) as u64);
-        // what is there is taken at once, and no period is left out for it
+        // a frame that is ready is taken at once, and no period is left out
         assert_eq!(wait_for(&mut waits, 100_000_000, 333_333.3, || true), Start::default());
         assert_eq!(wait_for(&mut waits, 0, 333_333.3, || false).missed, 0);
     }

@@ -1,7 +1,7 @@
-//! A take of all that has been played, from which a player saves copies.
+//! A take of everything played so far, from which copies can be saved.
 //!
-//! It is written without sound into a temporary file, whose name is removed at once, so that the system removes the file with the
-//! process. New threads write the files.
+//! It is written without sound to a temporary file. The name of the file is removed at once, so that the system deletes
+//! the file when the process ends. A separate thread writes the take and its copies.
 
 use super::Refused;
 use super::sink::{Sink, SinkStreams};
@@ -18,17 +18,17 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A take under way in the folder for temporary files, from which takes are saved.
+/// A take in progress in the folder for temporary files, from which copies can be saved.
 pub struct Kept {
-    /// the file where it can be read
+    /// Path from which the file can be read.
     path: PathBuf,
-    /// its name is removed already; `path` is this handle
+    /// Open file without a name, to which `path` refers; `None` if the name remains.
     unnamed: Option<File>,
     saving: Saving,
     sink: Option<AsyncSink<KeptSink>>,
 }
 
-/// The take that is to be saved with the next mark of the engine.
+/// Copy to be saved at the next mark of the engine.
 type Saving = Arc<Mutex<Option<Save>>>;
 
 struct Save {
@@ -36,7 +36,7 @@ struct Save {
     tell: Sender<Result<String, FileError>>,
 }
 
-/// Writes the take, and saves a copy of it at a mark: every record from before the mark is written by then.
+/// Writes the take, and saves a copy at a mark, when each record before the mark has been written.
 struct KeptSink {
     writer: TakeWriter,
     path: PathBuf,
@@ -71,7 +71,7 @@ impl Sink for KeptSink {
 }
 
 impl Kept {
-    /// Begins a take, and gives the end of the recorder.
+    /// Begins a take, and returns it with the sink for the recorder.
     ///
     /// # Errors
     /// If nothing can be written to the folder for temporary files.
@@ -86,10 +86,10 @@ impl Kept {
         Ok((Kept { path, unnamed, saving, sink: Some(sink) }, line))
     }
 
-    /// Saves a copy into `to` of what has been played. The result comes with a message once it is done.
+    /// Saves a copy of everything played so far to `to`. The receiver gets the result with a message once it is done.
     ///
     /// # Errors
-    /// If the engine takes no command.
+    /// If the engine does not take commands now.
     pub fn save(&self, to: PathBuf, recorder: &mut Recorder) -> Result<Receiver<Result<String, FileError>>, Refused> {
         let (tell, end) = channel();
         let saving = |save| *self.saving.lock().unwrap_or_else(PoisonError::into_inner) = save;
@@ -100,7 +100,7 @@ impl Kept {
 }
 
 impl Drop for Kept {
-    /// A take whose mark the engine did not come to is saved with what there is.
+    /// Saves a copy whose mark the engine did not reach, with the records so far.
     fn drop(&mut self) {
         if let Some(Ok(Some(mut sink))) = self.sink.take().map(AsyncSink::end) {
             sink.save();
@@ -111,7 +111,7 @@ impl Drop for Kept {
     }
 }
 
-/// Removes the name of a file that is open; `None` where it could not be read any more without its name.
+/// Opens a file and removes its name; `None` if it could not be read without the name.
 fn unnamed(path: &Path) -> Option<File> {
     let file = File::open(path).ok()?;
     by_handle(&file).exists().then_some(())?;
@@ -119,7 +119,7 @@ fn unnamed(path: &Path) -> Option<File> {
     Some(file)
 }
 
-/// The path at which Linux has an open file of this process.
+/// Returns the path that Linux gives an open file of this process.
 fn by_handle(file: &File) -> PathBuf {
     PathBuf::from(format!("/proc/self/fd/{}", file.as_raw_fd()))
 }

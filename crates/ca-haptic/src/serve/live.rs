@@ -1,7 +1,7 @@
-//! The engine thread: rings in, rings out, and the wait between.
+//! Runs the engine on its thread: reads rings, plays a gesture frame, writes rings, and waits.
 //!
-//! Decides that this loop calls the kernel for nothing but its wait. What does not fit a ring is counted; what must be
-//! freed travels to the recorder, and waits here until there is room.
+//! The loop calls the kernel only to wait. Data that does not fit in a ring is counted as lost. Memory to be freed goes
+//! to the recorder, and is stored here while the ring is full.
 
 #[cfg(feature = "system")]
 use super::audio::Outlet;
@@ -21,127 +21,125 @@ use rtrb::{Consumer, Producer};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Acquire, Ordering::Relaxed};
 
-/// The engine's ends of the rings.
+/// The engine's side of the rings.
 pub struct Rings {
-    /// frames of devices, by number
+    /// Device frames, with the number of the device.
     pub frames: Consumer<(u32, DeviceFrame)>,
-    /// frames of forces, by number
+    /// Force frames, with the number of the device.
     pub forces: Producer<(u32, ForceFrame)>,
-    /// what is asked, and how many disarms were asked for before
+    /// Commands, each with the number of disarm requests before it.
     pub commands: Consumer<(u64, EngineCommand)>,
-    /// what happened
+    /// Records.
     pub records: Producer<Record>,
-    /// sound of a gesture frame: its first tick, how many samples, and they, interleaved
+    /// Sound of each gesture frame: first tick, number of samples, interleaved samples.
     pub sound: Producer<f64>,
-    /// how each frame went
+    /// Timing of each gesture frame.
     pub timings: Producer<FrameTiming>,
-    /// pictures: a tick, how many places, and their displacements \[m\]; none where nobody looks
+    /// Pictures: tick, number of values, displacements \[m\] and motion \[m\] per tick; `None` without a viewer.
     pub views: Option<Producer<f64>>,
-    /// plays the sound at once, besides files
+    /// Output to a sound device, besides files.
     #[cfg(feature = "system")]
     pub audio: Option<Outlet>,
 }
 
-/// How a gesture frame went.
+/// Timing of a gesture frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FrameTiming {
-    /// when it began, and what was left out
+    /// Delay of its start, and periods left out before it.
     pub start: Start,
-    /// how long it computed \[ns\]
+    /// Computing time \[ns\].
     pub took: u64,
 }
 
-/// What both sides may look at while it runs.
+/// State that the engine thread shares with others while it runs.
 #[derive(Debug, Default)]
 pub struct Shared {
-    /// asks all threads to end
+    /// Asks all threads to end.
     pub stop: AtomicBool,
-    /// devices whose forces are to be off with the next frame, a bit each: no ring that is full stands in its way
+    /// Devices to disarm with the next frame, one bit each. It bypasses the command ring, which may be full.
     pub disarm: AtomicU64,
-    /// how often that was asked: arming that was asked for before is void
+    /// Number of disarm requests; an arm command from before the last one is void.
     pub disarms: AtomicU64,
-    /// periods left out
+    /// Periods left out.
     pub missed: AtomicU64,
-    /// timings nobody fetched in time
+    /// Timings lost because their ring was full.
     pub lost_timings: AtomicU64,
-    /// force frames the gateway did not fetch in time
+    /// Force frames lost because the gateway did not read them in time.
     pub lost_forces: AtomicU64,
-    /// records nobody fetched in time
+    /// Records lost because their ring was full.
     pub lost_records: AtomicU64,
-    /// sound samples nobody fetched in time
+    /// Sound samples lost because their ring was full.
     pub lost_sound: AtomicU64,
-    /// pictures nobody fetched in time
+    /// Pictures lost because their ring was full.
     pub lost_views: AtomicU64,
-    /// device frames the input checks dropped
+    /// Device frames dropped by the input checks.
     pub dropped: AtomicU64,
-    /// gesture frames without news of a device that was there
+    /// Gesture frames without a new frame from a connected device.
     pub stale: AtomicU64,
-    /// sound samples at the peak limit
+    /// Sound samples at the peak limit.
     pub clipped: AtomicU64,
-    /// the model has diverged
+    /// True if the model has diverged.
     pub diverged: AtomicBool,
 }
 
 impl Shared {
-    /// Records, sound samples and pictures that found no room on their way to the recorder.
+    /// Returns the records, sound samples and pictures lost in full rings to the recorder.
     pub fn lost(&self) -> [u64; 3] {
         [&self.lost_records, &self.lost_sound, &self.lost_views].map(|n| n.load(Relaxed))
     }
 }
 
-/// An engine with its rings, to be moved into its thread.
+/// An engine with its rings, to be moved to its thread.
 pub struct Live {
     engine: Engine,
     rings: Rings,
     shared: Arc<Shared>,
     clock: Clock,
-    /// frames between two records of energy, pictures and hashes; 0 for none
     every: RecordIntervals,
-    /// a record that found no room and must not be freed here
+    /// Record that must not be freed here, waiting for space in the ring.
     waiting: Option<Record>,
-    /// records lost since the last one that found room
+    /// Records lost since the last one that was sent.
     missing: u64,
-    /// frames between two looks at what an armed device waits for
     waits: u64,
 }
 
-/// Between two looks at what an armed device waits for \[s\].
+/// Interval between checks of what an armed device waits for \[s\].
 const WAITS: f64 = 0.25;
 
-/// Places of the ring that frames leave to what is asked of the engine, which is rare and decides its future.
+/// Slots of the ring that frames leave free for records of commands, which are rare and affect everything after them.
 const KEPT: usize = 64;
 
-/// How often things are recorded, in gesture frames; 0 for never.
+/// Intervals of regular records, in gesture frames; 0 for never.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RecordIntervals {
-    /// the energy ledger, where the scene keeps one
+    /// Energy ledger, if the scene has one.
     pub energy: u64,
-    /// pictures
+    /// Pictures.
     pub view: u64,
-    /// hashes of the state
+    /// Hashes of the state.
     pub hash: u64,
 }
 
 impl Live {
-    /// Ready to run.
+    /// Combines an engine with its rings.
     pub fn new(engine: Engine, rings: Rings, shared: Arc<Shared>, clock: Clock, every: RecordIntervals) -> Live {
         let waits = (WAITS * engine.scene.rate / f64::from(engine.scene.rates.ratio)).max(1.0) as u64;
         Live { engine, rings, shared, clock, every, waiting: None, missing: 0, waits }
     }
 
-    /// Runs until [`Shared::stop`], or `frames` gesture frames; on the clock of a device the time in which none came
-    /// counts as well. Gives the engine back.
+    /// Runs until [`Shared::stop`], or for `frames` gesture frames, and returns the engine. On the clock of a device,
+    /// periods without a frame count too.
     #[cfg(feature = "system")]
     pub fn run(mut self, frames: Option<u64>) -> Engine {
         let scene = &self.engine.scene;
         let period = f64::from(scene.rates.ratio) * scene.rates.sample_dt;
         let (mut pace, mut waits) = (Pace::new(period), Waits::default());
-        // on the clock of a device no time is due: what tells of a stall is how long nobody looked
+        // on the clock of a device, frames are not due at a time: a stall shows as a long interval between two checks
         let (mut left, mut looked) = (frames, now_ns());
         while left != Some(0) {
             let mut blind = 0;
             if self.rings.audio.as_mut().is_some_and(Outlet::turn) {
-                // time begins anew on another clock
+                // another clock: deadlines start again
                 pace = Pace::new(period);
             }
             let start = match (self.clock, self.rings.audio.as_mut().and_then(Outlet::now)) {
@@ -169,7 +167,7 @@ impl Live {
             let alone = if matches!(self.clock, Clock::Device { .. }) { start.missed } else { 0 };
             left = left.map(|n| n.saturating_sub(alone.max(1)));
         }
-        // the last word is that forces are off, not silence until the device notices
+        // the last frame turns forces off, so that devices need not wait for a timeout
         self.engine.command(EngineCommand::Order(None, Order::Disarm));
         self.keep(Record::Order { tick: self.engine.due(), port: None, order: Order::Disarm });
         self.frame();
@@ -179,7 +177,7 @@ impl Live {
         self.engine
     }
 
-    /// A frame that is so late \[ns\] that the device let go of the last force: it does not come back in one step.
+    /// Trips devices whose last force expired in a delay of `late` \[ns\], so that it does not return in one step.
     fn lapsed(&mut self, late: u64, tick: u64) {
         for k in 0..self.engine.ports.len() {
             let p = &self.engine.ports[k];
@@ -190,7 +188,7 @@ impl Live {
         }
     }
 
-    /// An order that is obeyed at once; only what tells of it may find no room.
+    /// Executes an order at once. Only its record can be lost, if the ring is full.
     fn order(&mut self, port: u32, order: Order, tick: u64) {
         let _ = self.engine.command(EngineCommand::Order(Some(port), order));
         let record = Record::Order { tick, port: Some(port), order };
@@ -200,21 +198,20 @@ impl Live {
         }
     }
 
-    /// One gesture frame that begins in time, for a caller that has its own clock.
+    /// Plays one gesture frame that begins in time, for a caller with another clock.
     pub fn step(&mut self) {
         let begin = now_ns();
         self.frame();
         self.timed(FrameTiming { start: Start::default(), took: now_ns() - begin });
     }
 
-    /// Sends the timing of a frame to the recorder; counts it as lost if the ring is full.
     fn timed(&mut self, timing: FrameTiming) {
         if self.rings.timings.push(timing).is_err() {
             self.shared.lost_timings.fetch_add(1, Relaxed);
         }
     }
 
-    /// One gesture frame.
+    /// Plays one gesture frame.
     pub fn frame(&mut self) {
         let begin = now_ns();
         let off = self.shared.disarm.swap(0, Acquire);
@@ -227,12 +224,12 @@ impl Live {
         self.devices();
         let due = self.engine.due();
         self.engine.prepare();
-        // a machine that stood still meanwhile: the force is of where the hand was then
+        // after a stall in between, the force belongs to an old position of the hand
         self.lapsed(now_ns() - begin, due);
         let Live { engine, rings, shared, missing, .. } = self;
         for (k, out) in engine.answer().enumerate() {
             let port = k as u32;
-            // its life begins here, however long it waits on its way
+            // its lifetime starts here and includes the time in the ring
             let sent = ForceFrame { t_host_ns: now_ns(), ..*out };
             if rings.forces.push((port, sent)).is_err() {
                 shared.lost_forces.fetch_add(1, Relaxed);
@@ -258,7 +255,7 @@ impl Live {
         if let Some(record) = self.waiting.take() {
             self.keep(record);
         }
-        // those that are there: who asks without end is no reason for the frame to wait
+        // only commands that wait now, so that endless commands do not delay the frame
         for _ in 0..self.rings.commands.slots() {
             if self.waiting.is_some() {
                 return;
@@ -292,10 +289,10 @@ impl Live {
         }
     }
 
-    /// Hands over what must not be lost, or waits with it.
+    /// Sends a record that must not be lost, or stores it in `waiting`.
     fn keep(&mut self, record: Record) {
         if self.waiting.is_some() {
-            // only the last order can come upon one that waits
+            // only the last order of `run` can find another record waiting
             self.shared.lost_records.fetch_add(1, Relaxed);
             return;
         }
@@ -303,19 +300,18 @@ impl Live {
     }
 
     fn devices(&mut self) {
-        // those that are there: one who sends without end is no reason for the forces of others to wait
+        // only frames that wait now, so that a device that never stops sending does not delay other forces
         for _ in 0..self.rings.frames.slots() {
             let Ok((port, mut frame)) = self.rings.frames.pop() else { return };
             self.engine.take(port as usize, &mut frame);
             note(&mut self.rings, &mut self.missing, &self.shared, Record::Device { port, frame });
-            // one frame of the engine for each of the first device: the next one waits for its own
+            // each frame of the first device belongs to one frame of the engine
             if port == 0 && matches!(self.clock, Clock::Device { .. }) {
                 return;
             }
         }
     }
 
-    /// What is recorded every so many frames.
     fn regular(&mut self) {
         let (e, n) = (&self.engine, self.engine.counts.frames);
         let due = |every: u64| every > 0 && n.is_multiple_of(every);
@@ -344,7 +340,6 @@ impl Live {
     }
 }
 
-/// Hands over one thing that happened, or counts it.
 fn note(rings: &mut Rings, missing: &mut u64, shared: &Shared, record: Record) {
     if hand(rings, missing, record, KEPT).is_err() {
         *missing += 1;
@@ -352,9 +347,9 @@ fn note(rings: &mut Rings, missing: &mut u64, shared: &Shared, record: Record) {
     }
 }
 
-/// Hands over one thing that happened, and before it the count of what is missing there. Given back where fewer than
-/// `room` places, at least two, are free.
-// a record is as large as a place of the ring; a box would be a call of the allocator
+/// Sends a record, after the number of records missing before it. Returns it if fewer than `room` slots (at least two)
+/// are free.
+// a record is as large as a slot of the ring, and boxing it would allocate
 #[allow(clippy::result_large_err)]
 fn hand(rings: &mut Rings, missing: &mut u64, record: Record, room: usize) -> Result<(), Record> {
     if rings.records.slots() < room {
@@ -363,7 +358,7 @@ fn hand(rings: &mut Rings, missing: &mut u64, record: Record, room: usize) -> Re
     if *missing > 0 {
         let _ = rings.records.push(Record::Lost { tick: record.tick(), records: core::mem::take(missing) });
     }
-    // there is room: only this thread fills the ring
+    // it fits, because only this thread writes to the ring
     let _ = rings.records.push(record);
     Ok(())
 }

@@ -1,24 +1,23 @@
-//! Loop latency: from a position a device sent to the first position it sent after using the force that answers it.
+//! Measures the loop latency: from a position that a device sent to the first one it sent after using the force that
+//! answers it.
 //!
-//! Both ends are stamped by the device, so no clocks are compared; `ack` on either side ties them together. A stamp of a
-//! clock that is not ours, or none, would make any number of it: a loop that is longer than the time which passed here
-//! meanwhile is not counted.
+//! The device stamps both ends, so no clocks are compared; `ack` on either side connects them. A missing or foreign
+//! time stamp could give any latency, so a loop longer than the time that passed here meanwhile is not counted.
 
 use crate::frame::{DeviceFrame, ForceFrame};
 
-/// Frames that are remembered: a third of a second at 3 kHz.
+/// Frames stored: a third of a second at 3 kHz.
 const KEPT: usize = 1024;
-/// Longest time a frame lies in the rings before it is looked at here \[ns\].
+/// Longest time that a frame waits in the rings \[ns\].
 const WAITS: u64 = 5_000_000_000;
 
-/// Of one device.
 pub(super) struct Loops {
-    /// when each position frame was sent, by its number, and when it was looked at here: (seq, ns, ns)
+    /// Position frames: number, time sent \[ns\], time read here \[ns\].
     sent: Vec<(u64, u64, u64)>,
-    /// which position each force frame answers, by its number: (seq, seq of the position)
+    /// Force frames: number, and number of the position frame that it answers.
     answered: Vec<(u64, u64)>,
     session: u64,
-    /// the last force that was counted
+    /// Number of the last force that was counted.
     last: u64,
 }
 
@@ -33,7 +32,7 @@ impl Loops {
         }
     }
 
-    /// The latency this frame closes \[ns\], if it is the first to use a force. It is `now` \[ns\] by our clock.
+    /// Returns the loop latency \[ns\] if this frame is the first that uses a force. `now` \[ns\] is the time here.
     pub(super) fn device(&mut self, f: &DeviceFrame, now: u64) -> Option<u64> {
         if f.session != self.session {
             *self = Loops { session: f.session, ..Loops::new() };
@@ -89,7 +88,7 @@ mod tests {
                 (f.seq, f.ack) = (n, n);
                 l.force(&f);
             }
-            // a loop has two ends: two in five are lost
+            // a loop has two ends, so two in five are lost
             assert_eq!(counted, 898 - 180 - 179, "{name}");
         }
     }

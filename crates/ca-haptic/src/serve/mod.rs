@@ -1,4 +1,4 @@
-//! A scene played in real time: the engine on its thread, rings to its neighbours, and the recorder that looks after it.
+//! Plays a scene in real time: the engine on its thread, rings to other threads, and the recorder.
 //!
 //! ```text
 //! devices ⇄ gateway ⇄ rings ⇄ engine thread ─► rings ─► recorder ─► sound file, take, terminal
@@ -6,9 +6,9 @@
 //!                                   └──► ring ─► device that plays sound, where there is one
 //! ```
 //!
-//! Decides that the engine thread knows rings only. Who fills them (shared memory, a test) and where records end is the
-//! caller's: [`rings`] makes both sides. The recorder is no thread of its own but a turn to be taken every few milliseconds
-//! by the caller, so that a program embeds it in the loop it has.
+//! The engine thread uses only rings. [`rings`] makes both sides, and the caller connects the other side to shared
+//! memory or to a test. The caller also polls the recorder every few milliseconds, so that a program can embed it in
+//! its loop.
 
 #[cfg(feature = "system")]
 mod async_sink;
@@ -44,45 +44,45 @@ use crate::record::Record;
 use ca_core::Scene;
 use rtrb::{Consumer, Producer, RingBuffer};
 
-/// The gateway's ends of the rings.
+/// The gateway's side of the rings.
 pub struct GatewayEnds {
-    /// frames of devices, by number
+    /// Device frames, with the number of the device.
     pub frames: Producer<(u32, DeviceFrame)>,
-    /// frames of forces, by number
+    /// Force frames, with the number of the device.
     pub forces: Consumer<(u32, ForceFrame)>,
 }
 
-/// The recorder's ends of the rings.
+/// The recorder's side of the rings.
 pub struct RecorderEnds {
-    /// what is asked
+    /// Commands, each with the number of disarm requests before it.
     pub commands: Producer<(u64, EngineCommand)>,
-    /// what happened
+    /// Records.
     pub records: Consumer<Record>,
-    /// sound of gesture frames: first tick, how many samples, and they, interleaved
+    /// Sound of each gesture frame: first tick, number of samples, interleaved samples.
     pub sound: Consumer<f64>,
-    /// how each frame went
+    /// Timing of each gesture frame.
     pub timings: Consumer<FrameTiming>,
-    /// pictures; none where nobody looks
+    /// Pictures; `None` without a viewer.
     pub views: Option<Consumer<f64>>,
 }
 
-/// How long the recorder may be away \[s\] before something is lost, and counted.
+/// Longest interval between two polls of the recorder without loss \[s\].
 const AWAY: f64 = 4.0;
 
-/// Commands that wait for the engine at most: it takes all of them in each gesture frame.
+/// Most waiting commands; the engine takes all of them in each gesture frame.
 const COMMANDS: usize = 1024;
 
-/// Numbers of a picture: displacements and motion, and the head.
+/// Returns the length of a picture: displacements, motion and a head of two numbers.
 fn picture(scene: &Scene) -> usize {
     2 * scene.counts.n_mat + 2
 }
 
-/// Rings for a scene with so many devices; `pictures` a second, 0 for none. What plays sound at once comes from
-/// `audio::link`, by way of `audio::outlet`.
+/// Makes the rings for a scene with this number of devices and of `pictures` per second (0 for none). For a sound
+/// device, `audio::link` and `audio::outlet` make them.
 pub fn rings(scene: &Scene, devices: usize, pictures: u32) -> (Rings, GatewayEnds, RecorderEnds) {
     let rate = scene.rate / f64::from(scene.rates.ratio);
     let frames = (AWAY * rate) as usize;
-    // the gateway is never away: a device that sends in bursts, or one that is suspended and comes back
+    // the gateway always runs, but a device may send in bursts, e.g. after it was suspended
     let (frames_in, frames_out) = RingBuffer::new(64 * devices.max(1));
     let (forces_in, forces_out) = RingBuffer::new(64 * devices.max(1));
     let (acts_in, acts_out) = RingBuffer::new(COMMANDS);

@@ -1,4 +1,4 @@
-//! The recorder: takes what the engine leaves behind to those who want it, and what people ask to the engine.
+//! Sends the records of the engine to the sinks, and commands from people to the engine.
 
 mod hand;
 mod refused;
@@ -23,17 +23,17 @@ use seen::Seen;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::{Relaxed, Release};
 
-/// What was measured since the last snapshot.
+/// Measurements since the last snapshot.
 #[derive(Default)]
 struct Second {
     frames: Times,
     late: Times,
     loops: Times,
-    /// computing time \[ns\]
+    /// Computing time \[ns\].
     took: u64,
 }
 
-/// Looks after a running engine.
+/// Reads the rings of a running engine, and sends it commands.
 pub struct Recorder {
     ends: RecorderEnds,
     shared: Arc<Shared>,
@@ -43,31 +43,29 @@ pub struct Recorder {
     seen: Vec<Seen>,
     frame_times: Times,
     late_times: Times,
-    /// since the last snapshot
     second: Second,
     frames: u64,
     tick: u64,
-    /// gesture frames a second, rounded
+    /// Gesture frames per second, rounded.
     rate: u64,
     faults: Vec<Fault>,
     notices: Vec<Notice>,
     block: Vec<f64>,
     broken: Vec<FileError>,
     audio: Option<Watch>,
-    /// devices that played before
+    /// Sound devices that played before.
     before: Vec<AudioSummary>,
-    /// what may play the sound
     outputs: Outputs,
     hand: hand::Hand,
-    /// a version of the scene that the engine is to play, with its parameters; and how many came before
+    /// Version of the scene on its way to the engine, with its parameters.
     coming: Option<(Arc<Version>, Controls)>,
     versions: u32,
-    /// what was reported as left out for want of room in the rings of the engine, and at which gesture frame
+    /// Last report of losses in full rings, and the gesture frame at which it was made.
     reported: ([u64; 3], u64),
 }
 
 impl Recorder {
-    /// A recorder for an engine with these ports; what it learns goes to `sinks`.
+    /// Makes a recorder for an engine with these ports, which sends records to `sinks`.
     pub fn new(
         ends: RecorderEnds,
         shared: Arc<Shared>,
@@ -102,31 +100,31 @@ impl Recorder {
         }
     }
 
-    /// Sound goes to a device, too, from now on; to none where there is none.
+    /// Sets the sound device that plays from now on, if any.
     pub fn hears(&mut self, audio: Option<Watch>) {
         self.before.extend(self.audio.take().map(|a| a.summary()));
         self.audio = audio;
     }
 
-    /// Outputs of the sound, for the front end that opens them and for requests.
+    /// Returns the outputs of the sound, for the front end that opens them and for requests.
     pub fn outputs(&mut self) -> &mut Outputs {
         &mut self.outputs
     }
 
-    /// The device that plays the sound, by name, and how late that is heard \[ms\], as far as is known yet.
+    /// Returns the description of the sound device, and its latency \[ms\] as far as it is known yet.
     pub fn heard(&self) -> Option<(String, f64)> {
         let a = self.audio.as_ref()?.summary();
         Some((format!("{} ({}), {} Hz", a.playback.device, a.playback.host, a.playback.rate), a.latency_ms))
     }
 
-    /// Something people should know, and a take: reported at the next turn.
+    /// Adds a message, which the next poll sends to all sinks.
     pub fn say(&mut self, bad: bool, text: String) {
         self.notices.push(Notice { tick: self.tick, device: None, bad, text });
     }
 
-    /// Takes everything that lies in the rings; to be called every few milliseconds, and once the engine has ended.
+    /// Sends everything in the rings to the sinks. Call it every few milliseconds, and once after the engine has ended.
     pub fn poll(&mut self) {
-        // what there is now, so that records come first
+        // measured before records are read, so that these come first
         let mut heard = self.ends.sound.slots();
         while let Ok(record) = self.ends.records.pop() {
             self.look(&record);
@@ -154,7 +152,7 @@ impl Recorder {
         for text in self.audio.as_mut().map(Watch::news).unwrap_or_default() {
             self.say(true, text);
         }
-        // a sink that fails meanwhile is news for those left
+        // a failing sink adds a message for the others
         while !self.notices.is_empty() {
             for h in std::mem::take(&mut self.notices) {
                 self.tell(|s| s.said(&h));
@@ -162,7 +160,7 @@ impl Recorder {
         }
     }
 
-    /// Says that something found no room in the rings, while that happens: at once, then once a second.
+    /// Reports losses in full rings: at once, then once a second while they continue.
     fn missing(&mut self) {
         let (lost, (reported, at)) = (self.shared.lost(), self.reported);
         if lost != reported && (reported == [0; 3] || self.frames - at >= self.rate) {
@@ -172,7 +170,7 @@ impl Recorder {
         }
     }
 
-    /// A sink that fails is reported once, and left out from then on; playing goes on.
+    /// Calls `f` with each sink. A sink that fails is reported once and dropped.
     fn tell(&mut self, mut f: impl FnMut(&mut dyn Sink) -> Result<(), FileError>) {
         let mut broken = Vec::new();
         self.sinks.retain_mut(|s| f(s.as_mut()).map_err(|e| broken.push(e)).is_ok());
@@ -182,7 +180,7 @@ impl Recorder {
         }
     }
 
-    /// Why sinks failed, one each.
+    /// Returns the errors of the sinks that failed.
     pub fn broken(&self) -> &[FileError] {
         &self.broken
     }
@@ -190,7 +188,7 @@ impl Recorder {
     fn timing(&mut self, timing: FrameTiming) {
         self.frames += 1;
         if self.seen.is_empty() {
-            // nobody is sent a force that says how far it is
+            // without devices, no force frame carries the tick
             self.tick = (self.frames - 1) * u64::from(self.scene.rates.ratio);
         }
         self.frame_times.add(timing.took);
@@ -222,13 +220,13 @@ impl Recorder {
         }
     }
 
-    /// Records, sound samples and pictures that found no room in the rings or on their way to a sink.
+    /// Returns the records, sound samples and pictures lost in full rings or on the way to a sink.
     fn left_out(&self) -> [u64; 3] {
         let add = |a: [u64; 3], b: [u64; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
         self.sinks.iter().map(|s| s.lost()).fold(self.shared.lost(), add)
     }
 
-    /// Records, sounds, pictures, forces and times lost so far.
+    /// Returns the number of records, sound samples, pictures, forces and timings lost so far.
     pub fn lost(&self) -> u64 {
         let s = &self.shared;
         self.left_out().iter().sum::<u64>() + s.lost_forces.load(Relaxed) + s.lost_timings.load(Relaxed)
@@ -264,7 +262,7 @@ impl Recorder {
     }
 
     fn command(&mut self, act: EngineCommand) -> Result<(), Refused> {
-        // what is made for a scene is not for the one after it
+        // a command made for one scene is not valid for the next
         if self.is_swapping() && !matches!(act, EngineCommand::Order(..) | EngineCommand::Mark) {
             return Err(Refused::Swapping);
         }
@@ -272,10 +270,10 @@ impl Recorder {
         self.ends.commands.push((disarms, act)).map_err(|_| Refused::Busy)
     }
 
-    /// Sets several live parameters \[SI\] in one tick. Nothing changes where one of them is refused.
+    /// Sets several live parameters (SI units) in one tick. If one of them is refused, none changes.
     ///
     /// # Errors
-    /// For the first parameter that does not exist or is out of range; nothing has changed then.
+    /// If a parameter does not exist or is out of range (reports the first), or the engine does not take commands now.
     pub fn set(&mut self, values: &[(String, f64)]) -> Result<(), Refused> {
         let mut controls = self.controls.clone();
         let mut change = Change::default();
@@ -290,23 +288,23 @@ impl Recorder {
         Ok(())
     }
 
-    /// Asks for a [`Record::Marked`], which comes after the records of everything that was asked before.
+    /// Requests a [`Record::Marked`], which comes after the records of all earlier commands.
     ///
     /// # Errors
-    /// If the engine takes no command.
+    /// If the engine does not take commands now.
     pub fn mark(&mut self) -> Result<(), Refused> {
         self.command(EngineCommand::Mark)
     }
 
-    /// The live parameters with their present values.
+    /// Returns the live parameters with their present values.
     pub fn controls(&self) -> &Controls {
         &self.controls
     }
 
-    /// Arms or disarms a device, or all. A model that diverged is loaded again first.
+    /// Arms or disarms a device, or all for `None`. Arming first reloads a model that has diverged.
     ///
     /// # Errors
-    /// If the device does not exist, or the engine does not take orders.
+    /// If the device does not exist, or the engine does not take commands now.
     pub fn order(&mut self, device: Option<&str>, order: Order) -> Result<(), Refused> {
         let which = match device {
             None => None,
@@ -318,7 +316,7 @@ impl Recorder {
             }
         };
         if order == Order::Disarm {
-            // first the count, so that no arming of before slips through
+            // the count first, so that each earlier arm command is void
             self.shared.disarms.fetch_add(1, Relaxed);
             self.shared.disarm.fetch_or(which.map_or(u64::MAX, |k| 1 << k.min(63)), Release);
             return Ok(());
@@ -329,40 +327,40 @@ impl Recorder {
         self.command(EngineCommand::Order(which, order))
     }
 
-    /// Device number `which` is what `setup` says from the next gesture frame on.
+    /// Replaces the setup of device number `which` from the next gesture frame on.
     ///
     /// # Errors
-    /// If the engine takes no order.
+    /// If the engine does not take commands now.
     pub fn refit(&mut self, which: u32, setup: Setup) -> Result<(), Refused> {
         self.command(EngineCommand::Refit(Box::new(Refit::new(&self.scene, which, setup))))
     }
 
-    /// The scene as at load, with all parameters as at load, and forces off.
+    /// Resets the scene and all parameters to their values at load, and turns forces off.
     ///
     /// # Errors
-    /// If the engine takes no order.
+    /// If the engine does not take commands now.
     pub fn reload(&mut self) -> Result<(), Refused> {
         self.command(EngineCommand::Reload(Box::new(self.scene.state())))?;
         self.controls = self.scene.controls();
         Ok(())
     }
 
-    /// Mode and cause of each device, by name.
+    /// Returns name, mode, cause and number of frames of each device.
     pub fn devices(&self) -> impl Iterator<Item = (&str, Mode, Cause, u64)> {
         self.seen.iter().map(|s| (s.name.as_str(), s.mode, s.cause, s.frames))
     }
 
-    /// What armed devices wait for, by name, in words.
+    /// Returns the name of each armed device that waits, and the reason.
     pub fn waiting(&self) -> impl Iterator<Item = (&str, &str)> {
         self.seen.iter().filter_map(|s| Some((s.name.as_str(), s.waiting()?)))
     }
 
-    /// Gesture frames so far, and the sound sample they came to.
+    /// Returns the number of gesture frames so far, and the present sound sample.
     pub fn progress(&self) -> (u64, u64) {
         (self.frames, self.tick)
     }
 
-    /// The account, once the engine has ended.
+    /// Returns the summary, once the engine has ended.
     pub fn summary(&mut self, engine: &Engine, granted: Vec<(String, String)>) -> Summary {
         let (s, ratio) = (&self.shared, u64::from(self.scene.rates.ratio));
         let [lost_records, lost_sound, lost_views] = self.left_out();

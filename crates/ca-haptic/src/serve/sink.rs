@@ -1,4 +1,4 @@
-//! What a sink is: one trait for sound files, takes, terminals and Python, so that a new one is a file of its own.
+//! The trait of all sinks: sound files, takes, terminals and Python. A new sink needs one new file.
 
 use super::summary::StatsSnapshot;
 use crate::record::Record;
@@ -7,113 +7,115 @@ use ca_io::FileError;
 use std::fmt::Write as _;
 use std::sync::Arc;
 
-/// Where records end: a sound file, a take, a terminal.
+/// A receiver of records, e.g. a sound file, a take or a terminal.
 pub trait Sink {
-    /// What it is to be given, from the beginning to the end.
+    /// Returns the streams that it receives, which never change.
     fn streams(&self) -> SinkStreams {
         SinkStreams::ALL
     }
-    /// Records, sound samples and pictures that it had to leave out so far.
+    /// Returns the records, sound samples and pictures left out so far.
     fn lost(&self) -> [u64; 3] {
         [0; 3]
     }
-    /// What people should know of it by now: whether that is bad, and in words. Asked at each poll of the recorder.
+    /// Returns a message about itself for people, if there is one: true for a problem, and the text. Called at each
+    /// poll of the recorder.
     fn news(&mut self) -> Option<(bool, String)> {
         None
     }
-    /// Something happened.
+    /// Receives a record.
     ///
     /// # Errors
-    /// Where it cannot be written any more; the sink is then left out.
+    /// If it cannot be written any more; the recorder then drops the sink.
     fn record(&mut self, record: &Record) -> Result<(), FileError> {
         let _ = record;
         Ok(())
     }
-    /// Sound, interleaved, the first of it at `tick`. It never comes before the records of what made it.
+    /// Receives interleaved sound, with the first sample at `tick`. The records of what made it always come earlier.
     ///
     /// # Errors
-    /// Where it cannot be written any more; the sink is then left out.
+    /// If it cannot be written any more; the recorder then drops the sink.
     fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), FileError> {
         let _ = (tick, frames);
         Ok(())
     }
-    /// A picture: displacement \[m\] of every place of the state, as it was before `tick`.
+    /// Receives a picture: displacement \[m\] of each place of the state, as it was before `tick`.
     ///
     /// # Errors
-    /// Where it cannot be written any more; the sink is then left out.
+    /// If it cannot be written any more; the recorder then drops the sink.
     fn view(&mut self, tick: u64, x: &[f64]) -> Result<(), FileError> {
         let _ = (tick, x);
         Ok(())
     }
-    /// The motion in a picture: displacement \[m\] in a tick, of every place of the state. A sink on a thread of its own gets none.
+    /// Receives the motion in a picture: displacement \[m\] per tick, of each place of the state. A sink in an
+    /// `AsyncSink` does not receive it.
     ///
     /// # Errors
-    /// Where it cannot be written any more; the sink is then left out.
+    /// If it cannot be written any more; the recorder then drops the sink.
     fn motion(&mut self, tick: u64, d: &[f64]) -> Result<(), FileError> {
         let _ = (tick, d);
         Ok(())
     }
-    /// From `tick` on another version of the scene plays, and pictures of then and later are of that.
+    /// Receives the version of the scene that plays from `tick` on, and to which pictures belong from then on.
     ///
     /// # Errors
-    /// Where it cannot be written; the sink is then left out.
+    /// If it cannot be written any more; the recorder then drops the sink.
     fn swapped(&mut self, tick: u64, version: &Arc<Version>) -> Result<(), FileError> {
         let _ = (tick, version);
         Ok(())
     }
-    /// Once a second.
+    /// Receives statistics, once a second.
     ///
     /// # Errors
-    /// Where it cannot be written any more; the sink is then left out.
+    /// If it cannot be written any more; the recorder then drops the sink.
     fn snapshot(&mut self, snapshot: &StatsSnapshot) -> Result<(), FileError> {
         let _ = snapshot;
         Ok(())
     }
-    /// Something people should know.
+    /// Receives a message for people.
     ///
     /// # Errors
-    /// Where it cannot be written any more; the sink is then left out.
+    /// If it cannot be written any more; the recorder then drops the sink.
     fn said(&mut self, notice: &Notice) -> Result<(), FileError> {
         let _ = notice;
         Ok(())
     }
 }
 
-/// What a sink is given; words it gets in any case.
+/// Streams that a sink receives. Each sink receives messages.
 #[allow(clippy::struct_excessive_bools, reason = "each is a stream of its own, wanted or not")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SinkStreams {
-    /// what happened
+    /// Records.
     pub records: bool,
-    /// sound
+    /// Sound.
     pub sound: bool,
-    /// pictures
+    /// Pictures.
     pub views: bool,
-    /// statistics of the engine, once a second
+    /// Statistics of the engine, once a second.
     pub stats: bool,
 }
 
 impl SinkStreams {
-    /// Everything.
+    /// All streams.
     pub const ALL: SinkStreams = SinkStreams { records: true, sound: true, views: true, stats: true };
-    /// Nothing but words.
+    /// Messages only.
     pub const WORDS: SinkStreams = SinkStreams { records: false, sound: false, views: false, stats: false };
 }
 
-/// Something people should know.
+/// A message for people.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Notice {
-    /// sound sample
+    /// Sound sample.
     pub tick: u64,
-    /// the device it is about, if it is about one
+    /// Name of the device concerned, if any.
     pub device: Option<String>,
-    /// something went wrong
+    /// True for a problem.
     pub bad: bool,
-    /// in words
+    /// Text.
     pub text: String,
 }
 
-/// Records, sound samples and pictures that are missing, in words.
+/// Describes the number of missing records, sound samples and pictures.
 pub(super) fn missing(lost: [u64; 3]) -> String {
     let mut text = String::new();
     for (n, what) in lost.iter().zip(["records", "sound samples", "pictures"]).filter(|l| *l.0 > 0) {

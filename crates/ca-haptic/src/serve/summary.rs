@@ -1,126 +1,126 @@
-//! What is reported of a performance: once a second, and at its end.
+//! Statistics of a performance: once a second, and at its end.
 
 use super::audio::AudioSummary;
 use crate::frame::Cause;
 use crate::stats::Percentiles;
 use serde::Serialize;
 
-/// Once a second.
+/// Statistics, once a second.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct StatsSnapshot {
-    /// sound sample
+    /// Sound sample.
     pub tick: u64,
-    /// gesture frames so far
+    /// Gesture frames so far.
     pub frames: u64,
-    /// computing time of a gesture frame in the last second \[µs\]
+    /// Computing time of a gesture frame in the last second \[µs\].
     pub frame_us: Percentiles,
-    /// how late they began in the last second \[µs\]
+    /// Delay of the start of gesture frames in the last second \[µs\].
     pub late_us: Percentiles,
-    /// loop latency in the last second, all devices \[µs\]
+    /// Loop latency in the last second, all devices \[µs\].
     pub loop_us: Percentiles,
-    /// periods left out so far
+    /// Periods left out so far.
     pub missed: u64,
-    /// device frames dropped by the input checks so far
+    /// Device frames dropped by the input checks so far.
     pub dropped: u64,
-    /// gesture frames without news of a device that was there, so far
+    /// Gesture frames without a new frame from a connected device, so far.
     pub stale: u64,
-    /// faults that latched so far
+    /// Faults that latched so far.
     pub faults: u64,
-    /// sound samples at the peak limit so far
+    /// Sound samples at the peak limit so far.
     pub clipped: u64,
-    /// records, sounds and forces lost so far
+    /// Records, sound samples, pictures, forces and timings lost so far.
     pub lost: u64,
-    /// part of the time the engine computes, 1 = all of it
+    /// Fraction of the time in which the engine computes.
     pub load: f64,
-    /// times there was nothing to play, or the device that plays said so, so far; 0 without one
+    /// Underruns so far, including those that the sound device reports; 0 without a device.
     pub underruns: u64,
-    /// its rate against the monotonic clock \[ppm\]; 0 without one
+    /// Deviation of its rate from nominal, by the monotonic clock \[ppm\]; 0 without a device.
     pub ppm: f64,
 }
 
 /// A fault that latched.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fault {
-    /// which device
+    /// Name of the device.
     pub device: String,
-    /// why
+    /// Cause.
     pub cause: Cause,
-    /// sound sample
+    /// Sound sample.
     pub tick: u64,
 }
 
-/// One device at the end.
+/// Summary of one device.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DeviceSummary {
-    /// its name
+    /// Name.
     pub device: String,
-    /// its profile
+    /// Name of its profile.
     pub profile: String,
-    /// frames that came
+    /// Frames received.
     pub frames: u64,
-    /// of these, dropped by the input checks
+    /// Received frames that the input checks dropped.
     pub dropped: u64,
-    /// keys that were softened to what the device holds, as the model was at the end: name, and what was felt \[N/m\]
+    /// Keys softened to the limit of the device, in the last model version: name, and stiffness at the hand \[N/m\].
     pub softened: Vec<(String, f64)>,
-    /// loop latency \[µs\]
+    /// Loop latency \[µs\].
     pub loop_us: Percentiles,
-    /// whether forces began at any time
+    /// True if forces were on at any time.
     pub forces_on: bool,
-    /// armed and off to the end: what it waited for
+    /// Reason for which it waited, if it was armed without force to the end.
     pub waits: Option<String>,
 }
 
-/// All of a performance.
+/// Summary of a performance.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Summary {
-    /// how long it sounded \[s\]
+    /// Duration \[s\].
     pub seconds: f64,
-    /// gesture frames
+    /// Gesture frames.
     pub frames: u64,
-    /// a gesture frame \[µs\]
+    /// Period of a gesture frame \[µs\].
     pub period_us: f64,
-    /// computing time of a gesture frame \[µs\]
+    /// Computing time of a gesture frame \[µs\].
     pub frame_us: Percentiles,
-    /// how late gesture frames began \[µs\]
+    /// Delay of the start of gesture frames \[µs\].
     pub late_us: Percentiles,
-    /// periods left out because the one before was not done
+    /// Periods left out.
     pub missed: u64,
-    /// gesture frames without news from a device that had been there
+    /// Gesture frames without a new frame from a connected device.
     pub stale: u64,
-    /// device frames dropped by the input checks
+    /// Device frames dropped by the input checks.
     pub dropped: u64,
-    /// force frames nobody fetched
+    /// Force frames that were not read in time.
     pub lost_forces: u64,
-    /// records that found no room in the rings or on their way to a file
+    /// Records lost in full rings or on the way to a file.
     pub lost_records: u64,
-    /// sound samples that found none, of all files together
+    /// Sound samples lost in the same way, of all files together.
     pub lost_sound: u64,
-    /// pictures that found none
+    /// Pictures lost in the same way.
     pub lost_views: u64,
-    /// frames whose times are in none of the figures above: nobody fetched them in time
+    /// Frames missing in the times above, because their timings were lost.
     pub lost_timings: u64,
-    /// sound samples cut at full scale
+    /// Sound samples cut at full scale.
     pub clipped: u64,
-    /// changes that did not fit
+    /// Commands that did not fit the scene.
     pub refused: u64,
-    /// the model diverged, and was not loaded again
+    /// True if the model diverged and was not loaded again.
     pub unstable: bool,
-    /// devices
+    /// Devices.
     pub devices: Vec<DeviceSummary>,
-    /// faults, in order
+    /// Faults, in order.
     pub faults: Vec<Fault>,
-    /// files that could not be written to their end, and why
+    /// Errors of the files that could not be written to their end.
     pub broken: Vec<String>,
-    /// what the system granted each thread, as it says itself
+    /// Rights that the system granted each thread, as the system reports them.
     pub granted: Vec<(String, String)>,
-    /// the device that played the sound, if one did
+    /// Sound device, if there was one.
     pub audio: Option<AudioSummary>,
-    /// those that played before it, in order
+    /// Earlier sound devices, in order.
     pub audio_before: Vec<AudioSummary>,
 }
 
 impl Summary {
-    /// True where nothing was lost, cut, left unwritten or diverged. Faults of a hand or device are no loss.
+    /// Returns true if nothing was lost, cut or left unwritten, and nothing diverged. Faults of devices do not count.
     pub fn is_faithful(&self) -> bool {
         let lost = self.lost_forces + self.lost_records + self.lost_sound + self.lost_views + self.lost_timings;
         let heard = self.audio.iter().chain(&self.audio_before).all(AudioSummary::is_faithful);

@@ -1,4 +1,4 @@
-//! The take as a sink.
+//! Implements [`Sink`] for a take.
 
 use super::sink::{Notice, Sink};
 use super::summary::StatsSnapshot;
@@ -44,7 +44,7 @@ impl Sink for TakeWriter {
     }
 
     fn said(&mut self, h: &Notice) -> Result<(), FileError> {
-        // modes and causes of devices are reported by the frames themselves
+        // the frames contain modes and causes of devices
         if h.device.is_some() {
             return Ok(());
         }
@@ -66,7 +66,7 @@ mod tests {
     use ca_model::read;
     use std::sync::{Mutex, PoisonError};
 
-    /// The scene of a key, the start of its take and an engine for it.
+    /// Returns the header of a take, the scene of a key and its engine.
     fn key() -> (Header, Arc<Scene>, Engine) {
         let (model, _) = read::read(KEY, "key.ca.toml", &ca_model::catalog());
         let options = ca_compile::Options::default();
@@ -98,14 +98,14 @@ mod tests {
                 while gateway.forces.pop().is_ok() {}
             }
         };
-        // rings hold four seconds, that of records up to six: the recorder is away for eight, and what is asked of the engine still finds room
+        // The rings hold 4 s, the ring of records up to 6 s. The recorder is absent for 8 s, and commands still fit.
         play(&mut live, 1..24_000);
         recorder.set(&[]).expect("asked");
         play(&mut live, 24_000..24_001);
         recorder.poll();
         play(&mut live, 24_001..24_101);
         recorder.poll();
-        // and away again until the end
+        // absent again until the end
         play(&mut live, 24_101..42_001);
         let engine = live.run(Some(0));
         recorder.poll();
@@ -117,13 +117,13 @@ mod tests {
 
         let take = Take::open(&path).expect("a take");
         assert_eq!(take.summary().expect("a summary").lost, lost);
-        // the first hole stands right before the change, which is there
+        // the first gap is directly before the change, which is recorded
         let events: Vec<Event> = take.events().expect("open").map(|e| e.expect("read")).collect();
         let hole = events.iter().position(|e| matches!(e, Event::Lost(l) if l.records > 0)).expect("a hole");
         let change = events.iter().position(|e| matches!(e, Event::Change(..))).expect("the change");
         let is_frame = |e: &Event| matches!(e, Event::Device(..) | Event::Force(..));
         assert!(hole < change && !events[hole..change].iter().any(is_frame));
-        // and a replay stands by what is before it
+        // a replay verifies everything before the gap
         let mut r = Replay::new(&take, &ca_model::catalog()).expect("an engine");
         let v = r.run(&take, &mut |_| (), &mut |_| Ok(())).expect("replayed");
         assert!(v.difference.is_none() && !v.is_identical(), "{v:?}");
@@ -132,7 +132,7 @@ mod tests {
         assert!(v.hole.is_some_and(|t| t > 5.0 && t < 8.1), "{v:?}");
     }
 
-    /// A take on a disk that stands still until it is let go.
+    /// A take on a disk that blocks while the lock is held.
     struct Slow(TakeWriter, Arc<Mutex<()>>);
 
     impl Sink for Slow {
@@ -158,7 +158,7 @@ mod tests {
         let (line, take) = AsyncSink::start("take", slow, room, RtRequest::default()).expect("a thread");
         let mut recorder = Recorder::new(recorder_ends, shared.clone(), scene, &engine.ports, vec![Box::new(line)]);
         let mut live = Live::new(engine, ends, shared, Clock::Device { patience: 0 }, RecordIntervals::default());
-        // three seconds, of which one may wait
+        // plays 3 s, of which 1 s may wait
         let held = still.lock().expect("nobody panics");
         for _ in 0..9000 {
             live.frame();
@@ -177,7 +177,7 @@ mod tests {
         assert_eq!(take.summary().expect("a summary").lost, lost);
         let mut r = Replay::new(&take, &ca_model::catalog()).expect("an engine");
         let v = r.run(&take, &mut |_| (), &mut |_| Ok(())).expect("replayed");
-        // 3000 frames of 16 samples: all of the first second, and not one of what came after
+        // 3000 frames of 16 samples: all of the first second, and none after it
         assert!(v.difference.is_none() && v.forces == 3000 && v.hole.is_some(), "{v:?}");
         assert_eq!(lost[0], 9001 - v.forces);
     }

@@ -1,27 +1,26 @@
-//! The sound file a performance is kept in.
-//!
-//! Decides that what a disk took before it was full is kept: nobody plays the same twice.
+//! Writes the sound file of a performance. If the disk becomes full, the file retains what was written before, because
+//! a performance cannot be repeated.
 
 use super::sink::{Sink, SinkStreams};
 use ca_io::FileError;
 use ca_io::sound::{WavOut, Written};
 
-/// A WAV file. Sound that was lost is silence there, so that the rest stays where it belongs.
+/// A WAV file. It contains silence for lost sound, so that the rest stays at its time.
 pub struct WavSink {
-    /// none once it is full
+    /// `None` after a write error.
     out: Option<WavOut>,
     channels: usize,
-    /// tick of the next sample; none before the first
+    /// Tick of the next sample; `None` before the first.
     next: Option<u64>,
 }
 
 impl WavSink {
-    /// From tick 0 on.
+    /// Starts the file at tick 0.
     pub fn new(out: WavOut, channels: usize) -> WavSink {
         WavSink { out: Some(out), channels, next: Some(0) }
     }
 
-    /// From the first sound that comes.
+    /// Starts the file at the first sound received.
     pub fn from_now(out: WavOut, channels: usize) -> WavSink {
         WavSink { out: Some(out), channels, next: None }
     }
@@ -29,7 +28,7 @@ impl WavSink {
     /// Finishes the file.
     ///
     /// # Errors
-    /// If it cannot be written, or was ended before.
+    /// If it cannot be written, or has ended before.
     pub fn finish(self) -> Result<Written, FileError> {
         self.out.map_or_else(|| Err(FileError::content("it was ended before")), WavOut::finish)
     }

@@ -1,43 +1,41 @@
-//! One axis of a device over one frame, exactly.
+//! Exact motion of one axis of a device over one frame.
 //!
-//! Between events the motion is that of a mass on a spring and a damper under a constant force, in the frame of what the
-//! hand intends, which moves evenly; it is known in closed form. Events are a motion that comes to rest, where dry
-//! friction turns round or holds, and an end stop, which takes all speed. They are found by bisection to the last bit,
-//! since a hand's spring leaves no formula for them.
+//! Between events the axis is a mass on a spring and a damper under a constant force, in a frame that moves evenly with
+//! the intention of the hand: a closed form. Events are a motion that comes to rest, where dry friction reverses or
+//! holds, and an end stop, which takes all speed. Bisection finds them to the last bit, because the spring of a hand
+//! leaves no formula for them.
 
-/// What does not change.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mechanics {
-    /// of device and hand \[kg\]
+    /// Mass of device and hand \[kg\].
     pub mass: f64,
-    /// of the device \[N s/m\]
+    /// Viscous friction of the device \[N s/m\].
     pub friction: f64,
-    /// of the device \[N\]
+    /// Dry friction of the device \[N\].
     pub dry: f64,
-    /// end stops \[m\]
+    /// End stops \[m\].
     pub range: [f64; 2],
 }
 
-/// What acts during a frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Drive {
-    /// of the motor and of a hand that pushes \[N\]
+    /// Force of the motor and of a pushing hand \[N\].
     pub force: f64,
-    /// what the hand intends at the start and end of the frame \[m\]
+    /// Intended position at the start and end of the frame \[m\].
     pub from: f64,
     pub to: f64,
-    /// how stiffly it keeps to that \[N/m\], \[N s/m\]
+    /// Stiffness \[N/m\] and damping \[N s/m\] of the hand around it.
     pub stiffness: f64,
     pub damping: f64,
 }
 
-/// Events in a frame; more is chatter at a stop.
+/// Largest number of events in a frame; more is chatter at a stop.
 const EVENTS: usize = 16;
 
-/// x″ = (force − b x′ − k x)/m over `t`, from [x, v].
+/// Solves x″ = (force − b x′ − k x)/m over `t`, from [x, v].
 fn glide([x, v]: [f64; 2], m: f64, b: f64, k: f64, force: f64, t: f64) -> [f64; 2] {
     if k == 0.0 {
-        // (e^z − 1)/z and (e^z − 1 − z)/z², by their series where they would cancel
+        // (e^z − 1)/z and (e^z − 1 − z)/z², by series where they would cancel
         let z = -b * t / m;
         let (one, two) = if z > -1e-3 {
             (1.0 + z * (0.5 + z * (1.0 / 6.0 + z / 24.0)), 0.5 + z * (1.0 / 6.0 + z * (1.0 / 24.0 + z / 120.0)))
@@ -47,12 +45,12 @@ fn glide([x, v]: [f64; 2], m: f64, b: f64, k: f64, force: f64, t: f64) -> [f64; 
         let push = (force - b * v) / m;
         return [x + v * t + push * t * t * two, v + push * t * one];
     }
-    // around where it would rest
+    // relative to the position of rest
     let rest = force / k;
     let (e, s, w2) = (x - rest, b / (2.0 * m), k / m);
     let d = w2 - s * s;
     let fade = (-s * t).exp();
-    // cos or cosh, and sin or sinh over the frequency
+    // cos or cosh, and sin or sinh divided by the frequency
     let (c, q) = if d * t * t > 1e-8 {
         let w = d.sqrt();
         ((w * t).cos(), (w * t).sin() / w)
@@ -66,7 +64,7 @@ fn glide([x, v]: [f64; 2], m: f64, b: f64, k: f64, force: f64, t: f64) -> [f64; 
 }
 
 impl Mechanics {
-    /// Position and speed after `t` seconds.
+    /// Returns position and speed after `t` seconds.
     pub(super) fn go(&self, start: [f64; 2], drive: &Drive, t: f64) -> [f64; 2] {
         let [mut x, mut v] = start;
         let mut done = 0.0;
@@ -80,7 +78,7 @@ impl Mechanics {
             let net = drive.force + drive.stiffness * (goal - x) + drive.damping * (slope - v) - self.friction * v;
             let [low, high] = self.range;
             let stopped = (x <= low && net <= 0.0) || (x >= high && net >= 0.0);
-            // at rest, and held by a stop or by dry friction: until the hand's spring has grown
+            // at rest, held by a stop or dry friction until the spring of the hand pulls hard enough
             if v == 0.0 && (stopped || net.abs() <= self.dry) {
                 let grown = |at: f64| {
                     let net = drive.force + drive.stiffness * (drive.from + slope * at - x) + drive.damping * slope;
@@ -90,11 +88,11 @@ impl Mechanics {
                     return [x, 0.0];
                 }
                 done = bisect(done, t, grown);
-                // just past it, so that the next turn moves
+                // `done` is just past that moment, so that the next pass moves
                 continue;
             }
             let way = if v == 0.0 { net.signum() } else { v.signum() };
-            // in the frame of what the hand intends: its position is 0 and its speed too
+            // relative to the intended position and its speed
             let force = drive.force - self.dry * way - self.friction * slope;
             let at = |s: f64| {
                 let local = [x - goal, v - slope];
@@ -112,7 +110,7 @@ impl Mechanics {
                 let hit = out(at(s));
                 x = if hit { there.clamp(low, high) } else { there };
                 v = 0.0;
-                // a step that does not move time on would be repeated for ever
+                // time must advance, or the step would repeat forever
                 done += s.max(left * 1e-12);
                 continue;
             }
@@ -122,7 +120,7 @@ impl Mechanics {
     }
 }
 
-/// The first place between `a`, where `event` is false or about to be true, and `b`, where it is true.
+/// Returns the first moment at which `event` is true, between `a`, where it is false or about to be true, and `b`.
 fn bisect(mut a: f64, mut b: f64, event: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..64 {
         let middle = 0.5 * (a + b);
@@ -144,7 +142,7 @@ mod tests {
         Drive { force, from: 0.0, to: 0.0, stiffness: 0.0, damping: 0.0 }
     }
 
-    /// By classical Runge and Kutta, in `n` steps.
+    /// Solves by the classical Runge–Kutta method in `n` steps.
     fn reference(m: &Mechanics, d: &Drive, start: [f64; 2], t: f64, n: usize) -> [f64; 2] {
         let [mut x, mut v] = start;
         let (h, slope) = (t / n as f64, (d.to - d.from) / t);
@@ -171,7 +169,7 @@ mod tests {
 
     #[test]
     fn glides_as_the_equation_says() {
-        // no friction, little, much; no spring, an under-, critically and overdamped hand, moving
+        // no, little and much friction; without a spring, and with an under-, critically and overdamped moving hand
         for friction in [0.0, 1e-6, 2.0, 500.0] {
             for (k, z) in [(0.0, 0.0), (400.0, 1.0), (2000.0, 40.0), (1.0, 30.0), (0.0, 5.0)] {
                 let m = Mechanics { friction, ..FREE };
@@ -180,7 +178,7 @@ mod tests {
                 let want = reference(&m, &d, start, t, 4000);
                 let is = m.go(start, &d, t);
                 assert!(apart(is, want) < 1e-11, "b {friction}, k {k}, z {z}: {is:?} {want:?}");
-                // in ten frames as in one
+                // ten frames give the result of one
                 let mut s = start;
                 for i in 0..10 {
                     let at = |i: i32| 0.01 + 0.0002 * f64::from(i);
@@ -189,7 +187,7 @@ mod tests {
                 assert!(apart(s, is) < 1e-13, "b {friction}, k {k}, z {z}: {s:?} {is:?}");
             }
         }
-        // critical to the last bit: m = 0.25, k = 4, b = 2
+        // critical damping to the last bit: m = 0.25, k = 4, b = 2
         let m = Mechanics { mass: 0.25, friction: 2.0, ..FREE };
         let d = Drive { force: 1.0, from: 0.0, to: 0.0, stiffness: 4.0, damping: 0.0 };
         assert!(apart(m.go([0.1, 0.0], &d, 0.3), reference(&m, &d, [0.1, 0.0], 0.3, 4000)) < 1e-11);
@@ -198,21 +196,21 @@ mod tests {
     #[test]
     fn dry_friction_stops_and_holds() {
         let m = Mechanics { mass: 0.1, friction: 0.0, dry: 0.5, range: [-1e9, 1e9] };
-        // thrown: v²m/2 = f x, and there it stays
+        // thrown: stops after v²m/2 = f x
         let [x, v] = m.go([0.0, 0.3], &drive(0.0), 1.0);
         assert!((x - 0.3 * 0.3 * 0.1 / (2.0 * 0.5)).abs() < 1e-15, "{x}");
         assert_eq!(v, 0.0);
-        // held up to its size, then moved by what is more
+        // held up to its size, then moved by the excess
         assert_eq!(m.go([0.0, 0.0], &drive(0.4999), 1.0), [0.0, 0.0]);
         let [x, v] = m.go([0.0, 0.0], &drive(-0.7), 0.1);
         assert!((x + 0.5 * 2.0 * 0.01).abs() < 1e-15 && (v + 0.2).abs() < 1e-15, "{x} {v}");
-        // against the motion: to rest, then back
+        // a force against the motion: to rest, then back
         let stop = 0.1 * 0.1 / (0.5 + 1.5);
         let [x, v] = m.go([0.0, 0.1], &drive(-1.5), 0.1);
         let back = 0.1 - stop;
         assert!((x - (0.5 * 0.1 * stop - 0.5 * 10.0 * back * back)).abs() < 1e-14, "{x}");
         assert!((v + 10.0 * back).abs() < 1e-13, "{v}");
-        // a hand's spring that grows within the frame breaks it loose
+        // the spring of a hand that grows within the frame breaks it loose
         let d = Drive { force: 0.0, from: 0.0, to: 0.01, stiffness: 100.0, damping: 0.0 };
         let [x, v] = m.go([0.0, 0.0], &d, 0.1);
         // from 5 mm on x″ = ω²(s t − x) from rest: x = s t − (s/ω) sin ω t
@@ -226,10 +224,9 @@ mod tests {
         let m = Mechanics { range: [0.0, 0.01], friction: 0.0, ..FREE };
         assert_eq!(m.go([0.009, 1.0], &drive(3.0), 0.1), [0.01, 0.0]);
         assert_eq!(m.go([0.01, 0.0], &drive(3.0), 0.1), [0.01, 0.0]);
-        // away from the stop: as free
         let [x, v] = m.go([0.01, 0.0], &drive(-1.0), 0.01);
         assert!((x - (0.01 - 0.5 * 5.0 * 1e-4)).abs() < 1e-15 && (v + 0.05).abs() < 1e-15);
-        // to the stop, and pulled off again by a hand that turns
+        // to the stop, and pulled off again by a hand that reverses
         let d = Drive { force: 0.0, from: 0.02, to: -0.02, stiffness: 100.0, damping: 0.0 };
         let [x, v] = m.go([0.01, 0.0], &d, 0.1);
         assert!((0.0..0.01).contains(&x) && v <= 0.0, "{x} {v}");

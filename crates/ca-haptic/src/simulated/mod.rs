@@ -1,10 +1,10 @@
-//! A device as physics: what `ca device sim` is, and what tests hold in their hand.
+//! Simulated device, for `ca device sim` and tests.
 //!
-//! Decides on a device that is exact between frames rather than integrated in small steps: a mass with viscous and dry
-//! friction between end stops, in a hand that is a mass, a spring and a damper around what the player intends, all under
-//! a force that is held over the frame. So a loop that shakes does it for the reasons of docs/numerics.md §5.2 and for
-//! no other. Then the imperfections of the hardware: steps and noise of the sensor, steps of the force, frames of
-//! delay. It knows no clock and no transport; the same seed and forces give the same positions.
+//! The motion is exact between frames rather than integrated in small steps. A mass with viscous and dry friction moves
+//! between end stops, under a force held over the frame. The hand is a mass, a spring and a damper around the intention
+//! of the player. A loop that shakes therefore does so only for the reasons of docs/numerics.md §5.2. Imperfections of
+//! the hardware are added: steps and noise of the sensor, steps of the force, frames of delay. The device uses no clock
+//! and no transport; the same seed and forces give the same positions.
 
 mod body;
 mod script;
@@ -15,14 +15,14 @@ use crate::frame::{DOF, DeviceFrame, status, uid};
 use crate::profile::Profile;
 use body::Mechanics;
 
-/// The hand on a device, for each degree of freedom.
+/// Hand on a device, for each degree of freedom.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hand {
-    /// stiffness with which it keeps to what it intends \[N/m\]
+    /// Stiffness around the intended position \[N/m\].
     pub stiffness: f64,
-    /// viscosity of the same \[N s/m\]
+    /// Viscosity around the intended position \[N s/m\].
     pub damping: f64,
-    /// mass that moves with the device \[kg\]
+    /// Mass that moves with the device \[kg\].
     pub mass: f64,
 }
 
@@ -30,8 +30,10 @@ impl Hand {
     /// No hand.
     pub const NONE: Hand = Hand { stiffness: 0.0, damping: 0.0, mass: 0.0 };
 
-    /// A finger that holds a device with up to `force` newtons: it gives way by a tenth of the travel, and goes where
-    /// it wants without overshooting, damped critically with 20 g of its own and the mass it moves.
+    /// Returns a finger that holds a device against up to `force` newtons.
+    ///
+    /// That force displaces it by a tenth of the travel. It is critically damped, with its own 20 g and the device's
+    /// mass.
     pub fn finger(force: f64, profile: &Profile) -> Hand {
         let travel = profile.range[1] - profile.range[0];
         let (stiffness, mass) = ((force / (0.1 * travel)).max(100.0), 0.02);
@@ -50,24 +52,25 @@ pub struct Device {
     force_step: f64,
     most: f64,
     rng: Random,
-    /// position \[m\] and speed \[m/s\] of each DOF
+    /// Position \[m\] and speed \[m/s\] of each DOF.
     state: [[f64; 2]; DOF],
     measured: [f64; DOF],
-    /// what the motors gave in the last frame \[N\]
+    /// Forces of the motors in the last frame \[N\].
     held: [f64; DOF],
-    /// forces under way \[N\], a ring
+    /// Delayed forces \[N\], a ring.
     late: Vec<[f64; DOF]>,
     turn: usize,
     time: f64,
-    /// when the script began \[s\]
+    /// Time at which the script began \[s\].
     begin: f64,
     frames: u64,
     frame_dt: f64,
 }
 
 impl Device {
-    /// A device of this profile in this hand, which plays `script`; it begins where the script does. `delay` is how many
-    /// frames a force is under way before the motors have it.
+    /// Makes a device with this profile and hand that plays `script`, from the position in which the script starts.
+    ///
+    /// `delay` is the number of frames until a force reaches the motors.
     pub fn new(profile: &Profile, hand: Hand, script: Script, delay: usize, seed: u64) -> Device {
         let b = &profile.body;
         let n = (profile.dof as usize).min(DOF);
@@ -100,8 +103,7 @@ impl Device {
         device
     }
 
-    /// A frame of `frame_dt` seconds under forces \[N\], which the motors cut to what they can. Returns what the sensor says at
-    /// its end \[m\].
+    /// Simulates a frame of `frame_dt` seconds under forces \[N\], clipped by the motors. Returns the readings \[m\].
     pub fn step(&mut self, force: &[f64], frame_dt: f64) -> &[f64] {
         let mut now = [0.0; DOF];
         for (to, f) in now.iter_mut().zip(force).take(self.n) {
@@ -133,7 +135,7 @@ impl Device {
         &self.measured[..self.n]
     }
 
-    /// The script begins anew from here.
+    /// Restarts the script at the present time.
     pub fn begin(&mut self) {
         self.begin = self.time;
     }
@@ -146,29 +148,30 @@ impl Device {
         }
     }
 
-    /// What the sensor says \[m\].
+    /// Returns the sensor readings \[m\].
     pub fn measured(&self) -> &[f64] {
         &self.measured[..self.n]
     }
 
-    /// What the motors gave in the last frame \[N\].
+    /// Returns the forces of the motors in the last frame \[N\].
     pub fn held(&self) -> &[f64] {
         &self.held[..self.n]
     }
 
-    /// Where a degree of freedom really is \[m\], and its speed \[m/s\].
+    /// Returns the true position \[m\] and speed \[m/s\] of a degree of freedom.
     pub fn truth(&self, k: usize) -> [f64; 2] {
         self.state[k]
     }
 
-    /// Seconds it has played.
+    /// Returns the simulated time \[s\].
     pub fn time(&self) -> f64 {
         self.time
     }
 
-    /// Writes what it measures to the next frame of a session, which the caller began with [`DeviceFrame::new`]. The
-    /// caller knows which force frame it gave to the last [`Device::step`], and writes its number to
-    /// [`DeviceFrame::ack`].
+    /// Writes the readings to the next frame of a session, begun by the caller with [`DeviceFrame::new`].
+    ///
+    /// The caller sets [`DeviceFrame::ack`] to the number of the force frame that it passed to the last
+    /// [`Device::step`].
     pub fn frame(&self, to: &mut DeviceFrame) {
         to.seq += 1;
         to.n = self.n as u16;
@@ -188,11 +191,11 @@ impl Device {
     }
 }
 
-/// A small deterministic generator: xorshift, and two of its numbers for a normal one.
+/// Deterministic random numbers: xorshift, two of them for a normal one.
 struct Random(u64);
 
 impl Random {
-    /// Even in 0 … 1, neither included.
+    /// Returns a uniform number in 0 … 1, exclusive.
     fn even(&mut self) -> f64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
@@ -200,7 +203,7 @@ impl Random {
         ((self.0 >> 12) as f64 + 0.5) / (1_u64 << 52) as f64
     }
 
-    /// Normal, of mean 0 and deviation 1 (Box and Muller).
+    /// Returns a normal number of mean 0 and deviation 1 (Box and Muller).
     fn normal(&mut self) -> f64 {
         let radius = (-2.0 * self.even().ln()).sqrt();
         radius * (std::f64::consts::TAU * self.even()).cos()

@@ -1,97 +1,95 @@
-//! What a simulated player intends: functions of time, for each degree of freedom.
+//! Intentions of a simulated player: functions of time for each degree of freedom.
 //!
-//! Decides on six gestures that between them ask everything of a loop: `strike` meets things fast and lets go, `bow`
-//! crosses them back and forth, `shake` goes fast and stays small, `hold` does nothing while a force acts, `push` is a
-//! force without a place, and `file` is what somebody recorded. Each begins at rest, so that arming finds nothing to
-//! wait for; neighbouring DOF are a little later than the first, as fingers are.
+//! Six gestures exercise a loop: `strike` hits things fast and lets go, `bow` crosses them back and forth, `shake` is
+//! fast and small, `hold` stays while a force acts, `push` is a force without a position, and `file` is a recording.
+//! Each begins at rest, so that arming need not wait. Like fingers, each DOF begins a little after the one before.
 
 use crate::profile::Profile;
 use ca_io::gesture::Gesture;
 use std::f64::consts::PI;
 
-/// What is intended at a time.
+/// Intention at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Intention {
-    /// where the hand wants to be \[m\]
+    /// Position to which the hand moves \[m\].
     pub position: f64,
-    /// what it pushes with, wherever it is \[N\]
+    /// Force with which it pushes at any position \[N\].
     pub force: f64,
 }
 
-/// A gesture of a simulated player.
+/// Gesture of a simulated player.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Script {
-    /// down and up again, from `rest` by `depth` \[m\] (negative is down), `rate` times a second
+    /// Moves down and up again, from `rest` by `depth` \[m\] (negative is down), `rate` times a second.
     Strike {
-        /// where it waits \[m\]
+        /// Position of rest \[m\].
         rest: f64,
-        /// how far it goes \[m\]
+        /// Amplitude \[m\].
         depth: f64,
-        /// strokes a second \[Hz\]
+        /// Strokes a second \[Hz\].
         rate: f64,
-        /// how long one takes \[s\]
+        /// Duration of a stroke \[s\].
         stroke: f64,
     },
-    /// at an even speed from one end to the other and back, turning softly
+    /// Moves at constant speed between two ends, with smooth reversals.
     Bow {
-        /// in the middle of its path \[m\]
+        /// Middle of the path \[m\].
         rest: f64,
-        /// to each side \[m\]
+        /// Distance to each side \[m\].
         depth: f64,
-        /// there and back a second \[Hz\]
+        /// Cycles a second \[Hz\].
         rate: f64,
     },
-    /// a sine
+    /// Moves as a sine.
     Shake {
-        /// in the middle \[m\]
+        /// Middle of the motion \[m\].
         rest: f64,
-        /// to each side \[m\]
+        /// Distance to each side \[m\].
         depth: f64,
-        /// \[Hz\]
+        /// Frequency \[Hz\].
         rate: f64,
     },
-    /// stays
+    /// Stays in one position.
     Hold {
-        /// where \[m\]
+        /// The position \[m\].
         rest: f64,
     },
-    /// pushes, from the first moment
+    /// Pushes from the first moment.
     Push {
-        /// with what \[N\]
+        /// The force \[N\].
         force: f64,
     },
-    /// a script for each DOF; those it lacks do what the last one does
+    /// Plays a script per DOF; further DOF play the last one.
     Each(Vec<Script>),
-    /// the tracks of a gesture, one per DOF \[m\]; those it lacks stay at 0
+    /// Plays the tracks of a gesture, one per DOF \[m\]; further DOF stay at 0.
     File(Gesture),
 }
 
 /// Names of the scripts that need no file.
 pub const SCRIPTS: [&str; 5] = ["strike", "bow", "shake", "hold", "push"];
 
-/// How much later each DOF begins than the one before \[s\].
+/// Delay of each DOF after the one before \[s\].
 const LATER: f64 = 0.05;
-/// Time before the first motion \[s\]: forces need two to be on (H5: 0.1 s clear, 1 s of ramp).
+/// Time before the first motion \[s\]; forces need 1.1 s to be on (H5: 0.1 s clear, 1 s of ramp).
 const BEGIN: f64 = 1.5;
 
-/// Options of a script; what is left out suits the device.
+/// Options of a script; absent ones suit the device.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ScriptOptions {
-    /// where it rests \[m\]; in the middle of the travel
+    /// Position of rest \[m\]; by default the middle of the travel.
     pub rest: Option<f64>,
-    /// how far it goes from there \[m\], down where negative
+    /// Amplitude from there \[m\], negative for down.
     pub depth: Option<f64>,
-    /// its fastest moment \[m/s\]; at most half of what trips the guard
+    /// Largest speed \[m/s\]; by default at most half of what trips the guard.
     pub speed: Option<f64>,
 }
 
 impl Script {
-    /// The script of that name, as the profile of a device and the options make it; `None` where there is none.
+    /// Returns the script with this name for a device and these options; `None` for an unknown name.
     pub fn named(name: &str, profile: &Profile, options: ScriptOptions) -> Option<Script> {
         let [low, high] = profile.range;
         let (rest, travel) = (options.rest.unwrap_or(0.5 * (low + high)), high - low);
         let deep = |part: f64| options.depth.unwrap_or(part * travel);
-        // unasked no faster than half of what trips the guard
         let fast = |suits: f64| options.speed.unwrap_or(suits.min(0.5 * profile.guard.speed));
         Some(match name {
             "strike" => {
@@ -113,7 +111,7 @@ impl Script {
         })
     }
 
-    /// What DOF `k` intends at `t` seconds.
+    /// Returns the intention of DOF `k` at `t` seconds.
     pub fn at(&self, k: usize, t: f64) -> Intention {
         if let Script::Each(all) = self {
             return all.get(k).or(all.last()).map_or(Intention::default(), |s| s.at(k, t));
@@ -122,12 +120,11 @@ impl Script {
         let t = t - BEGIN - LATER * k as f64;
         let since = t.max(0.0);
         let position = match self {
-            // down and up, then rest
             Script::Strike { rest, depth, rate, stroke } => {
                 let phase = (since * rate).fract() / (rate * stroke);
                 if phase < 1.0 { rest + 0.5 * depth * (1.0 - (turn * phase).cos()) } else { *rest }
             }
-            // the first two terms of a triangle: nearly even on its way, round at the ends
+            // the first two terms of a triangle: nearly constant speed, smooth ends
             Script::Bow { rest, depth, rate } => {
                 let w = turn * rate * since;
                 rest + depth * (w.sin() - (3.0 * w).sin() / 9.0) * 0.9
@@ -136,7 +133,7 @@ impl Script {
             Script::Hold { rest } => *rest,
             Script::Each(_) => 0.0,
             Script::Push { force } => return Intention { position: 0.0, force: *force },
-            // a file has its own beginning
+            // a file is not delayed
             Script::File(g) => g.tracks().get(k).map_or(0.0, |track| track.at(t + BEGIN + LATER * k as f64)),
         };
         Intention { position, force: 0.0 }
@@ -181,7 +178,7 @@ mod tests {
                 let s = Script::named(script, &p, options).expect("a script");
                 let way: Vec<f64> = (0..40_000).map(|n| s.at(0, f64::from(n) / 4000.0).position).collect();
                 let (least, most) = way.iter().fold((0.0f64, -1.0f64), |m, x| (m.0.min(*x), m.1.max(*x)));
-                // a bow is the beginning of a triangle
+                // a bow is only the start of a triangle series
                 assert!((least - low).abs() < 6e-4 && (most - high).abs() < 6e-4, "{script}: {least} to {most}");
                 let fastest = way.windows(2).map(|w| (w[1] - w[0]).abs() * 4000.0).fold(0.0, f64::max);
                 let want = speed.unwrap_or(fastest);

@@ -1,9 +1,8 @@
-//! CDR: how records lie in a take, and how they are read by their definition.
+//! CDR encoding of the records of a take, and a reader by definition.
 //!
-//! Decides on plain little-endian CDR (header `00 01 00 00`, natural alignment counted after it) with the definition as
-//! ROS 2 text, which every viewer and NumPy reads. A structure without padding *is* its body. Only two records have
-//! lists in them and need a writer, so there is one here, of a few lines, instead of a crate; the reader by definition
-//! is for people who export a topic.
+//! Records are plain little-endian CDR (header `00 01 00 00`, natural alignment counted after it) with a ROS 2
+//! definition, which every viewer and NumPy reads. A structure without padding *is* its body. Only a few records have
+//! lists or texts, so this module has a small writer instead of a crate. The reader by definition serves exports.
 
 use crate::engine::Change;
 use ca_core::Patch;
@@ -13,7 +12,7 @@ use zerocopy::{FromBytes, Immutable, IntoBytes};
 /// The first bytes of every message.
 pub const HEAD: [u8; 4] = [0, 1, 0, 0];
 
-/// Several parameters that changed in one tick: `ca/msg/Change`.
+/// Parameters that changed in one tick: `ca/msg/Change`.
 pub const CHANGE: &str = "\
 uint64 tick
 uint32[] param
@@ -22,13 +21,13 @@ uint32[] length
 uint32[] place
 float64[] coef
 ";
-/// One of them, for people: `ca/msg/Param`.
+/// One of these parameters, for people: `ca/msg/Param`.
 pub const PARAM: &str = "\
 uint64 tick
 float64 value
 string name
 ";
-/// A device that said what it is: `ca/msg/Profile`.
+/// A device that described itself: `ca/msg/Profile`.
 pub const PROFILE: &str = "\
 uint64 tick
 uint32 port
@@ -42,19 +41,19 @@ uint32 reserved
 float64[] samples
 ";
 
-/// A structure as a message.
+/// Writes a structure as a message.
 pub fn body<T: IntoBytes + Immutable>(out: &mut Vec<u8>, record: &T) {
     out.clear();
     out.extend_from_slice(&HEAD);
     out.extend_from_slice(record.as_bytes());
 }
 
-/// A message as a structure; `None` where it is of another length or not CDR.
+/// Reads a message as a structure; `None` where it has another length or is not CDR.
 pub fn record<T: FromBytes>(data: &[u8]) -> Option<T> {
     T::read_from_bytes(data.strip_prefix(&HEAD)?).ok()
 }
 
-/// Writes a message with lists.
+/// Writer of a message with lists.
 pub struct Out<'a>(&'a mut Vec<u8>);
 
 impl<'a> Out<'a> {
@@ -72,14 +71,14 @@ impl<'a> Out<'a> {
         }
     }
 
-    /// A number.
+    /// Writes a number.
     pub fn put<T: IntoBytes + Immutable + Copy>(&mut self, v: T) -> &mut Self {
         self.align(size_of::<T>());
         self.0.extend_from_slice(v.as_bytes());
         self
     }
 
-    /// A list.
+    /// Writes a list.
     pub fn list<T: IntoBytes + Immutable>(&mut self, v: &[T]) -> &mut Self {
         self.put(v.len() as u32);
         if !v.is_empty() {
@@ -89,7 +88,7 @@ impl<'a> Out<'a> {
         self
     }
 
-    /// A text.
+    /// Writes a text.
     pub fn text(&mut self, v: &str) -> &mut Self {
         self.put(v.len() as u32 + 1);
         self.0.extend_from_slice(v.as_bytes());
@@ -98,14 +97,14 @@ impl<'a> Out<'a> {
     }
 }
 
-/// Reads a message with lists. Every read is `None` from the first one on that does not fit.
+/// Reader of a message with lists. The first read that does not fit, and every one after it, returns `None`.
 pub struct In<'a> {
     data: &'a [u8],
     at: usize,
 }
 
 impl<'a> In<'a> {
-    /// At the beginning of a message.
+    /// Starts at the beginning of a message; `None` where it is not CDR.
     pub fn new(data: &'a [u8]) -> Option<In<'a>> {
         Some(In { data: data.strip_prefix(&HEAD)?, at: 0 })
     }
@@ -118,12 +117,12 @@ impl<'a> In<'a> {
         Some(found)
     }
 
-    /// A number.
+    /// Reads a number.
     pub fn get<T: FromBytes>(&mut self) -> Option<T> {
         T::read_from_bytes(self.bytes(size_of::<T>(), size_of::<T>())?).ok()
     }
 
-    /// A list.
+    /// Reads a list.
     pub fn list<T: FromBytes>(&mut self) -> Option<Vec<T>> {
         let n = self.get::<u32>()? as usize;
         if n == 0 {
@@ -133,7 +132,7 @@ impl<'a> In<'a> {
         raw.chunks_exact(size_of::<T>()).map(|c| T::read_from_bytes(c).ok()).collect()
     }
 
-    /// A text.
+    /// Reads a text.
     pub fn text(&mut self) -> Option<String> {
         let n = self.get::<u32>()? as usize;
         let raw = self.bytes(1, n)?;
@@ -141,7 +140,7 @@ impl<'a> In<'a> {
     }
 }
 
-/// A change as a message.
+/// Writes a change as a message.
 pub fn change(out: &mut Vec<u8>, tick: u64, c: &Change) {
     let (param, value): (Vec<u32>, Vec<f64>) = c.params.iter().copied().unzip();
     let length: Vec<u32> = c.patches.iter().map(|p| p.set.len() as u32).collect();
@@ -149,7 +148,7 @@ pub fn change(out: &mut Vec<u8>, tick: u64, c: &Change) {
     Out::new(out).put(tick).list(&param).list(&value).list(&length).list(&place).list(&coef);
 }
 
-/// A message as a change: its tick and what it was. Its patches belong to no scene, since a message names none.
+/// Reads a message as its tick and change. The patches belong to no scene, because a message names none.
 pub fn read_change(data: &[u8]) -> Option<(u64, Change)> {
     let mut r = In::new(data)?;
     let tick = r.get()?;
@@ -165,19 +164,19 @@ pub fn read_change(data: &[u8]) -> Option<(u64, Change)> {
     whole.then(|| (tick, Change { params: param.into_iter().zip(value).collect(), patches }))
 }
 
-/// What a field holds.
+/// Type of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// whole number without sign, of this many bytes
+    /// Unsigned integer of this many bytes.
     Uint(usize),
-    /// floating point, of this many bytes
+    /// Floating point of this many bytes.
     Float(usize),
-    /// text
+    /// Text.
     Text,
 }
 
 impl Kind {
-    /// Bytes of one.
+    /// Returns the bytes per element.
     pub fn size(self) -> usize {
         match self {
             Kind::Uint(n) | Kind::Float(n) => n,
@@ -189,27 +188,27 @@ impl Kind {
 /// A field of a definition.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
-    /// its name
+    /// Its name.
     pub name: String,
-    /// what it holds
+    /// Its type.
     pub kind: Kind,
-    /// how many: `None` for a list, 1 for a number
+    /// Number of elements: `None` for a list, 1 for a number.
     pub count: Option<usize>,
 }
 
 impl Field {
-    /// Bytes in a message; 0 for lists and texts.
+    /// Returns its bytes in a message; 0 for lists and texts.
     pub fn size(&self) -> usize {
         if self.kind == Kind::Text { 0 } else { self.count.unwrap_or(0) * self.kind.size() }
     }
 
-    /// Whether all messages have as many.
+    /// Returns true if it has the same size in all messages.
     pub fn is_fixed(&self) -> bool {
         self.count.is_some() && self.kind != Kind::Text
     }
 }
 
-/// The fields of a definition of ours, in order; what is not understood is left out.
+/// Parses the fields of a definition, in order; unknown ones are left out.
 pub fn fields(schema: &str) -> Vec<Field> {
     let field = |line: &str| {
         let (ty, name) = line.trim().split_once(' ')?;
@@ -233,10 +232,10 @@ pub fn fields(schema: &str) -> Vec<Field> {
     schema.lines().filter_map(field).collect()
 }
 
-/// Values of a field, as text for people; exact.
+/// Formats the values of a field exactly, for people.
 ///
 /// # Errors
-/// Where the bytes end before the field does.
+/// If the bytes end before the field does.
 pub fn show(field: &Field, r: &mut In) -> Result<Vec<String>, FileError> {
     let read = |r: &mut In| -> Option<Vec<String>> {
         if field.kind == Kind::Text {
@@ -284,7 +283,7 @@ mod tests {
                 assert!(read_change(&data[..cut]).is_none(), "cut at {cut}");
             }
         }
-        // lengths that promise more than there is
+        // lengths beyond the data
         let mut data = Vec::new();
         Out::new(&mut data).put(1u64).list(&[0u32; 0]).list(&[0f64; 0]).list(&[2u32]).list(&[1u32]).list(&[0.5f64]);
         assert!(read_change(&data).is_none());

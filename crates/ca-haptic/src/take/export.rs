@@ -1,8 +1,8 @@
-//! A part of a take as a file for other programs.
+//! Exports a part of a take to a file for other programs.
 //!
-//! Decides that a topic of ours is exported by its own definition: to NPY as a structured array, whose rows are the
-//! bytes of the messages, and to CSV with a column for each number, arrays cut to the degrees of freedom the device
-//! has. Messages for viewers are theirs to read. Sound becomes a WAV file of 32-bit floats.
+//! Topics with a ROS 2 definition are exported by it: to NPY as a structured array, whose rows are the bytes of the
+//! messages, and to CSV with a column per number, arrays cut to the degrees of freedom of the device. Messages for
+//! viewers are not exported. Sound becomes a WAV file of 32-bit floats.
 
 use super::cdr::{self, Field, In, Kind};
 use super::read::{Event, Take};
@@ -17,13 +17,13 @@ use std::fs::File;
 use std::io::{BufWriter, Seek, SeekFrom, Write};
 use std::path::Path;
 
-/// Length of an NPY header \[bytes\], a multiple of 64: room for the fields of a frame and for any number of rows.
+/// Length of an NPY header \[bytes\], a multiple of 64: enough for the fields of a frame and any number of rows.
 const HEADER: usize = 1024;
 
-/// Writes the sound of a take to a WAV file of 32-bit floats; stretches that are missing are silent.
+/// Writes the sound of a take to a WAV file of 32-bit floats; missing stretches are silent.
 ///
 /// # Errors
-/// Where the take holds no sound, or the file cannot be written.
+/// If the take holds no sound, or the file cannot be written.
 pub fn sound(take: &Take, to: impl AsRef<Path>) -> Result<Written, FileError> {
     let channels = take.header.channels.len();
     let mut out = WavOut::create(to, take.header.rate, channels, Format::F32)?;
@@ -37,10 +37,10 @@ pub fn sound(take: &Take, to: impl AsRef<Path>) -> Result<Written, FileError> {
     out.finish()
 }
 
-/// Writes an attachment of a take, by its name, to a file. Returns its size.
+/// Writes the named attachment of a take to a file and returns its size.
 ///
 /// # Errors
-/// Where there is no such attachment, or the file cannot be written.
+/// If the attachment does not exist, or the file cannot be written.
 pub fn attachment(take: &Take, name: &str, to: impl AsRef<Path>) -> Result<u64, FileError> {
     let to = to.as_ref();
     for item in Source::open(&take.path)? {
@@ -59,10 +59,10 @@ pub fn attachment(take: &Take, name: &str, to: impl AsRef<Path>) -> Result<u64, 
     Err(e.fix("`ca log info` shows what is"))
 }
 
-/// Writes a topic of ours to a `.csv` or `.npy` file. Returns the number of messages.
+/// Writes a topic to a `.csv` or `.npy` file and returns the number of messages.
 ///
 /// # Errors
-/// Where there is no such topic, a message is not of its schema, or the file cannot be written.
+/// If the topic does not exist or is for viewers, a message does not match its schema, or the file cannot be written.
 pub fn messages(take: &Take, topic: &str, to: impl AsRef<Path>) -> Result<u64, FileError> {
     let to = to.as_ref();
     let ext = to.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
@@ -102,13 +102,12 @@ pub fn messages(take: &Take, topic: &str, to: impl AsRef<Path>) -> Result<u64, F
     table.finish()
 }
 
-/// How many members of long arrays are shown: the degrees of freedom of the device.
+/// Returns how many elements of long arrays are shown: the degrees of freedom of the device.
 fn shown(take: &Take, topic: &str) -> usize {
     let of = |s: &&crate::engine::Setup| topic.split('/').nth(2) == Some(&s.device);
     take.header.setups.iter().find(of).map_or(DOF, |s| s.profile.dof as usize)
 }
 
-/// A file under way.
 struct ChannelTable<'a> {
     to: &'a Path,
     out: BufWriter<File>,
@@ -137,7 +136,7 @@ impl<'a> ChannelTable<'a> {
         self.out.write_all(bytes).map_err(|e| FileError::io(self.to, "it cannot be written", &e))
     }
 
-    /// Columns of a field: none for lists, whose cells hold all members.
+    /// Returns the columns of a field; a list has a single one for all its elements.
     fn columns(&self, f: &Field) -> usize {
         match f.count {
             Some(DOF) => self.shown,
@@ -162,7 +161,7 @@ impl<'a> ChannelTable<'a> {
         line
     }
 
-    /// `None` where the message is not what its topic promises.
+    /// Writes a row; `None` where the message does not match its topic.
     fn row(&mut self, time: f64, data: &[u8]) -> Option<Result<(), FileError>> {
         self.rows += 1;
         if self.array {
@@ -207,7 +206,7 @@ impl<'a> ChannelTable<'a> {
         Ok(self.rows)
     }
 
-    /// An NPY header of version 1.0 for a structured array, of always the same length.
+    /// Returns an NPY header of version 1.0 for a structured array, always of the same length.
     fn header(&self) -> Vec<u8> {
         let field = |f: &Field| {
             let ty = match f.kind {
@@ -231,7 +230,7 @@ impl<'a> ChannelTable<'a> {
     }
 }
 
-/// A text as a CSV cell.
+/// Quotes a text as a CSV cell.
 fn quoted(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r', '#']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.into() }
 }

@@ -1,14 +1,14 @@
-//! Records of a take that are flat: what happens beside frames.
+//! Flat records of a take, for everything except frames.
 //!
-//! Decides that they are made like frames (`frame/`): a structure without padding whose ROS 2 definition stands beside
-//! it, so that bytes in the file, row in NumPy and structure in memory are one. A macro writes both from one list of
-//! fields and types, so they cannot differ; a structure with padding does not compile.
+//! They are made like frames (`frame/`): structures without padding with a ROS 2 definition, so that the bytes in the
+//! file, the row in NumPy and the structure in memory are the same. A macro generates structure and definition from one
+//! list of fields, so that they cannot differ; a structure with padding does not compile.
 
 use crate::engine::{GLIDE, Touched};
 use ca_core::Balance;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
-/// The word of ROS 2 for a type.
+/// ROS 2 name of a type.
 macro_rules! ros {
     (u32) => {
         "uint32"
@@ -31,7 +31,7 @@ macro_rules! flat {
         }
 
         impl $name {
-            /// The definition of this record as a ROS 2 message.
+            /// ROS 2 message definition of this record.
             pub const SCHEMA: &'static str = concat!($(ros!($rust), " ", stringify!($field), "\n"),*);
         }
     };
@@ -40,15 +40,15 @@ macro_rules! flat {
 flat! {
     /// Forces were armed, disarmed or tripped.
     Ordered {
-        /// sound sample before which it took effect
+        /// Sound sample before which it took effect.
         tick: u64,
-        /// number of the device; [`Ordered::ALL`] for all
+        /// Number of the device; [`Ordered::ALL`] for all.
         port: u32,
-        /// 0 arm, 1 disarm, 2 trip
+        /// 0 arm, 1 disarm, 2 trip.
         order: u32,
-        /// of a trip, a [`Cause`](crate::frame::Cause)
+        /// [`Cause`](crate::frame::Cause) of a trip.
         cause: u32,
-        /// 0
+        /// Always 0.
         reserved: u32,
     }
 }
@@ -59,26 +59,26 @@ impl Ordered {
 }
 
 flat! {
-    /// A hand without a device did something.
+    /// Input without a device acted on the scene.
     Hand {
-        /// sound sample before which it took effect
+        /// Sound sample before which it took effect.
         tick: u64,
-        /// where a mass is pulled to, from rest \[m\]; of a port, x is its position \[m\] or force \[N\], y the time
-        /// it takes \[s\]
+        /// Displacement of a pulled mass from rest \[m\]. For a port, position \[m\] or force \[N\] in x, duration
+        /// \[s\] in y.
         x: f64,
-        /// as `x`
+        /// As `x`.
         y: f64,
-        /// as `x`
+        /// As `x`.
         z: f64,
-        /// 0 grab, 1 pull, 2 release, 3 own gesture, 4 its end, 5 port that takes the time of a slider, 6 port
+        /// 0 grab, 1 pull, 2 release, 3 own gesture, 4 its end, 5 port with the duration of a slider, 6 port.
         act: u32,
-        /// number of the MAT, or index of the port into [`State::input`](ca_core::State::input)
+        /// Number of the MAT, or index of the port into [`State::input`](ca_core::State::input).
         which: u32,
     }
 }
 
 impl Hand {
-    /// What was done at a tick.
+    /// Makes the record of an action at a tick.
     pub fn new(tick: u64, touched: Touched) -> Hand {
         let hand = |act, which, [x, y, z]: [f64; 3]| Hand { tick, x, y, z, act, which };
         match touched {
@@ -91,7 +91,7 @@ impl Hand {
         }
     }
 
-    /// What was done; `None` where it is nothing that is known.
+    /// Returns the action; `None` if it is unknown.
     pub fn touched(&self) -> Option<Touched> {
         Some(match self.act {
             0 => Touched::Grab(self.which),
@@ -107,15 +107,15 @@ impl Hand {
 }
 
 flat! {
-    /// The scene was put back to its state at load.
+    /// The scene was reset to its state at load.
     Reloaded {
-        /// sound sample before which it took effect
+        /// Sound sample before which it took effect.
         tick: u64,
-        /// [`ca_core::State::bits`] of the state that was given up
+        /// [`ca_core::State::bits`] of the state before.
         bits: u64,
-        /// its places of MATs; others than those of the scene where the reload was refused
+        /// Number of its places of MATs; differs from the scene if the reload was refused.
         places: u32,
-        /// its coefficients
+        /// Number of its coefficients.
         coefs: u32,
     }
 }
@@ -123,9 +123,9 @@ flat! {
 flat! {
     /// A hash of the state.
     Hashed {
-        /// the next sound sample
+        /// The next sound sample.
         tick: u64,
-        /// [`ca_core::State::bits`]
+        /// [`ca_core::State::bits`].
         bits: u64,
     }
 }
@@ -133,29 +133,29 @@ flat! {
 flat! {
     /// The energy ledger.
     Energy {
-        /// the next sound sample
+        /// The next sound sample.
         tick: u64,
-        /// energy at load \[J\]
+        /// Energy at load \[J\].
         h0: f64,
-        /// energy now \[J\]
+        /// Energy now \[J\].
         h: f64,
-        /// heat \[J\]
+        /// Heat \[J\].
         lost: f64,
-        /// error of the scheme in non-linear links \[J\]
+        /// Error of the scheme in non-linear links \[J\].
         source: f64,
-        /// received from ports \[J\]
+        /// Energy received from ports \[J\].
         work: f64,
-        /// received by changes \[J\]
+        /// Energy received by changes \[J\].
         changed: f64,
-        /// residual, what the ledger does not explain \[J\]
+        /// Residual, which the ledger does not explain \[J\].
         residual: f64,
-        /// scale of the residual \[J\]
+        /// Scale of the residual \[J\].
         peak: f64,
     }
 }
 
 impl Energy {
-    /// The ledger at a tick.
+    /// Makes the record of the ledger at a tick.
     pub fn new(tick: u64, b: &Balance) -> Energy {
         let Balance { h0, h, lost, scheme_error, work, changed, residual, peak, received: _ } = *b;
         Energy { tick, h0, h, lost, source: scheme_error, work, changed, residual, peak }
@@ -163,47 +163,47 @@ impl Energy {
 }
 
 flat! {
-    /// What found no room on its way to the take, since the last of these records.
+    /// Data that did not fit on its way to the take, since the last such record.
     Lost {
-        /// sound sample of the last record before
+        /// Sound sample of the last record before.
         tick: u64,
-        /// frames and events
+        /// Frames and events.
         records: u64,
-        /// sound samples, of all channels
+        /// Sound samples of all channels.
         samples: u64,
-        /// views
+        /// Views.
         views: u64,
     }
 }
 
 flat! {
-    /// How the real-time thread does, once a second. Counts are since the start.
+    /// State of the real-time thread, once a second. Counts are since the start.
     Rt {
-        /// the next sound sample
+        /// The next sound sample.
         tick: u64,
-        /// gesture frames done
+        /// Completed gesture frames.
         frames: u64,
-        /// gesture frames that began later than the one after was due
+        /// Gesture frames that began after the next one was due.
         missed: u64,
-        /// gesture frames without news of a device that was there
+        /// Gesture frames without news of a connected device.
         stale: u64,
-        /// device frames dropped by the input checks
+        /// Device frames dropped by the input checks.
         dropped: u64,
-        /// faults that latched
+        /// Faults that latched.
         faults: u64,
-        /// sound samples that hit the peak limit
+        /// Sound samples that hit the peak limit.
         clipped: u64,
-        /// time from when a frame was due to when it began, median of the last second \[µs\]
+        /// Delay from the due time of a frame to its start, median of the last second \[µs\].
         late_p50: f64,
-        /// the same, 99th percentile \[µs\]
+        /// 99th percentile of the same \[µs\].
         late_p99: f64,
-        /// the same, largest \[µs\]
+        /// Maximum of the same \[µs\].
         late_max: f64,
-        /// part of the last second spent computing
+        /// Part of the last second spent computing.
         busy: f64,
-        /// times the device that plays the sound had nothing to play, or said so
+        /// Times that the sound device had nothing to play, or reported so.
         underruns: u64,
-        /// its rate against the monotonic clock \[ppm\]
+        /// Rate of the sound device against the monotonic clock \[ppm\].
         audio_ppm: f64,
     }
 }

@@ -1,18 +1,17 @@
-//! The records of an MCAP file, one by one, before the library reads them.
+//! Reads the records of an MCAP file one by one and checks them before the library does.
 //!
-//! Checks the lengths that mcap 0.26 does not: its parser slices an attachment without its CRC out of range, and its reader
-//! subtracts the length of a record from what is left of an uncompressed chunk. Both panic where the file is not as written.
-//! Its parser also makes room for a text by the length that stands before it, which may say 4 GB in a file of 69 bytes.
+//! mcap 0.26 does not check these lengths. Its parser slices an attachment without its CRC out of range, and its reader
+//! subtracts the length of a record from the rest of an uncompressed chunk; both panic on a corrupt file. Its parser
+//! also allocates a text by its stated length, which may be 4 GB in a file of 69 bytes.
 
 use mcap::McapError;
 use mcap::records::op;
 use std::io::{self, BufRead, Read};
 
-/// Bytes before the body of a record: its kind, and the length of the body.
+/// Bytes before the body of a record: its kind and the length of the body.
 const HEAD: usize = 1 + 8;
 
-/// Reads the next record into `to`, as far as the file goes. Of a record longer than `most` only its head is read, which the
-/// reader then refuses.
+/// Reads the next record into `to`, as far as the file goes; of one longer than `most` only the header, to be refused.
 pub fn next(file: &mut impl BufRead, most: u64, to: &mut Vec<u8>) -> io::Result<()> {
     to.clear();
     file.by_ref().take(HEAD as u64).read_to_end(to)?;
@@ -22,13 +21,13 @@ pub fn next(file: &mut impl BufRead, most: u64, to: &mut Vec<u8>) -> io::Result<
     }
 }
 
-/// The kind and the body of what [`next`] read; `None` where the file ends within it.
+/// Returns kind and body of the record that [`next`] read; `None` where the file ends within it.
 pub fn record(bytes: &[u8]) -> Option<(u8, &[u8])> {
     let (head, body) = bytes.split_at_checked(HEAD)?;
     (number(head, 1)? == body.len() as u64).then_some((head[0], body))
 }
 
-/// Refuses what the library would panic on, and texts that are longer than their record.
+/// Refuses records that would make the library panic, and texts longer than their record.
 pub fn check(kind: u8, body: &[u8]) -> Result<(), McapError> {
     match kind {
         op::ATTACHMENT => attachment(body),
@@ -37,17 +36,16 @@ pub fn check(kind: u8, body: &[u8]) -> Result<(), McapError> {
     }
 }
 
-/// A part of a record.
 enum Part {
-    /// this many bytes
+    /// This many bytes.
     Bytes(usize),
-    /// a text, or other bytes, after their length
+    /// A text or other bytes, after their length.
     Text,
-    /// pairs of texts, after the length of them all
+    /// Pairs of texts, after their total length.
     Pairs,
 }
 
-/// The parts of a record up to its last text.
+/// Returns the parts of a record up to its last text.
 fn parts(kind: u8) -> &'static [Part] {
     use Part::{Bytes, Pairs, Text};
     match kind {
@@ -79,7 +77,7 @@ fn texts(kind: u8, body: &[u8]) -> Result<(), McapError> {
     all.map(drop).ok_or(McapError::RecordTooLarge { opcode: kind, len: body.len() as u64 })
 }
 
-/// Times, two texts, the data and their lengths, and a CRC of 4 bytes at the end.
+/// Checks an attachment: times, two texts and the data with their lengths, and a CRC of 4 bytes.
 fn attachment(body: &[u8]) -> Result<(), McapError> {
     let short = |header| McapError::BadAttachmentLength { header, available: body.len() as u64 };
     let mut at = 16;
@@ -91,7 +89,7 @@ fn attachment(body: &[u8]) -> Result<(), McapError> {
     if needed > body.len() as u64 { Err(short(needed)) } else { Ok(()) }
 }
 
-/// The records of a chunk that is not compressed end where it ends.
+/// Checks that the records of an uncompressed chunk end where it ends.
 fn chunk(body: &[u8]) -> Result<(), McapError> {
     const COMPRESSION: usize = 28;
     if length(body, COMPRESSION) != Some(0) {
@@ -107,12 +105,10 @@ fn chunk(body: &[u8]) -> Result<(), McapError> {
     Ok(())
 }
 
-/// Eight bytes, the least first.
 fn number(of: &[u8], at: usize) -> Option<u64> {
     of.get(at..)?.first_chunk().map(|b| u64::from_le_bytes(*b))
 }
 
-/// The length of a text.
 fn length(of: &[u8], at: usize) -> Option<usize> {
     of.get(at..)?.first_chunk().map(|b| u32::from_le_bytes(*b) as usize)
 }
@@ -121,7 +117,7 @@ fn length(of: &[u8], at: usize) -> Option<usize> {
 mod tests {
     use super::*;
 
-    /// A record that is whole, with a text of no bytes in each place, and the places of their lengths.
+    /// Returns a valid record with an empty text in each place, and the places of their lengths.
     fn record(kind: u8) -> (Vec<u8>, Vec<usize>) {
         let (mut body, mut at) = (Vec::new(), Vec::new());
         for part in parts(kind) {

@@ -1,10 +1,10 @@
-//! A take as a gesture: what the hands did, to be played on this or another model.
+//! Converts a take to a gesture, which plays the motion of the hands on this or another model.
 //!
-//! Decides to replay the take and to read the ports of its scene, frame by frame, rather than the frames of the
-//! devices: what the scene had is what calibrations, gains and input checks left of them, in its own metres. The tracks
-//! are called like those ports and sampled at the gesture rate, so the same model at the same rates gets the same
-//! bits. Parameters that were changed are tracks of steps. Where the take has several versions of its model, ports and parameters
-//! are those of the first, and found by name in the others.
+//! The take is replayed and the ports of its scene are read frame by frame, rather than the frames of the devices. The
+//! ports hold the positions after calibration, gains and input checks, in the metres of the scene. Tracks have the
+//! names of these ports and are sampled at the gesture rate, so that the same model at the same rates gives the same
+//! bits. Changed parameters are tracks of steps. If a take has several versions of its model, the ports and parameters
+//! of the first version are used, and found by name in the others.
 
 use super::read::{Event, Take};
 use super::replay::Replay;
@@ -15,10 +15,10 @@ use ca_io::gesture::{Gesture, Track};
 use std::path::Path;
 use std::sync::Arc;
 
-/// The gesture in the take at `path`.
+/// Returns the gesture in the take at `path`.
 ///
 /// # Errors
-/// Where the file is no take, or has no positions of devices.
+/// If the file is not a take, its replay differs, records are missing, or it has no frames.
 pub fn gesture(path: impl AsRef<Path>, catalog: &Catalog) -> Result<Gesture, FileError> {
     let path = path.as_ref();
     let take = Take::open(path)?;
@@ -29,7 +29,7 @@ pub fn gesture(path: impl AsRef<Path>, catalog: &Catalog) -> Result<Gesture, Fil
         device.is_some_and(|d| take.header.setups.iter().any(|s| s.device == d.0))
     };
     let ports: Vec<&str> = scene.inputs.iter().filter(from_device).map(|i| i.name.as_str()).collect();
-    // where they are in the version of the model that plays
+    // their places in the version of the model that plays
     let places = |scene: &Scene| -> Vec<Option<usize>> {
         ports.iter().map(|name| scene.inputs.iter().position(|i| i.name == *name)).collect()
     };
@@ -42,7 +42,7 @@ pub fn gesture(path: impl AsRef<Path>, catalog: &Catalog) -> Result<Gesture, Fil
                 now = (engine.scene.clone(), places(&engine.scene));
             }
             for (to, k) in seen.iter_mut().zip(&now.1) {
-                // one that is gone stays where it was
+                // a port that is gone stays at its last position
                 to.push(k.map_or_else(|| to.last().copied().unwrap_or(0.0), |k| engine.state.input[k]));
             }
         },
@@ -66,7 +66,7 @@ pub fn gesture(path: impl AsRef<Path>, catalog: &Catalog) -> Result<Gesture, Fil
     Gesture::new(tracks).map_err(|e| e.file(path.display()))
 }
 
-/// Parameters of the first version of the model that were changed, by the values that they had.
+/// Returns the changed parameters of the first version of the model, as steps.
 fn steps(take: &Take, first: &Arc<Scene>, catalog: &Catalog) -> Result<Vec<Track>, FileError> {
     let load = |scene: &Scene| scene.live.params.iter().map(|p| (p.name.clone(), p.value)).collect::<Vec<_>>();
     let mut curves: Vec<Vec<(f64, f64)>> = load(first).iter().map(|p| vec![(0.0, p.1)]).collect();
@@ -77,7 +77,7 @@ fn steps(take: &Take, first: &Arc<Scene>, catalog: &Catalog) -> Result<Vec<Track
                 let name = |k: u32| now.live.params.get(k as usize).map(|p| p.name.clone());
                 (tick, change.params.iter().filter_map(|(k, v)| Some((name(*k)?, *v))).collect())
             }
-            // as at load again
+            // parameters are as at load again
             Event::Reload(r) => (r.tick, load(&now)),
             Event::Model(tick, next) => {
                 now = Arc::new(take.header.version(&next).scene(catalog)?.scene);

@@ -1,13 +1,14 @@
-//! What a take says before its first frame: all that is needed to make the same engine again.
+//! Header of a take: everything needed to build the same engine again.
 //!
-//! Decides that a take holds the model as its author wrote it and what was changed on the command line, rather than a
-//! model put together from both: `model::write` groups modules of a kind, and another order of modules is another order
-//! of sums, so other bits. (The resolved text goes along for people to read.) Bodies from files travel as OBJ, profiles
-//! and calibrations as the files they are, so that nothing outside a take is needed and any program can look inside. A
-//! take begins with the engine, at tick 0, so its snapshot is the state at load; a hash of it stands in the header, and
-//! who compiles the model to other numbers is reported at once. So does the number of the arithmetic: where another one
-//! rounds a scene otherwise, the hash says nothing, and a replay compares to a tolerance. A take without it is older than
-//! the number, which is arithmetic 0.
+//! A take holds the model as its author wrote it and the changes from the command line, not a model merged from both:
+//! `model::write` groups modules by kind, and another order of modules gives another order of sums and other bits. (The
+//! resolved text is included for people.) Bodies from files are OBJ, profiles and calibrations are their files, so that
+//! a take needs nothing outside and any program can read it.
+//!
+//! A take begins with the engine at tick 0, so its snapshot is the state at load. The header has a hash of that state,
+//! to detect a model that compiles to other numbers, and the number of the arithmetic. Where another arithmetic rounds
+//! a scene differently, the hash is not compared and a replay compares to a tolerance. A take older than this number
+//! has arithmetic 0.
 
 use super::couplings;
 use super::next::NextModel;
@@ -27,49 +28,48 @@ use ca_model::diag::Diags;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Version of what is written here.
+/// Version of the format.
 pub const FORMAT: u32 = 1;
 /// Name of the metadata record of a take.
 pub const META: &str = "ca.take";
 
-/// All that is needed to make the same engine again, and what people want to know.
+/// Everything needed to build the same engine again, and information for people.
 #[derive(Clone, Debug)]
 pub struct Header {
-    /// title of the model
+    /// Title of the model.
     pub title: String,
-    /// name of the model's file, without its folder
+    /// Name of the model's file, without the folder.
     pub file: String,
-    /// the model as its author wrote it
+    /// Text of the model as its author wrote it.
     pub text: String,
-    /// what was changed on the command line, in order: name and value
+    /// Changes from the command line, in order: name and value.
     pub changes: Vec<(String, String)>,
-    /// the model with these changes, for people
+    /// Text of the model with these changes, for people.
     pub resolved: String,
-    /// the files that it takes parts from, by their paths from its folder
+    /// Files from which it takes parts, by their paths from its folder.
     pub parts: BTreeMap<String, String>,
-    /// what was asked of the compiler
+    /// Compiler options.
     pub options: Options,
-    /// the devices
+    /// Setups of the devices.
     pub setups: Vec<Setup>,
-    /// numbers of the engine
+    /// Engine options.
     pub engine: engine::Options,
-    /// sound rate \[Hz\]
+    /// Sound rate \[Hz\].
     pub rate: f64,
-    /// ticks of a gesture frame
+    /// Ticks per gesture frame.
     pub ratio: u32,
-    /// names of the sound channels
+    /// Names of the sound channels.
     pub channels: Vec<String>,
-    /// [`ca_core::State::bits`] at load
+    /// [`ca_core::State::bits`] at load.
     pub start: u64,
-    /// [`ca_core::ARITHMETIC`] of who played it
+    /// [`ca_core::ARITHMETIC`] of the engine that played it.
     pub arithmetic: u32,
-    /// when it began, since 1970 \[ns\]
+    /// Start time since 1970 \[ns\].
     pub began_ns: u64,
-    /// what wrote it, and where: `ca`, `mcap`, `os`, `arch`, `cpus`
+    /// Program and machine that wrote it: `ca`, `mcap`, `os`, `arch`, `cpus`.
     pub host: BTreeMap<String, String>,
 }
 
-/// What may stand in an attachment.
 pub(super) struct Attached {
     pub name: String,
     pub media: &'static str,
@@ -77,8 +77,8 @@ pub(super) struct Attached {
 }
 
 impl Header {
-    /// The header of a performance: `model` with its `changes` applied was compiled with `options` to `scene`, and is
-    /// played with `setups` by an engine of these options.
+    /// Makes the header of a performance: `model` with `changes` applied, compiled to `scene` with `options`, and
+    /// played with `setups` by an engine with these options.
     pub fn new(
         model: &Model,
         changes: Vec<(String, String)>,
@@ -117,15 +117,15 @@ impl Header {
         }
     }
 
-    /// Time of a tick, since 1970 \[ns\].
+    /// Returns the time of a tick since 1970 \[ns\].
     pub fn time(&self, tick: u64) -> u64 {
         self.began_ns.saturating_add((tick as f64 * 1e9 / self.rate) as u64)
     }
 
-    /// The model that was played, changes applied, with what its reader found.
+    /// Returns the model that was played, with its changes applied, and the findings of its reader.
     ///
     /// # Errors
-    /// Where a file of the model is missing in the take.
+    /// If a change names a parameter that the model lacks.
     pub fn model(&self, catalog: &Catalog) -> Result<(Model, Diags), FileError> {
         let (mut model, found) = match ca_import::of(&self.file) {
             Some(format) => (format.import)(&self.text, &self.file),
@@ -144,10 +144,10 @@ impl Header {
         ModelText { file, text, changes, resolved, parts }
     }
 
-    /// The scene that was played, compiled again.
+    /// Compiles the scene that was played.
     ///
     /// # Errors
-    /// Where the model does not compile.
+    /// If the model does not compile, or compiles to other numbers than when it was played.
     pub fn scene(&self, catalog: &Catalog) -> Result<Compiled, FileError> {
         let (model, found) = self.model(catalog)?;
         let options = Options { arithmetic: Some(self.arithmetic), ..self.options.clone() };
@@ -163,7 +163,7 @@ impl Header {
         Ok(compiled)
     }
 
-    /// The same performance with another version of its model, read by the bodies in `clouds`.
+    /// Returns the header of the same performance with another version of its model.
     #[must_use]
     pub fn version(&self, next: &NextModel) -> Header {
         let ModelText { file, text, changes, resolved, parts } = next.model.clone();
@@ -172,15 +172,15 @@ impl Header {
         Header { file, text, changes, resolved, parts, options, start: next.start, ..self.clone() }
     }
 
-    /// True where `scene`, compiled from it, plays the same bits here: its arithmetic is this one, or rounds it alike.
+    /// Returns true if `scene`, compiled from this header, gives the same bits with the present arithmetic.
     pub fn is_exact(&self, scene: &Scene) -> bool {
         (same_since(scene)..=ARITHMETIC).contains(&self.arithmetic)
     }
 
-    /// The engine that played it, at rest.
+    /// Builds the engine that played the take, at rest.
     ///
     /// # Errors
-    /// Where the model does not compile, or has other devices than the take.
+    /// As for [`Header::scene`].
     pub fn engine(&self, catalog: &Catalog) -> Result<Engine, FileError> {
         let scene = Arc::new(self.scene(catalog)?.scene);
         let ports = self.setups.iter().map(|s| Port::new(&scene, s.clone())).collect();
@@ -192,7 +192,7 @@ impl Header {
         format!("it was written by `ca` {ca}, this is {}: use that version", env!("CARGO_PKG_VERSION"))
     }
 
-    /// What is attached to a take, and the metadata for the rest.
+    /// Returns the attachments of a take, and the metadata for the rest.
     pub(super) fn write(&self) -> (Vec<Attached>, BTreeMap<String, String>) {
         let toml = "application/toml";
         let mut files = Vec::new();
@@ -247,7 +247,7 @@ impl Header {
         (files, meta)
     }
 
-    /// The other way round.
+    /// Reads what [`Header::write`] returns.
     pub(super) fn read(files: &[(String, String)], meta: &BTreeMap<String, String>) -> Result<Header, FileError> {
         let format: Option<u32> = meta.get("format").and_then(|f| f.parse().ok());
         if format != Some(FORMAT) {
@@ -304,7 +304,7 @@ impl Header {
                 probes: list("asked.probes")?,
                 clouds,
                 kernel,
-                // none in takes of before it could be asked for
+                // older takes lack it
                 whole: meta.get("asked.whole").is_some_and(|w| w == "true"),
                 couplings: meta
                     .get("asked.couplings")
@@ -334,7 +334,7 @@ impl Header {
     }
 }
 
-/// The shortest digits that read back as the same number.
+/// Formats a number with the shortest digits that read back exactly.
 fn exact(v: f64) -> String {
     format!("{v:?}")
 }
@@ -400,7 +400,7 @@ mod tests {
                 let mut less = meta.clone();
                 less.remove(key);
                 let read = Header::read(&files, &less);
-                // takes without it were written before there was one
+                // older takes lack these
                 let old = read.as_ref().is_ok_and(|h| match key.as_str() {
                     "arithmetic" => h.arithmetic == 0,
                     "asked.whole" => !h.options.whole,
@@ -413,7 +413,7 @@ mod tests {
         }
     }
 
-    /// Friction at rest began as sliding before arithmetic 5. Older takes keep that start, and so replay to the bit.
+    /// Until arithmetic 4, friction at rest began as sliding. Takes from then keep that start and replay to the bit.
     #[test]
     fn a_take_of_before_friction_stuck_at_load_begins_as_it_did() {
         let text = "[h]\ngravity = 5\n[h.SOL]\nt = {}\n[h.MAS]\nb = { m = 0.01 }\n[BOW]\nr = { between = [\"h.b\", \"h.t\"], curve = \"coulomb\", f \

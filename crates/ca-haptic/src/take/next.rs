@@ -1,7 +1,7 @@
-//! Another version of the model, in the middle of a take.
+//! Another version of the model in the middle of a take.
 //!
-//! Decides that a message holds all of it again, bodies from files included: whoever reads a take from there on needs nothing
-//! else, and an author who saves a model saves little.
+//! The message holds the whole version, bodies from files included, so that a reader needs nothing before it. The cost
+//! is small, because a model is rarely saved.
 
 use super::{cdr, couplings};
 use crate::version::{ModelText, Version};
@@ -11,10 +11,13 @@ use ca_io::cloud;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// The definition of the message: `ca/msg/Model`. `start` is the hash of its state at load, `changes` a list of names and values,
-/// `clouds` bodies as OBJ by name, `moved` the names of parameters that somebody had moved before, whose `values` they keep
-/// \[SI\], `parts` the texts of files that it takes parts from, by name, `couplings` the couplings of device ports; the five are JSON;
-/// where `anew`, all masses begin as at load.
+/// ROS 2 definition of the message `ca/msg/Model`.
+///
+/// - `start`: hash of its state at load.
+/// - `moved`, `values`: names of parameters changed before, and the values \[SI\] that they keep.
+/// - `changes`: names and values; `clouds`: bodies as OBJ by name; `parts`: texts of its parts by name; `couplings`:
+///   couplings of device ports. These four and `moved` are JSON.
+/// - `anew`: all masses begin as at load.
 pub const MODEL: &str = "\
 uint64 tick
 uint64 start
@@ -30,20 +33,20 @@ string parts
 string couplings
 ";
 
-/// A version of the model, as a take holds it.
+/// A version of the model, as stored in a take.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NextModel {
-    /// its text
+    /// Its text.
     pub model: ModelText,
-    /// its bodies from files
+    /// Its bodies from files.
     pub clouds: Clouds,
-    /// [`ca_core::State::bits`] at load
+    /// [`ca_core::State::bits`] at load.
     pub start: u64,
-    /// live parameters that stay where somebody had moved them \[SI\]
+    /// Live parameters that were changed before, with the values that they keep \[SI\].
     pub moved: Vec<(String, f64)>,
-    /// no mass goes on from where it was
+    /// True if no mass continues from its present position.
     pub anew: bool,
-    /// device ports that are coupled to their links
+    /// Couplings of device ports to their links.
     pub couplings: Vec<Coupling>,
 }
 
@@ -69,7 +72,7 @@ pub(super) fn write(out: &mut Vec<u8>, tick: u64, version: &Version) {
         .text(&couplings::write(&version.options.couplings));
 }
 
-/// Reads one, with its tick; `None` where that is not what is there.
+/// Reads a version and its tick; `None` where the message is invalid.
 pub(super) fn read(data: &[u8]) -> Option<(u64, NextModel)> {
     let mut r = cdr::In::new(data)?;
     let (tick, start) = (r.get()?, r.get()?);
@@ -84,7 +87,7 @@ pub(super) fn read(data: &[u8]) -> Option<(u64, NextModel)> {
         clouds.insert(name, Ok(Arc::new(cloud::read_obj(obj.as_bytes()).ok()?)));
     }
     let moved = (names.len() == values.len()).then(|| names.into_iter().zip(values).collect())?;
-    // takes of before have none of these
+    // older takes lack these
     let anew = r.get::<u8>().is_some_and(|b| b != 0);
     let parts = r.text().and_then(|t| serde_json::from_str(&t).ok()).unwrap_or_default();
     let couplings = r.text().map_or(Some(Vec::new()), |t| couplings::read(&t))?;

@@ -1,8 +1,7 @@
-//! Reads a take: its header, and what happened in the order in which it happened.
+//! Reads a take: its header, and its events in order.
 //!
-//! Decides that what a reload gave up comes back as its record, not as a state: a take holds a hash of it. Messages of
-//! topics that are not ours, and those for viewers, are passed over by name, so that a take somebody added to still
-//! replays.
+//! The state before a reload is returned as its record, because a take holds only a hash of it. Foreign topics and
+//! those for viewers are skipped by name, so that a take with additions still replays.
 
 use super::flat::{Energy, Hand, Hashed, Lost, Ordered, Reloaded, Rt};
 use super::header::{Header, META};
@@ -18,53 +17,53 @@ use ca_io::error::FileError;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// One thing in a take.
+/// One event in a take.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
-    /// a frame that was looked at
+    /// A frame that was checked.
     Device(usize, Box<DeviceFrame>),
-    /// a frame that was sent
+    /// A frame that was sent.
     Force(usize, Box<ForceFrame>),
-    /// parameters changed before this tick
+    /// Parameters changed before this tick.
     Change(u64, Change),
-    /// the scene was loaded again
+    /// The scene was loaded again.
     Reload(Reloaded),
-    /// another version of the model plays from this tick on
+    /// Another version of the model plays from this tick on.
     Model(u64, Box<NextModel>),
-    /// forces were armed, disarmed or tripped before this tick, of one device or all
+    /// Forces were armed, disarmed or tripped before this tick, of one device or all.
     Order(u64, Option<u32>, Order),
-    /// a hand without a device did something before this tick
+    /// Input without a device acted before this tick.
     Hand(u64, Touched),
-    /// a device said what it is before this tick
+    /// A device described itself before this tick.
     Profile(u64, usize, Box<Profile>),
-    /// a hash of the state
+    /// A hash of the state.
     Hash(Hashed),
-    /// the energy ledger
+    /// The energy ledger.
     Energy(Energy),
-    /// sound, interleaved, from this tick on
+    /// Sound, interleaved, from this tick on.
     Sound(u64, Vec<f64>),
-    /// something is missing here
+    /// Data is missing here.
     Lost(Lost),
-    /// how the real-time thread did
+    /// State of the real-time thread.
     Rt(Rt),
-    /// of no meaning for a replay
+    /// An event without effect on a replay.
     View,
 }
 
 /// A take.
 #[derive(Clone, Debug)]
 pub struct Take {
-    /// the file
+    /// Path of the file.
     pub path: PathBuf,
-    /// what it says before its first frame
+    /// Header before the first frame.
     pub header: Header,
 }
 
 impl Take {
-    /// Opens the take at `path`, finished or not.
+    /// Opens the take at `path`, finished or not. A file that was cut is read as far as possible.
     ///
     /// # Errors
-    /// Where the file cannot be read or is no take; one that was cut is read as far as it goes.
+    /// If the file cannot be read or is not a take.
     pub fn open(path: impl AsRef<Path>) -> Result<Take, FileError> {
         let path = path.as_ref();
         let name = |e: FileError| e.file(path.display());
@@ -94,10 +93,10 @@ impl Take {
         Ok(Take { path: path.to_owned(), header })
     }
 
-    /// What happened, in order.
+    /// Returns an iterator over the events, in order.
     ///
     /// # Errors
-    /// Where the file cannot be read again.
+    /// If the file cannot be read again.
     pub fn events(&self) -> Result<Events, FileError> {
         let mut ports = HashMap::new();
         for (k, s) in self.header.setups.iter().enumerate() {
@@ -108,27 +107,27 @@ impl Take {
     }
 }
 
-/// Goes through a take.
+/// Iterator over the events of a take.
 pub struct Events {
     source: Source,
     path: PathBuf,
-    /// of topics of frames: number of the device, and whether they are forces
+    /// Number of the device by topic of its frames, and whether they are forces.
     ports: HashMap<String, (usize, bool)>,
 }
 
 impl Events {
-    /// How the file ended; `None` while it has not.
+    /// Returns how the file ended; `None` before its end.
     pub fn end(&self) -> Option<&End> {
         self.source.end()
     }
 
-    /// What a message says; `None` where it is not what its topic promises.
+    /// Decodes a message; `None` where it does not match its topic.
     fn event(&self, name: &str, data: &[u8]) -> Option<Event> {
         if let Some((k, force)) = self.ports.get(name) {
             return Some(if *force {
                 Event::Force(*k, Box::new(cdr::record(data).filter(ForceFrame::is_ours)?))
             } else {
-                // also those of another layout: a frame is recorded as it came
+                // frames of another layout too: they are recorded as they came
                 Event::Device(*k, Box::new(cdr::record::<DeviceFrame>(data)?))
             });
         }

@@ -1,8 +1,7 @@
-//! Makes a take that was cut off whole again: the same messages, with an index.
+//! Rebuilds a take that was cut off: the same messages, with an index.
 //!
-//! Messages that were written whole are copied one by one, under the same names and numbers, into a new file: the old one is
-//! left as it is, since what a crash left behind is evidence. Other users cannot read the new file, as they cannot read the
-//! old one.
+//! Complete messages are copied one by one, under the same names and numbers, into a new file. The old one is left as
+//! it is, as evidence of the crash. Like the old one, the new file is readable by its owner only.
 
 use super::options;
 use super::source::{End, Item, Source};
@@ -14,25 +13,25 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
 
-/// What was saved.
+/// Result of a recovery.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recovered {
-    /// messages in the new file
+    /// Messages in the new file.
     pub messages: u64,
-    /// time from the first to the last of them \[s\]
+    /// Time from the first to the last of them \[s\].
     pub seconds: f64,
-    /// attachments in the new file
+    /// Attachments in the new file.
     pub attachments: u64,
-    /// why the old one ended early, and the bytes at its end that are of no use; `None` where it was whole
+    /// Reason why the old file ended early, and the unusable bytes at its end; `None` if it was complete.
     pub cut: Option<(String, u64)>,
-    /// true where it ended at bytes that are not as they were written, with more behind them
+    /// True if it ended at corrupt bytes, with more behind them.
     pub damaged: bool,
 }
 
-/// Copies what is whole of the file `from` to `to`.
+/// Copies the complete items of the file `from` to `to`.
 ///
 /// # Errors
-/// Where nothing of it can be read, or the new file cannot be written.
+/// If nothing of it can be read, or the new file cannot be written.
 pub fn recover(from: impl AsRef<Path>, to: impl AsRef<Path>) -> Result<Recovered, FileError> {
     let (from, to) = (from.as_ref(), to.as_ref());
     let mut source = Source::open(from)?;

@@ -1,13 +1,13 @@
-//! Replays a take, and finds the first thing that is not as it was.
+//! Replays a take and finds the first difference.
 //!
-//! Decides to drive the engine by the records alone, in the order in which they stand: before a frame or an act of tick
-//! n the engine runs until n is due, and every force frame, stretch of sound and hash in the file is compared with what
-//! the engine makes, byte for byte. What is recorded of an engine is thereby checked, not only what it was asked. A
-//! hole in the take ends the comparison where it is: what came after it may have depended on what is missing.
+//! The records alone drive the engine, in their order. Before a frame or an action of tick n the engine runs until n is
+//! due. Every force frame, stretch of sound and hash in the file is compared with the engine's, byte for byte, so that
+//! its output is checked, not only its input. A hole in the take ends the comparison, because what follows may depend
+//! on the missing records.
 //!
-//! A take of another arithmetic ([`Header::is_exact`](super::Header::is_exact)) is not expected to the bit: forces and sound may
-//! differ by [`TOLERANCE`] of their peak, and hashes are not compared. That the peak is known at the end only is why such a
-//! replay goes on to the end.
+//! A take of another arithmetic ([`Header::is_exact`](super::Header::is_exact)) is compared to a tolerance: forces and
+//! sound may differ by [`TOLERANCE`] of their peak, and hashes are not compared. Such a replay runs to the end, because
+//! only then is the peak known.
 
 mod verdict;
 
@@ -27,38 +27,37 @@ use verdict::{Apart, which};
 pub use verdict::{Difference, ReplayVerdict};
 use zerocopy::IntoBytes;
 
-/// Force frames that wait to be compared, of each device.
+/// Largest number of force frames stored for comparison, per device.
 const MADE: usize = 65_536;
 
-/// By how much of their peak forces and sound of another arithmetic may differ; forces by their own rounding besides, which
-/// is to 32 bits.
+/// Largest difference with another arithmetic, as a part of the peak; forces may differ by rounding to 32 bits besides.
 pub const TOLERANCE: f64 = 1e-9;
 
 /// A replay under way.
 pub struct Replay {
-    /// the engine; its scene changes where the take has another version of the model
+    /// The engine; its scene changes with each version of the model in the take.
     pub engine: Engine,
     header: Header,
     catalog: Catalog,
-    /// its devices, as the header has them and as they said later
+    /// Setups of the header, with profiles that devices reported later.
     setups: Vec<Setup>,
     rate: f64,
     channels: usize,
-    /// what was found so far
+    /// Result so far.
     pub verdict: ReplayVerdict,
-    /// force frames made and not compared yet, of each device
+    /// Force frames not compared yet, of each device.
     made: Vec<VecDeque<ForceFrame>>,
-    /// sound made and not compared yet, and the tick of its first sample
+    /// Sound not compared yet, and the tick of its first sample.
     sound: VecDeque<f64>,
     sound_tick: u64,
-    /// whether the take holds sound
+    /// False once a minute of sound is waiting: the take holds none.
     heard: bool,
-    /// forces and sound so far, where not to the bit
+    /// Differences of forces and sound, if the comparison is to a tolerance.
     loose: Option<[Apart; 2]>,
 }
 
 impl Replay {
-    /// The engine of a take, at rest.
+    /// Builds the engine of a take, at rest.
     ///
     /// # Errors
     /// As [`Header::engine`](super::Header::engine).
@@ -82,11 +81,12 @@ impl Replay {
         })
     }
 
-    /// Replays all of `take`. `each` sees every gesture frame: the engine at its end, before the masses of the last
-    /// tick move, and then the sound of the frame. The engine stays as it ended.
+    /// Replays the whole of `take`; the engine stays as it ended.
+    ///
+    /// `each` is called in every gesture frame before the masses of its last tick move, then `sound` with its sound.
     ///
     /// # Errors
-    /// Where the take cannot be read, or what `each` returns.
+    /// If the take cannot be read, a version of its model cannot be played, or `sound` fails.
     pub fn run(
         &mut self,
         take: &Take,
@@ -107,7 +107,7 @@ impl Replay {
         self.verdict.difference = self.verdict.difference.take().or(beyond);
         self.verdict.cut = events.end().and_then(End::early).map(|(why, _)| why.to_owned());
         if let Some(End::Damaged(..)) = events.end() {
-            // something stood there, unlike at the end of a file that was cut off
+            // unlike a truncated file, a damaged one held more records
             self.verdict.damaged = true;
             self.verdict.hole.get_or_insert(self.verdict.seconds);
         }
@@ -120,7 +120,7 @@ impl Replay {
         each: &mut dyn FnMut(&Engine),
         sound: &mut dyn FnMut(&[f64]) -> Result<(), FileError>,
     ) -> Result<(), FileError> {
-        // what must have been computed before this
+        // tick until which the engine must have run before this event
         let due = match &event {
             Event::Device(_, f) => f.tick,
             Event::Change(tick, _)
@@ -165,7 +165,7 @@ impl Replay {
                 None
             }
             Event::Hand(_, touched) => {
-                // what this scene cannot do differs from what it did, which frames and hashes will show
+                // an action that this scene lacks shows in later frames and hashes
                 if let Some(touch) = touched.again(&self.engine.scene) {
                     self.engine.command(EngineCommand::Touch(touch));
                 }
@@ -195,11 +195,11 @@ impl Replay {
                         _ => None,
                     }
                 } else {
-                    // it was refused then, too
+                    // refused when it was recorded, too
                     None
                 }
             }
-            // says nothing of another arithmetic
+            // meaningless for another arithmetic
             Event::Hash(_) if self.loose.is_some() => None,
             Event::Hash(h) => {
                 self.verdict.hashes += 1;
@@ -226,14 +226,13 @@ impl Replay {
         Ok(())
     }
 
-    /// One gesture frame.
     fn frame(
         &mut self,
         each: &mut dyn FnMut(&Engine),
         sound: &mut dyn FnMut(&[f64]) -> Result<(), FileError>,
     ) -> Result<(), FileError> {
         for (made, f) in self.made.iter_mut().zip(self.engine.answer()) {
-            // a take of whose topics somebody left out must not fill the memory
+            // limits memory for a take without force topics
             if made.len() == MADE {
                 made.pop_front();
             }
@@ -246,7 +245,7 @@ impl Replay {
         }
         sound(heard)?;
         self.verdict.frames += 1;
-        // a take without sound must not fill the memory
+        // limits memory for a take without sound
         if self.sound.len() > 60 * self.rate as usize * self.channels.max(1) {
             self.heard = false;
             self.sound = VecDeque::new();
@@ -261,7 +260,6 @@ impl Replay {
         self.verdict.taken += 1;
     }
 
-    /// Another version of the model plays from here on.
     fn swap(&mut self, next: &NextModel) -> Result<(), FileError> {
         let header = self.header.version(next);
         let scene = Arc::new(header.scene(&self.catalog)?.scene);
@@ -277,7 +275,7 @@ impl Replay {
     }
 
     fn change(&mut self, mut change: Change) {
-        // the take says which scene was there then
+        // a take does not name scenes: the patch is for the present one
         change.patches.iter_mut().for_each(|p| p.scene = self.engine.scene.identity());
         self.engine.command(EngineCommand::Set(Box::new(change)));
     }
@@ -293,7 +291,7 @@ impl Replay {
             let what = format!("a force frame of `{name}`");
             return Some((what, format!("number {}", was.seq), "none".into()));
         };
-        // published after the engine was done with it
+        // the frame was published later, at a time that the engine does not know
         let mut is = ForceFrame { t_host_ns: was.t_host_ns, ..is };
         if let Some([forces, _]) = &mut self.loose {
             for (k, (was_n, is_n)) in was.force.iter().zip(&is.force).enumerate() {
@@ -305,7 +303,7 @@ impl Replay {
                     is: format!("{is_n:e} N"),
                 });
             }
-            // what follows from forces rounds as they do
+            // these follow from the forces and round as they do
             (is.force, is.inject) = (was.force, was.inject);
         }
         if is.as_bytes() == was.as_bytes() {
@@ -320,7 +318,7 @@ impl Replay {
         if !self.heard {
             return;
         }
-        // a stretch that found no room is passed over: sound decides nothing
+        // skips missing stretches: no later result depends on sound
         while self.sound_tick < tick && self.sound.len() >= channels {
             self.sound.drain(..channels);
             self.sound_tick += 1;

@@ -1,10 +1,9 @@
-//! An MCAP file from its beginning to wherever it ends.
+//! Streams an MCAP file from its beginning to wherever it ends.
 //!
-//! Decides to read in a stream, so that a take of an hour takes no more memory than one of a second, and to check each
-//! chunk as a whole before anything of it is used: a file that ends early gives all that was written whole, and then
-//! says that it was cut. One in which bytes are not as they were written gives what came before them and says that it is
-//! damaged, which is more than cut: what follows was played, and is not there. The sum over all bytes at the end of a
-//! finished file finds what no chunk does.
+//! Streaming keeps memory constant, whatever the length of a take. Each chunk is verified before any of it is used. A
+//! file that ends early gives everything that was written whole, and is reported as cut. A file with corrupt bytes
+//! gives everything before them, and is reported as damaged: what follows was played but is lost. The checksum over all
+//! bytes of a finished file finds errors that no chunk shows.
 
 use super::framed;
 use ca_io::error::{FileError, FileErrorKind};
@@ -18,50 +17,42 @@ use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Room for a chunk that shrank well \[bytes\].
+/// Allowance for a chunk that compressed well \[bytes\].
 const CHUNK: usize = 64 << 20;
 
-/// One thing in the file.
+/// One item of the file.
 pub enum Item {
-    /// a message
     Message {
-        /// its channel
         channel: Arc<mcap::Channel<'static>>,
-        /// its number
         sequence: u32,
-        /// since 1970 \[ns\]
+        /// Time since 1970 \[ns\].
         time: u64,
-        /// its bytes
         data: Vec<u8>,
     },
-    /// a file within the file
+    /// A file within the file.
     Attachment {
-        /// its name
         name: String,
-        /// what it is
         media: String,
-        /// since 1970 \[ns\]
+        /// Time since 1970 \[ns\].
         time: u64,
-        /// its bytes
         data: Vec<u8>,
     },
-    /// names and texts
     Metadata(Metadata),
 }
 
-/// How a file ended.
+/// End of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum End {
-    /// as its writer meant
+    /// The file is complete.
     Whole,
-    /// early, as of a writer that was killed: why, and how many bytes at the end are of no use
+    /// The file ends early, as of a killed writer: the reason, and the number of unusable bytes at its end.
     Cut(String, u64),
-    /// in the middle, at bytes that are not as they were written: why, and how many bytes from there on are not used
+    /// The file has corrupt bytes: the reason, and the number of bytes from there on, which are not used.
     Damaged(String, u64),
 }
 
 impl End {
-    /// Why it ended before its end, and how many bytes are not used; `None` where it is whole.
+    /// Returns the reason for an early end and the number of unused bytes; `None` for a complete file.
     pub fn early(&self) -> Option<(&str, u64)> {
         match self {
             End::Whole => None,
@@ -82,27 +73,26 @@ impl fmt::Display for End {
     }
 }
 
-/// Reads a file.
+/// Streaming reader of a file.
 pub struct Source {
     path: PathBuf,
     file: BufReader<File>,
     size: u64,
-    /// bytes handed to the reader, and those up to the last thing that was whole
+    /// Bytes passed to the reader, and those up to the last complete item.
     read: u64,
     used: u64,
-    /// the longest record that is read \[bytes\]
+    /// Longest record that is read \[bytes\].
     most: u64,
-    /// the record that is handed to the reader
     record: Vec<u8>,
     reader: LinearReader,
     known: ChannelAccumulator<'static>,
     end: Option<End>,
-    /// whether its last bytes are those of a finished file
+    /// True if the file ends with the closing magic bytes.
     finished: bool,
 }
 
 impl Source {
-    /// At the beginning of the file at `path`.
+    /// Opens the file at `path`.
     pub fn open(path: &Path) -> Result<Source, FileError> {
         let io = |e: &std::io::Error| FileError::io(path, "it cannot be read", e);
         let file = File::open(path).map_err(|e| io(&e))?;
@@ -132,7 +122,7 @@ impl Source {
             .with_validate_data_section_crc(true)
             .with_record_length_limit(most);
         let mut reader = LinearReader::new_with_options(options);
-        // from its first byte, which the sum over all bytes counts
+        // the first bytes too, because the checksum over all bytes includes them
         hand(&mut reader, &magic);
         Ok(Source {
             path: path.to_owned(),
@@ -149,7 +139,7 @@ impl Source {
         })
     }
 
-    /// How it ended; `None` while it has not.
+    /// Returns how the file ended; `None` before its end.
     pub fn end(&self) -> Option<&End> {
         self.end.as_ref()
     }
@@ -193,7 +183,7 @@ impl Source {
                 self.end = Some(if self.finished { End::Whole } else { index() });
                 None
             }
-            // kinds from 0x80 on are anybody's
+            // kinds from 0x80 on are free for private use
             Record::Unknown { opcode, .. } if opcode < 0x80 => {
                 let why = format!("a record of kind {opcode:#04x}, which no take has");
                 self.end = Some(End::Damaged(why, self.size.saturating_sub(self.used)));
@@ -226,7 +216,7 @@ impl Iterator for Source {
                     continue;
                 }
                 Some(Ok(LinearReadEvent::Record { data, opcode })) => {
-                    // a record in a chunk has not been looked at
+                    // records in a chunk are not checked yet
                     framed::check(opcode, data).and_then(|()| mcap::parse_record(opcode, data)).map(Record::into_owned)
                 }
             };
@@ -241,7 +231,7 @@ impl Iterator for Source {
     }
 }
 
-/// Hands bytes to the reader; none at the end of the file.
+/// Passes bytes to the reader; none at the end of the file.
 fn hand(reader: &mut LinearReader, bytes: &[u8]) {
     if let Some(to) = reader.insert(bytes.len()).get_mut(..bytes.len()) {
         to.copy_from_slice(bytes);
@@ -249,7 +239,7 @@ fn hand(reader: &mut LinearReader, bytes: &[u8]) {
     reader.notify_read(bytes.len());
 }
 
-/// What is wrong with a message.
+/// Returns the error for a message that does not match its topic.
 pub fn torn(topic: &str, sequence: u32) -> FileError {
     FileError::new(FileErrorKind::Format, format!("message {sequence} of `{topic}` is not what its topic holds"))
 }

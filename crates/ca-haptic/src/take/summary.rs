@@ -1,6 +1,6 @@
-//! What is in a take, in numbers: topics, length, losses, faults.
+//! Summary of a take: topics, length, losses, faults.
 //!
-//! Decides to count what is there rather than to believe the index, which a take that was cut off does not have.
+//! It counts the messages themselves rather than trusting the index, which a truncated take lacks.
 
 use super::read::Take;
 use super::source::{End, Item, Source};
@@ -12,59 +12,59 @@ use std::collections::BTreeMap;
 /// One topic.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Topic {
-    /// what its messages are
+    /// Schema of its messages.
     pub schema: String,
-    /// how they are written
+    /// Encoding of its messages.
     pub encoding: String,
-    /// messages
+    /// Number of messages.
     pub messages: u64,
-    /// bytes of messages
+    /// Bytes of messages.
     pub bytes: u64,
-    /// times of first and last, since 1970 \[ns\]
+    /// Times of the first and last message, since 1970 \[ns\].
     pub span: [u64; 2],
 }
 
 impl Topic {
-    /// Messages a second, where there are two or more.
+    /// Returns the messages a second, if there are two or more.
     pub fn rate(&self) -> Option<f64> {
         let t = self.span[1].saturating_sub(self.span[0]) as f64 * 1e-9;
         (self.messages > 1 && t > 0.0).then(|| (self.messages - 1) as f64 / t)
     }
 }
 
-/// Forces that ended.
+/// A fault that ended forces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
-    /// name of the device
+    /// Name of the device.
     pub device: String,
-    /// when \[s\]
+    /// Time \[s\].
     pub time: f64,
-    /// why
+    /// Its cause.
     pub cause: Cause,
 }
 
-/// What is in a take.
+/// Summary of a take.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
-    /// topics by name
+    /// Topics by name.
     pub topics: BTreeMap<String, Topic>,
-    /// attachments: name and bytes
+    /// Attachments: name and bytes.
     pub attachments: Vec<(String, u64)>,
-    /// length \[s\]
+    /// Length \[s\].
     pub seconds: f64,
-    /// what found no room: records, sound samples, views
+    /// Losses of records, sound samples and views.
     pub lost: [u64; 3],
-    /// faults, in order
+    /// Faults, in order.
     pub faults: Vec<Fault>,
-    /// how the file ended
+    /// End of the file.
     pub end: End,
 }
 
 impl Take {
-    /// Goes through all of it.
+    /// Reads the whole take and summarises it.
     ///
     /// # Errors
-    /// Where the file cannot be read again.
+    /// If the file cannot be read again.
     pub fn summary(&self) -> Result<Summary, FileError> {
         let mut source = Source::open(&self.path)?;
         let mut topics: BTreeMap<String, Topic> = BTreeMap::new();

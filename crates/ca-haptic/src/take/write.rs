@@ -1,13 +1,15 @@
 //! Writes a take: one MCAP file per performance.
 //!
-//! Decides on the writer's mode without seeking: a chunk is built in memory and written whole, so that a file whose
-//! writer was killed ends with a whole chunk and reads without repair up to there; a chunk is closed at least every
-//! quarter of a second. All of what decides the future (frames as they were looked at, changes, orders, reloads) is in
-//! the order in which it happened, and numbered. Sound is kept as the engine made it, 64 bits, in blocks of 40 ms, so
-//! that a replay can be compared to the bit even where the file ends early; a WAV attached at the end would be missing
-//! in just the take one wants to understand. Its price is 1.4 GB an hour and channel at 48 kHz. Beside it 16 bits to
-//! listen to. The file is there from the first moment, under its own name: a take is not made again, so an existing
-//! file is never overwritten, and an unfinished one is never removed.
+//! The writer does not seek. Each chunk is built in memory and written whole, at least every 200 ms, so that the file
+//! of a killed writer ends with a whole chunk and reads up to there without repair. Everything that determines the
+//! future (frames as checked, changes, orders, reloads) is written in order and numbered.
+//!
+//! Sound is stored as the engine made it, 64 bits, in blocks of 40 ms, so that a replay can be compared to the bit even
+//! if the file ends early. A WAV attached at the end would be missing from exactly the takes that need analysis. This
+//! takes 1.4 GB an hour and channel at 48 kHz. A 16-bit copy is for listening.
+//!
+//! The file has its final name from the start. A performance cannot be repeated, so an existing file is never
+//! overwritten, and an unfinished one is never removed.
 
 mod channels;
 mod views;
@@ -37,25 +39,25 @@ use views::Picture;
 
 /// Length of a block of sound \[s\].
 const BLOCK: f64 = 0.04;
-/// Joints a second.
+/// Rate of the joint messages \[Hz\].
 const JOINTS: f64 = 100.0;
-/// Time between chunks, at most: a killed process loses as much.
+/// Longest time between chunks, and the most that a killed process loses.
 const CHUNK: Duration = Duration::from_millis(200);
 
-/// What became of a take.
+/// Result of writing a take.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Finished {
-    /// the file
+    /// Path of the file.
     pub path: PathBuf,
-    /// messages in it
+    /// Number of messages.
     pub messages: u64,
-    /// its length \[s\]
+    /// Length \[s\].
     pub seconds: f64,
-    /// frames, events and sound samples that found no room
+    /// Frames, events and sound samples that did not fit.
     pub lost: u64,
 }
 
-/// A take under way.
+/// Writer of a take.
 pub struct TakeWriter {
     out: Writer<NoSeek<BufWriter<File>>>,
     path: PathBuf,
@@ -64,28 +66,25 @@ pub struct TakeWriter {
     params: Vec<String>,
     ids: Ids,
     picture: Picture,
-    /// tick of the first picture of this version of the model
+    /// Tick of the first picture of this version of the model.
     pictures_from: u64,
-    /// the present message
     data: Vec<u8>,
     sequence: u32,
-    /// tick of the last record
     tick: u64,
     joints_due: u64,
     sound: Vec<f64>,
     sound_tick: u64,
-    /// when the last chunk was closed
     flushed: Instant,
-    /// what was reported as left out for want of room: records, sound samples, views
+    /// Losses reported so far: records, sound samples, views.
     lost: [u64; 3],
     reported: Finished,
 }
 
 impl TakeWriter {
-    /// Begins the file at `path` with all a replay needs. A file that exists is left alone.
+    /// Creates the file at `path`, with everything that a replay needs. An existing file is not changed.
     ///
     /// # Errors
-    /// Where the file cannot be written.
+    /// If the file exists or cannot be written.
     pub fn create(path: impl AsRef<Path>, header: &Header, scene: &Scene) -> Result<TakeWriter, FileError> {
         let path = path.as_ref().to_owned();
         let file = new_file(&path, 0o600).map_err(|e| {
@@ -136,7 +135,7 @@ impl TakeWriter {
         })
     }
 
-    /// The message in `self.data`, at a tick; closes the chunk where it is time.
+    /// Writes the message in `self.data` at a tick, and closes the chunk when due.
     fn put(&mut self, channel: u16, tick: u64) -> Result<(), FileError> {
         self.sequence = self.sequence.wrapping_add(1);
         let time = self.header.time(tick);
@@ -151,10 +150,10 @@ impl TakeWriter {
         done.map_err(|e| failed(&self.path, &e))
     }
 
-    /// Writes one thing that happened.
+    /// Writes one event.
     ///
     /// # Errors
-    /// Where the disk takes no more.
+    /// If the file cannot be written.
     pub fn record(&mut self, record: &Record) -> Result<(), FileError> {
         match *record {
             Record::Device { port, ref frame } => self.device(port as usize, frame),
@@ -208,8 +207,7 @@ impl TakeWriter {
                 self.tick = tick;
                 self.lost(records, 0, 0)
             }
-            // of no meaning for a replay: what was said of it is in the log
-            // a gesture that ended comes with what ended it, a version by `swapped`
+            // a wait is only logged, a gesture that ended is in the record of its end, and `swapped` writes versions
             Record::Waiting { .. }
             | Record::Swapped { .. }
             | Record::Retired { retired: Retired::Gesture(_) | Retired::Swap(_), .. } => Ok(()),
@@ -229,7 +227,7 @@ impl TakeWriter {
     /// Writes that another version of the model plays from `tick` on.
     ///
     /// # Errors
-    /// Where the disk takes no more.
+    /// If the file cannot be written.
     pub fn swapped(&mut self, tick: u64, version: &Version) -> Result<(), FileError> {
         self.tick = tick;
         next::write(&mut self.data, tick, version);
@@ -280,10 +278,10 @@ impl TakeWriter {
         Ok(())
     }
 
-    /// Writes sound, interleaved, the first of it at `tick`. What is missing before it is counted.
+    /// Writes interleaved sound whose first sample is at `tick`, and counts missing samples before it.
     ///
     /// # Errors
-    /// Where the disk takes no more.
+    /// If the file cannot be written.
     pub fn sound(&mut self, tick: u64, samples: &[f64]) -> Result<(), FileError> {
         let channels = self.header.channels.len();
         if channels == 0 {
@@ -319,10 +317,10 @@ impl TakeWriter {
         Ok(())
     }
 
-    /// Draws the scene, given the displacements of its state; not one of a version of the model that is gone.
+    /// Draws the scene from the displacements of its state; skips one from an earlier version of the model.
     ///
     /// # Errors
-    /// Where the disk takes no more.
+    /// If the file cannot be written.
     pub fn view(&mut self, tick: u64, x: &[f64]) -> Result<(), FileError> {
         if tick < self.pictures_from {
             return Ok(());
@@ -334,26 +332,26 @@ impl TakeWriter {
         self.put(self.ids.scene, tick)
     }
 
-    /// Writes how the real-time thread does.
+    /// Writes the state of the real-time thread.
     ///
     /// # Errors
-    /// Where the disk takes no more.
+    /// If the file cannot be written.
     pub fn stats(&mut self, rt: &Rt) -> Result<(), FileError> {
         cdr::body(&mut self.data, rt);
         self.put(self.ids.rt, rt.tick)
     }
 
-    /// Writes words about `name`.
+    /// Writes a text message about `name`.
     ///
     /// # Errors
-    /// Where the disk takes no more.
+    /// If the file cannot be written.
     pub fn log(&mut self, tick: u64, level: Level, name: &str, message: &str) -> Result<(), FileError> {
         let message = views::words(self.header.time(tick), level, name, message);
         views::bytes(&mut self.data, &message);
         self.put(self.ids.log, tick)
     }
 
-    /// Says that something found no room on its way here, after the last record.
+    /// Records losses after the last record.
     fn lost(&mut self, records: u64, samples: u64, views: u64) -> Result<(), FileError> {
         if records + samples + views == 0 {
             return Ok(());
@@ -367,20 +365,22 @@ impl TakeWriter {
         self.log(self.tick, Level::Warning, "take", &what)
     }
 
-    /// Puts on the disk what was written so far, so that [`recover`](super::recover()) finds it.
+    /// Writes everything so far to the disk, so that [`recover`](super::recover()) finds it.
     ///
     /// # Errors
-    /// Where the disk takes no more.
+    /// If the file cannot be written.
     pub fn flush(&mut self) -> Result<(), FileError> {
         self.flushed = Instant::now();
         self.out.flush().map_err(|e| failed(&self.path, &e))
     }
 
-    /// Completes the file: its index, and everything on the disk. Of the records, sound samples and views that found no
-    /// room in all, those that were not reported where they are missing are reported at the end.
+    /// Completes the file with its index and syncs it to the disk.
+    ///
+    /// `lost` has the total losses of records, sound samples and views; the end reports those not yet reported in
+    /// place.
     ///
     /// # Errors
-    /// Where the disk takes no more; what was written stays readable.
+    /// If the file cannot be written; the part already written stays readable.
     pub fn finish(mut self, lost: [u64; 3]) -> Result<Finished, FileError> {
         self.sound_block()?;
         let [records, samples, views] = std::array::from_fn(|k| lost[k].saturating_sub(self.lost[k]));
@@ -393,7 +393,7 @@ impl TakeWriter {
     }
 }
 
-/// What the library says, as an error of ours.
+/// Converts an error of the MCAP library.
 pub(super) fn failed(path: &Path, e: &McapError) -> FileError {
     match e {
         McapError::Io(e) => FileError::io(path, "it cannot be written", e),

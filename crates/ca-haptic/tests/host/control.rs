@@ -1,4 +1,4 @@
-//! The control of a running server, from another thread as from another process.
+//! Control of a running server, from another thread or process.
 
 use crate::desk::{place, spawn, until};
 use ca_haptic::host::HostErrorKind;
@@ -16,7 +16,7 @@ fn a_question_is_answered() {
     let mut server = ControlServer::open(&place.site).unwrap();
     let e = ControlServer::open(&place.site).err().expect("one server a place");
     assert!(e.kind == HostErrorKind::Busy && e.what.contains(&std::process::id().to_string()), "{e}");
-    // a request longer than the first memory, and a reply that is longer still
+    // a request longer than the first buffer, and an even longer reply
     let values: std::collections::BTreeMap<_, _> =
         (0..2000).map(|i| (format!("string.k{i}"), Given::Text(format!("{i} N/m")))).collect();
     let request = Request::Set { values };
@@ -37,7 +37,7 @@ fn a_question_is_answered() {
     assert!(long.ok && long.text.len() == 100_000);
     assert_eq!(short, Reply::refused("`key` is not calibrated"));
     assert_eq!(heard, [request, Request::Arm { device: Some("key".into()) }]);
-    // a server that does not answer
+    // the server does not answer
     let e = ask(&place.site, &Request::Status, Duration::from_millis(20)).unwrap_err();
     assert!(e.kind == HostErrorKind::Absent && e.what.contains("does not answer"), "{e}");
     drop(server);

@@ -1,11 +1,11 @@
-//! What the tests share: a place of its own, a device, a gateway, and waiting for what must happen.
+//! Shared helpers of the tests: a temporary place, a device, a gateway, and waiting for a condition.
 
 use ca_haptic::frame::{About, DOF, ForceFrame, Mode};
 use ca_haptic::host::{Gateway, Site};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// A place that vanishes with the test.
+/// A place that is removed with the test.
 pub struct Place {
     pub site: Site,
     _dir: tempfile::TempDir,
@@ -18,22 +18,21 @@ pub fn place() -> Place {
 
 impl Drop for Place {
     fn drop(&mut self) {
-        // names in /dev/shm are not in the folder
+        // its files in /dev/shm are not in the folder
         ca_haptic::host::stale_shm::clean(&self.site);
     }
 }
 
-/// A device of `n` DOF.
 pub fn about(name: &str, n: usize) -> About {
     About { high: [0.02; DOF], force: [10.0; DOF], continuous: [10.0; DOF], ..About::new(name, 1000, n) }
 }
 
-/// The force an engine of these tests sends for a position: a spring, so that values can be checked.
+/// Returns the force for a position: a spring, so that values can be checked.
 pub fn spring(x: f64) -> f32 {
     (-1000.0 * x) as f32
 }
 
-/// Tries again and again until it is so; a machine under load is slow, not wrong.
+/// Waits until `is` holds, for up to 30 s, since a loaded machine may be slow.
 pub fn until(what: &str, mut is: impl FnMut() -> bool) {
     let end = Instant::now() + Duration::from_secs(30);
     while !is() {
@@ -42,14 +41,14 @@ pub fn until(what: &str, mut is: impl FnMut() -> bool) {
     }
 }
 
-/// A server without a scene: answers every frame with the spring, first at rest, then on.
+/// Server without a scene: answers every frame with the force of a spring, at first with forces off.
 pub struct Server {
     pub gateway: Gateway,
     pub session: u64,
     pub seq: Vec<u64>,
-    /// frames of each device
+    /// Frames received from each device.
     pub got: Vec<u64>,
-    /// stiffness \[N/m\] and constant force \[N\] of what it plays, life of its forces \[µs\]
+    /// Stiffness \[N/m\], constant force \[N\], and time to live \[µs\] of its forces.
     pub plays: (f64, f64, u32),
     names: Vec<String>,
 }
@@ -66,12 +65,11 @@ impl Server {
         }
     }
 
-    /// What a second server of this device is answered.
+    /// Returns the error of a second server for this device.
     pub fn refused(site: &Site, name: &str) -> String {
         Gateway::open(site, &[name]).err().expect("one server a device").to_string()
     }
 
-    /// Answers what came.
     pub fn serve(&mut self) {
         let mut came = Vec::new();
         self.gateway.poll(&mut |k, f| came.push((k, f)));
@@ -94,8 +92,7 @@ impl Server {
     }
 }
 
-/// Plays with an example until it ends, and reads its last line: a finger of 100 g on a spring of 100 N/m that is pushed
-/// with 0.5 N comes to rest at 5 mm.
+/// Serves an example until it ends: a finger of 100 g, pushed with 0.5 N on 100 N/m, comes to rest at 5 mm.
 pub fn played(place: &Place, mut child: Child) {
     let mut server = Server::open(&place.site, &["finger"], 3);
     server.plays = (100.0, 0.5, 100_000);
@@ -115,11 +112,11 @@ pub fn played(place: &Place, mut child: Child) {
     assert!(number("most") <= 0.5 + 1e-6, "it never swings back beyond the push: {line}");
     let device = server.gateway.about(0).expect("it says who it is");
     assert_eq!((device.n, device.rate, device.force[0]), (1, 1000, 10.0));
-    // a queue holds some frames: what a busy machine makes us sleep through is lost
+    // frames beyond the queue are lost while this process sleeps on a busy machine
     assert!(server.got[0] >= 1000, "{} of 2000 frames came", server.got[0]);
 }
 
-/// Runs one of the roles of [`crate::processes`] in a process of its own.
+/// Runs a role of [`crate::processes`] in a child process.
 pub fn spawn(site: &Site, role: &str, args: &str) -> Child {
     Command::new(std::env::current_exe().unwrap())
         .args(["--exact", "processes::role", "--nocapture", "--quiet"])

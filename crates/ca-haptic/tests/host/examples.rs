@@ -1,4 +1,4 @@
-//! The examples in Rust and Python as processes (that in C is a test of `ca-device`).
+//! The Rust and Python examples as processes (`ca-device` tests the C example).
 
 use crate::desk::{Place, place, played, spawn};
 use crate::skipped::skipped;
@@ -16,7 +16,7 @@ fn rust() {
     played(&place, child);
 }
 
-/// The module of a device alone, as a package of its own: it needs no compiled half.
+/// Copies the device module alone to a package: it needs no compiled half.
 fn package(place: &Place) -> PathBuf {
     let folder = place.site.root().join("python");
     let package = folder.join("cordis_anima");
@@ -30,7 +30,7 @@ fn package(place: &Place) -> PathBuf {
 
 #[test]
 fn python() {
-    // the page shows the example itself
+    // the documentation shows the example itself
     let example = std::fs::read_to_string(here("../ca-py/examples/device.py")).unwrap();
     let page = std::fs::read_to_string(here("../../docs/devices.md")).unwrap();
     let shown = page.split("```python\n").nth(1).unwrap().split("```").next().unwrap();

@@ -1,9 +1,9 @@
-//! A frame is its text: each structure against its message definition, field by field.
+//! Structures of frames match their message definitions, field by field.
 
 use ca_haptic::frame::{About, DeviceFrame, ForceFrame};
 use core::mem::{align_of, offset_of, size_of};
 
-/// Name, size and offset of every field as the text has it: natural alignment, no padding.
+/// Returns name and offset of every field by the text, and the total size: natural alignment, no padding.
 fn laid_out(schema: &str) -> (Vec<(String, usize)>, usize) {
     let (mut at, mut fields) = (0, Vec::new());
     for line in schema.lines() {
@@ -33,7 +33,7 @@ macro_rules! agree {
         assert_eq!(text, structure);
         assert_eq!((end, size_of::<$t>()), ($bytes, $bytes));
         assert_eq!((end % 8, align_of::<$t>()), (0, 8), "no padding at the end");
-        // every field is named: a structure without its fields cannot be taken apart
+        // naming every field makes this fail to compile when one is added
         let take = |f: $t| { let $t { $($field: _),* } = f; };
         let _ = take;
     }};
@@ -119,7 +119,7 @@ fn texts_and_structures_agree() {
 
 #[test]
 fn a_layout_is_the_hash_of_its_text() {
-    // the reference: FNV-1a of the empty text and of "a"
+    // reference values of FNV-1a
     assert_eq!(ca_haptic::frame::fnv(b""), 0xcbf2_9ce4_8422_2325);
     assert_eq!(ca_haptic::frame::fnv(b"a"), 0xaf63_dc4c_8601_ec8c);
     let layouts = [DeviceFrame::LAYOUT, ForceFrame::LAYOUT, About::LAYOUT];

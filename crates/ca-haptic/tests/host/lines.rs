@@ -1,4 +1,4 @@
-//! Both sides in one process: what goes through, who may be where, what is said when it may not.
+//! Both sides in one process: traffic, access, and error messages.
 
 use crate::desk::{Server, about, place, spring, until};
 use ca_haptic::frame::{Cause, DOF, DeviceFrame, ForceFrame, FrameMismatch, text};
@@ -37,10 +37,9 @@ fn frames_cross_whoever_comes_first() {
         assert!(device.force().is_some_and(|f| f.ack == frame.seq && f.ack_session == frame.session));
         assert_eq!(device.safe_force(), want);
         assert!(frame.t_host_ns > 0 && frame.period_ns == 1_000_000 && frame.session == device.about().session);
-        // the next frame says which force was seen
+        // the next frame acknowledges the force that was used
         device.send(&mut frame).unwrap();
         assert_eq!(frame.ack, server.seq[0]);
-        // what came and who it is
         let mut events = Vec::new();
         until("the device introduces itself", || {
             server.serve();
@@ -48,7 +47,7 @@ fn frames_cross_whoever_comes_first() {
             server.gateway.about(0).is_some_and(|a| a.n == 3)
         });
         assert_eq!(events[0], (0, Event::Here { session: frame.session }));
-        // silence is absence
+        // silence counts as absence
         until("the device is gone", || {
             server.serve();
             std::iter::from_fn(|| server.gateway.event()).any(|e| e == (0, Event::Gone))
@@ -83,7 +82,7 @@ fn a_force_that_was_only_looked_at_is_not_acknowledged() {
         d.cause();
     };
     let given = answer(&mut device, &give).1;
-    // the next answer comes while the motors still hold that one: asking for the reason is no holding
+    // this answer comes while the motors still hold the last force: asking for the cause does not take the new one
     let (ack, newer) = answer(&mut device, &look);
     assert_eq!(ack, given);
     let (ack, _) = answer(&mut device, &give);
@@ -103,7 +102,7 @@ fn a_place_that_is_taken_says_who_has_it() {
     let _server = Gateway::open(site, &["key"]).unwrap();
     let e = Gateway::open(site, &["other", "key"]).err().expect("a second server");
     assert!(e.kind == HostErrorKind::Busy && e.what.contains("`key`") && e.what.contains(&me), "{e}");
-    // what the refused one had opened is free again
+    // devices opened before the refusal are free again
     Gateway::open(site, &["other"]).unwrap();
     assert_eq!(Gateway::open(site, &["a", "a"]).err().unwrap().kind, HostErrorKind::Name);
 }
@@ -190,7 +189,7 @@ fn five_devices_and_twenty_four_keys_through_the_rings() {
         for (device, frame) in devices.iter_mut().zip(&mut frames) {
             device.send(frame).unwrap();
         }
-        // devices speak while somebody lists: from another thread, as in life
+        // devices send from another thread while `list_devices` listens
         let site = place.site.clone();
         let list = std::thread::spawn(move || list_devices(&site, Duration::from_millis(300)).unwrap());
         while !list.is_finished() {
@@ -204,7 +203,7 @@ fn five_devices_and_twenty_four_keys_through_the_rings() {
     });
     assert_eq!(listed, names.map(|n| (n.to_owned(), 24)));
     drop(running);
-    // the places are free at once
+    // the names are free at once
     Gateway::open(&place.site, &names).unwrap();
 }
 
@@ -232,7 +231,7 @@ fn a_ring_that_is_full_is_counted_and_nobody_waits() {
     let t = &running.traffic;
     assert_eq!(from.slots(), 2);
     assert!(t.received.load(load) >= t.full.load(load) + 2);
-    // every frame sent was received, missed or is still on its way (at most the four that are kept)
+    // every frame sent was received, missed or is still on its way (at most four are stored)
     let known = t.received.load(load) + t.missed.load(load);
     assert!(known <= frame.seq && frame.seq - known <= 4 + 60, "{known} of {}", frame.seq);
 }
@@ -253,7 +252,7 @@ fn every_ping_comes_back_with_its_number() {
     .unwrap();
     let over = std::sync::atomic::AtomicBool::new(false);
     let mut times = std::thread::scope(|threads| {
-        // an engine that answers as soon as it looks
+        // an engine that answers at once
         threads.spawn(|| {
             let mut out = ForceFrame::new("key", 1);
             while !over.load(std::sync::atomic::Ordering::Relaxed) {
@@ -282,7 +281,7 @@ fn every_ping_comes_back_with_its_number() {
     });
     assert_eq!(running.traffic.missed.load(std::sync::atomic::Ordering::Relaxed), 0);
     times.sort_unstable();
-    // for people, with --nocapture; a shared machine proves no time
+    // for people, with `--nocapture`; a shared machine proves no time
     let at = |p: usize| times[times.len() * p / 1000] / 1000;
     println!("round trip: p50 {} us, p99 {} us, p99.9 {} us", at(500), at(990), at(999));
 }
@@ -296,7 +295,7 @@ fn what_a_device_says_is_reported_once_also_where_it_is_no_number() {
     let mut device = DeviceClient::open(&place.site, who).unwrap();
     let mut frame = DeviceFrame::new("key", 1);
     let (mut reported, mut heard) = (0, 0);
-    // it says so once a second
+    // a device describes itself once a second
     let begin = ca_haptic::rt::now_ns();
     until("it has said it three times", || {
         device.send(&mut frame).unwrap();
@@ -325,7 +324,7 @@ fn frames_without_a_degree_of_freedom_are_named() {
     assert_eq!(server.got[0], 0, "none of them is used");
 }
 
-/// Two servers wait for one device. The first gets it; the second names the first, and gets it when the first ends.
+/// Two servers wait for one device. The first gets it; the second names the first, and takes over when the first ends.
 #[test]
 fn a_device_is_claimed_when_it_speaks_and_is_kept() {
     let place = place();
@@ -371,7 +370,7 @@ fn a_device_is_claimed_when_it_speaks_and_is_kept() {
         to_second.pop().is_ok()
     });
     let here = |e| matches!(e, (0, Event::Here { .. }));
-    // the gateway tells of it beside the frames
+    // the gateway reports it separately from the frames
     until("it is told so", || told_second.try_iter().any(here));
     drop(second);
 }

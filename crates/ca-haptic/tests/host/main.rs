@@ -1,4 +1,4 @@
-//! Devices and server over real shared memory, in threads and in processes of their own.
+//! Devices and server over real shared memory, in threads and in separate processes.
 
 mod control;
 mod desk;

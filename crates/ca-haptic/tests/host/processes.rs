@@ -1,4 +1,4 @@
-//! Devices and servers in processes of their own, which are killed, stopped, started again.
+//! Devices and servers in separate processes, which are killed, stopped and started again.
 
 use crate::desk::{Server, about, place, spawn, until};
 use ca_haptic::frame::{Cause, DOF, DeviceFrame, Mode};
@@ -10,7 +10,7 @@ use std::time::Duration;
 #[path = "../../examples/device.rs"]
 mod example;
 
-/// What a second process does; nothing in the first.
+/// Runs the role of a child process; does nothing in the parent.
 #[test]
 fn role() {
     let Ok(role) = std::env::var("CA_TEST_ROLE") else { return };
@@ -41,13 +41,11 @@ fn role() {
     }
 }
 
-/// Sends a signal to a process this test started.
 fn signal(child: &Child, name: &str) {
     let id = child.id().to_string();
     assert!(Command::new("kill").args([format!("-{name}"), id]).status().unwrap().success());
 }
 
-/// A server process that is ready.
 fn server(place: &crate::desk::Place, names: &str) -> Child {
     let mut child = spawn(&place.site, "server", names);
     let mut lines = std::io::BufReader::new(child.stdout.take().unwrap()).lines();
@@ -55,7 +53,7 @@ fn server(place: &crate::desk::Place, names: &str) -> Child {
     child
 }
 
-/// Sends until the force is what the server's spring says.
+/// Sends frames until the force matches the spring of the server.
 fn play(device: &mut DeviceClient, frame: &mut DeviceFrame) {
     until("forces come", || {
         device.send(frame).unwrap();
@@ -64,7 +62,7 @@ fn play(device: &mut DeviceClient, frame: &mut DeviceFrame) {
     });
 }
 
-/// Sends, and never has a force once the last frame is too old.
+/// Sends frames until the last force is too old, and then checks that there is none.
 fn falls_silent(device: &mut DeviceClient, frame: &mut DeviceFrame) {
     until("the force ends", || {
         device.send(frame).unwrap();
@@ -104,11 +102,11 @@ fn a_server_that_is_stopped_is_zero_force_until_it_goes_on() {
     frame.pos[0] = 0.001;
     play(&mut device, &mut frame);
     signal(&child, "STOP");
-    // on a busy machine it may send once more before it does
+    // on a busy machine it may send once more before it stops
     let stat = format!("/proc/{}/stat", child.id());
     until("it stops", || std::fs::read_to_string(&stat).is_ok_and(|s| s.contains(") T ")));
     falls_silent(&mut device, &mut frame);
-    // it still has its place
+    // it still owns the name
     let busy = Server::refused(&place.site, "key");
     assert!(busy.contains(&child.id().to_string()), "{busy}");
     signal(&child, "CONT");
@@ -134,7 +132,7 @@ fn a_device_that_is_killed_is_gone_and_its_place_is_free() {
             }
             server.got[0] > 100
         });
-        // while it lives, the name is taken
+        // the name is taken while it lives
         let e = DeviceClient::open(&place.site, about("key", 1)).err().expect("a second one");
         assert!(e.what.contains(&format!("process {}", child.id())), "{e}");
         child.kill().unwrap();
@@ -148,7 +146,6 @@ fn a_device_that_is_killed_is_gone_and_its_place_is_free() {
     }
     assert_eq!(sessions.len(), 3);
     assert!(sessions[0] != sessions[1] && sessions[1] != sessions[2]);
-    // the recorder's sweep finds the last one
     until("the dead are swept", || place.site.sweep().removed > 0);
 }
 
@@ -165,7 +162,7 @@ fn a_device_that_is_stopped_does_not_stop_the_server() {
         server.got[0] > 20
     });
     signal(&child, "STOP");
-    // far more forces than its queues and its bell hold
+    // far more forces than its queues and its event service hold
     let before = server.got[1];
     until("10 000 forces go to both", || {
         other.send(&mut frame).unwrap();
@@ -180,7 +177,7 @@ fn a_device_that_is_stopped_does_not_stop_the_server() {
     });
     let traffic = server.gateway.traffic();
     assert_eq!(traffic.unsent.load(std::sync::atomic::Ordering::Relaxed), 0);
-    // it goes on with the newest, of the same process
+    // it continues with the newest force, as the same process
     signal(&child, "CONT");
     let heard = server.got[0];
     until("it plays again", || {

@@ -1,4 +1,4 @@
-//! What killed processes and other versions leave behind.
+//! Files left behind by killed processes and other versions.
 
 use crate::desk::{about, place, spawn, until};
 use ca_haptic::host::stale_shm::{clean, list};
@@ -17,7 +17,7 @@ fn what_the_dead_leave_is_listed_and_removed() {
     let alive = list(&place.site);
     assert!(alive.len() == 1 && alive[0].ours && alive[0].bytes() > 0);
     assert_eq!(alive[0].alive.iter().map(|a| a.0).collect::<Vec<_>>(), [child.id()]);
-    // nothing of the living is touched
+    // files of a live process are not touched
     let kept = clean(&place.site);
     assert_eq!((kept.removed.len(), kept.kept.len()), (0, 1));
     assert_eq!(list(&place.site)[0].files, alive[0].files);
@@ -38,12 +38,12 @@ fn another_version_is_named_not_met() {
     let file = place.site.root().join(format!("{other}x.event"));
     fs::write(&shm, [0; 100]).unwrap();
     fs::write(&file, "").unwrap();
-    // a file of another folder is not ours to judge
+    // a file of another folder must be left alone
     let foreign = PathBuf::from(format!("/dev/shm/ca9-0.10.0-{:08x}_test{}", 0, std::process::id()));
     fs::write(&foreign, "").unwrap();
-    // dead: no obstacle
+    // without a live process, they do not matter
     drop(Gateway::open(&place.site, &["key"]).unwrap());
-    // alive: a process of that version has it open
+    // with one that has the file open, they do
     let held = fs::File::open(&shm).unwrap();
     let e = Gateway::open(&place.site, &["key"]).err().expect("two versions at one place");
     assert!(e.kind == HostErrorKind::Version && e.what.contains("frames 9"), "{e}");
@@ -69,7 +69,7 @@ fn frames_of_another_layout_under_our_name_are_refused() {
     let e = DeviceClient::open(&place.site, about("key", 1)).err().expect("another layout");
     assert!(e.kind == HostErrorKind::Version && e.what.contains("ca/v1/key/in"), "{e}");
     assert!(Gateway::open(&place.site, &["key"]).err().unwrap().what.contains("another layout"));
-    // as one who forgot the queues would open it
+    // opened with other queue settings
     let name = ServiceName::new("ca/v1/other/in").unwrap();
     let frames = node.service_builder(&name).publish_subscribe::<ca_haptic::frame::DeviceFrame>();
     let _careless = frames.enable_safe_overflow(false).create().unwrap();

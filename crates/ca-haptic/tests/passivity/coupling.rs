@@ -1,11 +1,11 @@
-//! Walls beyond what a device holds, softened by a virtual coupling.
+//! Walls beyond the limit of a device, softened by a virtual coupling.
 
 use super::*;
 use ca_haptic::coupling::{Held, needed};
 use ca_haptic::engine::Swap;
 use ca_haptic::frame::Cause;
 
-/// Walls that were found to shake, and what is asked of them.
+/// Walls that were found to shake.
 const FOUND: &str = include_str!("../../../../tests/data/wall-limit-cycle.json");
 
 /// Stiffnesses of these walls \[N/m\].
@@ -20,7 +20,7 @@ fn walls_that_shook_are_still() {
     let mut worst = 0.0f64;
     for (gesture, delay) in [(3000, 1), (3000, 2), (1000, 1), (1000, 2)] {
         for k in found() {
-            // the profile is right, or wrong by a third, which takes longer to be still
+            // the friction of the profile is right, or a third too high, which takes longer to settle
             for (friction, frames) in [(2.0, 6000), (1.4, 30_000)] {
                 let (mut p, mut real) = (e02(true), e02(true));
                 p.rate = f64::from(gesture);
@@ -58,7 +58,7 @@ fn what_is_felt_is_what_the_device_holds() {
         );
         let soft = &needed(&first, &[setup(&first, &p)]).softened[0];
         assert!(soft.felt <= held.given * (1.0 + 1e-9) && soft.felt > 0.7 * held.given, "{k}: {soft:?}");
-        // a hand that presses slowly feels that
+        // a hand that presses slowly feels this stiffness
         let mut rig = Rig::new(&met(&text, &p), "key", p.clone());
         let on = (0..9000).find(|n| Mode::read(rig.go(Some(&[0.0]), *n).mode) == Mode::On).expect("forces on");
         let at = |n: u64| -1e-3 * (n as f64 / 3000.0).min(1.0);
@@ -69,12 +69,12 @@ fn what_is_felt_is_what_the_device_holds() {
     }
 }
 
-/// A device of a third of the gesture rate holds each force three times as long, and has the mean force one of its frames later.
+/// A device at a third of the gesture rate holds each force three times as long, and gets it one device frame later.
 #[test]
 fn a_slower_device_gives_a_softened_key_less() {
     let p = Profile { rate: 1e3, ..e02(true) };
     let held = Held::new(&scene(&wall(8e3, 0.0)), &p);
-    // 2 N s/m over two and, softened, half of that over three frames of 1 ms
+    // 2 N s/m over two frames of 1 ms; softened, half of it over three
     assert!((held.passive - 1000.0).abs() < 1e-6 && (held.given - 1000.0 / 3.0).abs() < 1e-6, "{held:?}");
 }
 
@@ -93,7 +93,7 @@ fn a_wall_that_no_coupling_fits_is_reported() {
     }
 }
 
-/// Friction that sticks, and a damper of ten times the friction of the device. A hand that pushes on the former is still.
+/// Sticking friction, on which a pushing hand stays still, and a damper of ten times the friction of the device.
 #[test]
 fn friction_that_sticks_and_strong_dampers_are_softened() {
     let p = e02(true);
@@ -111,7 +111,7 @@ fn friction_that_sticks_and_strong_dampers_are_softened() {
         let soft = &needed(&first, &[setup(&first, &p)]).softened[0];
         assert!(soft.rigid && soft.felt <= 1500.0 * (1.0 + 1e-9), "{soft:?}");
         assert_eq!(first.certificate.keys[0].sticks, sticks);
-        // a damper yields to a push for ever
+        // a damper keeps yielding to a push
         if !sticks {
             continue;
         }
@@ -144,7 +144,7 @@ fn a_key_that_is_held_has_no_trace_of_a_coupling() {
     assert!(met(&deaf, &p).hand.couplings.is_empty(), "no force");
 }
 
-/// With the device's own step and noise, and hands of all kinds.
+/// With the sensor steps and noise of devices, and all motions of the hand.
 #[test]
 fn a_softened_wall_gives_a_hand_nothing() {
     let mut cases = Vec::new();
@@ -180,8 +180,7 @@ fn a_softened_wall_gives_a_hand_nothing() {
     assert!(softened > 20 && rms < 0.05 && paid < 1e-4 && out < 1e-4);
 }
 
-/// A hand far from the wall, with a device of 1 kHz whose frames come when they like: the model touches nothing, so that
-/// nothing pushes the hand.
+/// A hand far from the wall, with a 1 kHz device whose frames drift and jitter: nothing may push the hand.
 #[test]
 fn a_softened_key_in_free_air_does_not_push() {
     for (drift, jitter, limit) in [(0.0, 0.0, 1e-4), (3e-4, 0.0, 5e-3), (3e-4, 0.3e-3, 0.03), (-2e-3, 0.6e-3, 0.3)] {
@@ -194,7 +193,7 @@ fn a_softened_key_in_free_air_does_not_push() {
             let (mut at, mut held, mut most, mut work) = (10e-3, 0.0, 0.0_f64, 0.0);
             let mut last = ForceFrame::new("key", 1);
             for turn in 0_u32..13_000 {
-                // the device moves once in its period, and takes the last force as it sends
+                // the device moves once in its period, and uses the last force as it sends
                 let sent = due + jitter * (rng.even() - 0.5);
                 due += 1e-3 * (1.0 + drift);
                 while frame as f64 * FRAME_DT < sent {
@@ -210,7 +209,7 @@ fn a_softened_key_in_free_air_does_not_push() {
                 (at, held) = (x, f64::from(last.force[0]));
                 last = rig.go(Some(&[x]), last.seq);
                 frame += 1;
-                // the scene has come to where the hand is
+                // the scene has reached the position of the hand
                 if began.is_none() && turn >= 500 && Mode::read(last.mode) == Mode::On {
                     began = Some(turn);
                 }
@@ -222,7 +221,7 @@ fn a_softened_key_in_free_air_does_not_push() {
     }
 }
 
-/// A key that is pressed into its wall with forces on, and what was sent last.
+/// Presses a key into its wall with forces on, and returns the last force frame too.
 fn pressed(p: &Profile, fades: bool) -> (Rig, Arc<Scene>, ForceFrame) {
     let scene = scene(&wall(2e3, 0.0));
     let mut rig = Rig::new(&scene, "key", p.clone());
@@ -238,7 +237,7 @@ fn pressed(p: &Profile, fades: bool) -> (Rig, Arc<Scene>, ForceFrame) {
     (rig, scene, last)
 }
 
-/// Another version of the model plays, with a wall that the device cannot hold.
+/// Switches to another version of the model, with a wall that the device cannot hold.
 fn edited(rig: &mut Rig, scene: &Scene, p: &Profile) {
     let next = met(&wall(2e4, 0.0), p);
     assert_eq!(next.hand.couplings.len(), 1);
@@ -257,7 +256,7 @@ fn a_force_fades_out_where_another_version_plays() {
         let most = slew.min(3.2 / p.guard.zero * 1.05) * FRAME_DT;
         let mut fading = 0;
         for n in 0..80 {
-            // the fade goes on while the device is silent
+            // the fade continues while the device is silent
             let f = rig.go((n > 3).then_some(&[-1.7e-3]), 0);
             let step = f64::from(last.force[0] - f.force[0]);
             assert!((-1e-6..most * 1.001 + 1e-6).contains(&step), "frame {n}: {step} N, {most} N");
@@ -269,7 +268,6 @@ fn a_force_fades_out_where_another_version_plays() {
         }
         assert!((20..60).contains(&fading), "{fading} frames");
         assert_eq!((last.force[0], Mode::read(last.mode)), (0.0, Mode::Off));
-        // off the wall, forces begin again
         let on = (0..6000).find(|_| Mode::read(rig.go(Some(&[-1.7e-3]), 0).mode) != Mode::Off);
         assert_eq!(on, None, "it presses");
         for n in 0..3000_u32 {
@@ -291,7 +289,7 @@ fn a_fade_ends_at_once_where_it_must() {
         assert_eq!(f.force[0], 0.0, "{end:?}");
         assert!(matches!(Mode::read(f.mode), Mode::Off | Mode::Fault));
     }
-    // as in takes of before
+    // without a fade, as in older takes
     let mut p = p;
     p.guard.clear = 0.01;
     let (mut rig, scene, _) = pressed(&p, false);

@@ -1,7 +1,7 @@
-//! H12 and H13 in the loop of an engine and a simulated or prescribed hand, under noise and steps of the sensor and
-//! frames of delay (docs/numerics.md §5.2, §5.3): what the passivity stage adds, what it pays out, and what ends.
+//! H12 and H13 in the loop of an engine and a hand: injected force, energy given out, oscillations that end.
 //!
-//! All lengths of time count frames. `CA_LONG=1` plays every case of the grid, else every 41st.
+//! Sensors have noise and steps, and forces are delayed by frames (docs/numerics.md §5.2, §5.3). All times count
+//! frames. `CA_LONG=1` plays every case of the grid, otherwise every 41st.
 
 use ca_compile::{Compiled, Options as Compile, compile};
 use ca_core::Scene;
@@ -26,7 +26,7 @@ mod long_form;
 #[path = "../../../../tests/src/skipped.rs"]
 mod skipped;
 
-/// Seconds a gesture frame.
+/// Length of a gesture frame \[s\].
 const FRAME_DT: f64 = 1.0 / 3000.0;
 
 fn scene(text: &str) -> Arc<Scene> {
@@ -40,13 +40,13 @@ fn compiled(text: &str, options: &Compile) -> Compiled {
     compile(&model, &catalog, options).expect("a scene")
 }
 
-/// The device `key` of this profile, before a scene.
+/// Returns the setup of the device `key` with this profile for a scene.
 fn setup(scene: &Scene, profile: &Profile) -> Setup {
     let (profile, gains) = (profile.clone(), gains(scene, "key"));
     Setup { device: "key".into(), profile, calibration: Calibration::default(), gains }
 }
 
-/// A scene that met the device `key`: coupled to it, where it needs that.
+/// Compiles a scene for the device `key`, with a coupling if it needs one.
 fn met(text: &str, profile: &Profile) -> Arc<Scene> {
     let (mut options, first) = (Compile::default(), compiled(text, &Compile::default()));
     let setups = [setup(&first.scene, profile)];
@@ -55,10 +55,10 @@ fn met(text: &str, profile: &Profile) -> Arc<Scene> {
     Arc::new(met.compiled.scene)
 }
 
-/// How far a key is above its wall while forces fade in: noise must not push \[m\].
+/// Height of a key above its wall while forces fade in, so that noise does not push \[m\].
 const GAP: f64 = 1e-4;
 
-/// A key at the middle of the travel of its device, and a wall below it: lossless, one-sided.
+/// A key in the middle of the travel of its device, and a lossless one-sided wall below it.
 fn wall(k: f64, middle: f64) -> String {
     format!(
         "[TGR]\nkey = {{ device = \"key\", dof = 0, x = {middle:e} }}\n[SOL]\nwall = {{ x = {:e} }}\n\
@@ -72,7 +72,6 @@ fn wall_at(gesture: u32, k: f64, middle: f64) -> String {
     format!("[rate]\ngesture = {gesture}\n{}", wall(k, middle))
 }
 
-/// An engine with one device.
 struct Rig {
     engine: Engine,
     next: DeviceFrame,
@@ -89,7 +88,7 @@ impl Rig {
         Rig { engine, next }
     }
 
-    /// A gesture frame; with a frame of the device where there is one, which held force number `ack`.
+    /// Runs a gesture frame, with a device frame at `x` if given, whose motors held force number `ack`.
     fn go(&mut self, x: Option<&[f64]>, ack: u64) -> ForceFrame {
         if let Some(x) = x {
             self.next.seq += 1;
@@ -109,7 +108,6 @@ impl Rig {
     }
 }
 
-/// xorshift.
 struct Random(u64);
 
 impl Random {
@@ -125,18 +123,17 @@ impl Random {
     }
 }
 
-/// What a hand does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Move {
-    /// the device is pushed onto the wall with a fifth of its force, and gives way
+    /// The device is pushed onto the wall with a fifth of its force, and yields.
     Lean,
-    /// prescribed: 20 µm to and fro from frame to frame, 0.5 mm inside the wall
+    /// Prescribed: 20 µm to and fro from frame to frame, 0.5 mm inside the wall.
     Tremble,
-    /// prescribed: slowly 1 mm into the wall, out of it at 0.3 m/s, once a second
+    /// Prescribed: slowly 1 mm into the wall, out of it at 0.3 m/s, once a second.
     Release,
-    /// prescribed: 10 Hz, 0.3 mm, 0.5 mm inside the wall
+    /// Prescribed: 10 Hz, 0.3 mm, 0.5 mm inside the wall.
     Tremor,
-    /// prescribed: 400 Hz, 20 µm, 0.5 mm inside the wall
+    /// Prescribed: 400 Hz, 20 µm, 0.5 mm inside the wall.
     Fast,
 }
 
@@ -147,30 +144,29 @@ struct Case {
     profile: &'static str,
     noise: f64,
     step: f64,
-    /// whether the profile knows of noise and step
+    /// True if the profile has this noise and step.
     known: bool,
     delay: u64,
     motion: Move,
     k: f64,
-    /// gesture frames a second
+    /// Gesture frames a second.
     gesture: u32,
-    /// whether the scene may be coupled to the device
+    /// True if the scene may be coupled to the device.
     coupling: bool,
 }
 
-/// What was seen of a case.
 struct Seen {
-    /// of the force that the stage added \[N\]
+    /// R.m.s. force that the stage added \[N\].
     rms: f64,
     most: f64,
-    /// the most energy that it had given to the hand at any time \[J\]
+    /// Most energy given to the hand by that force at any time \[J\].
     paid: f64,
     flags: u32,
-    /// K κ T over the friction of the device, less than 1 where the loop is passive by itself
+    /// K κ T over the friction of the device; below 1 the loop is passive by itself.
     share: f64,
-    /// the most energy that all force had given at any time, beyond what the friction of the device took of it \[J\]
+    /// Most energy given by the whole force at any time, beyond what the friction of the device dissipated \[J\].
     out: f64,
-    /// the key is felt softer than it is
+    /// True if the key feels softer than in the model.
     softened: bool,
 }
 
@@ -198,7 +194,7 @@ fn play(case: &Case, seconds: f64) -> Seen {
         ..own
     };
     let share = case.k / d.stiffest(p.body.friction);
-    // what of the force is not used moves the other axes not at all
+    // the push acts on the first axis alone
     let push = if case.motion == Move::Lean { -0.2 * p.force } else { 0.0 };
     real.range = [low - middle, high - middle];
     let mut device = Device::new(&real, Hand::NONE, Script::Push { force: 0.0 }, 0, 5);
@@ -206,7 +202,7 @@ fn play(case: &Case, seconds: f64) -> Seen {
     let mut rng = Random(77);
     let (mut x, mut measured) = ([middle; 3], [middle; 3]);
     let (mut at, mut mode) = ([middle; 3], Mode::Off);
-    // forces by the number of their frame, sent and injected
+    // sent and injected forces by the number of their frame
     let mut sent = vec![[[0.0; 3]; 2]];
     let (mut begun, mut seen) = (
         None,
@@ -219,7 +215,7 @@ fn play(case: &Case, seconds: f64) -> Seen {
         if now >= frames {
             break;
         }
-        // of a slower device every so many frames
+        // a slower device sends once in `every` frames
         let comes = frame % every == 0;
         let ack = (sent.len() as u64 - 1).saturating_sub((case.delay - 1) * every);
         if comes {
@@ -275,7 +271,7 @@ fn play(case: &Case, seconds: f64) -> Seen {
             begun = Some(frame + 1);
         } else if begun.is_some() {
             if mode != Mode::On {
-                // a wall that cannot be held throws the device, and forces end
+                // a wall that cannot be held passively throws the device, and forces end
                 assert!(share > 1.0, "{case:?}: {mode:?} at {now}: {}", f.cause);
                 break;
             }
@@ -325,8 +321,7 @@ fn h12_adds_next_to_nothing_under_noise_and_pays_nothing_out() {
     assert!(passive > 20 && active > 20);
 }
 
-/// The device of docs/numerics.md §5.3 on a wall, pushed with 2 N from the first moment: 0.2 kg, 2 N s/m, nothing else
-/// that limits.
+/// Returns the device of docs/numerics.md §5.3, 0.2 kg and 2 N s/m, with forces on at once and no other limits.
 fn e02(passivity: bool) -> Profile {
     let mut p = Profile::shipped("tgr12").expect("shipped");
     (p.dof, p.force, p.range) = (1, 100.0, [-1e3, 1e3]);
@@ -355,7 +350,7 @@ impl Loop {
         Loop { rig, device: Device::new(p, Hand::NONE, Script::Push { force: 0.0 }, 0, 1), sent, delay, frame_dt }
     }
 
-    /// A frame in which somebody pushes with `push` newtons: where the device is \[m\], and what is sent.
+    /// Runs a frame under a push \[N\]. Returns the position of the device \[m\] and the force frame.
     fn step(&mut self, push: f64) -> (f64, ForceFrame) {
         let ack = self.sent.len() - self.delay;
         self.device.step(&[self.sent[ack] + push], self.frame_dt);
@@ -365,7 +360,7 @@ impl Loop {
     }
 }
 
-/// Peak to peak over the last second of ten \[m\].
+/// Returns the peak-to-peak motion over the last second of ten, under a push of 2 N \[m\].
 fn swing(scene: &Arc<Scene>, passivity: bool, delay: usize) -> f64 {
     let mut l = Loop::new(scene, &e02(passivity), delay);
     let (mut low, mut high) = (f64::MAX, f64::MIN);
@@ -424,7 +419,7 @@ fn h12_a_quick_release_is_not_held_back() {
 
 #[test]
 fn h12_an_injection_that_gives_energy_stops_and_says_so() {
-    // 400 Hz over a wall that cannot be held: the injection comes too late to damp it
+    // 400 Hz over a wall that cannot be held passively: the injection is too late to damp it
     let case = Case {
         profile: "tgr12",
         noise: 0.0,
@@ -443,8 +438,8 @@ fn h12_an_injection_that_gives_energy_stops_and_says_so() {
 
 #[test]
 fn h13_a_growing_oscillation_of_400_hz_ends_within_a_fifth_of_a_second() {
-    // a light device with much friction, on a spring of twice the stiffness b/T that it holds: cut to the largest force it
-    // is as soft as that, so that it swings at √(b/T/m)/2π = 421 Hz
+    // a light device with high friction, on a spring of twice its limit b/T: cut to the largest force, the spring acts
+    // as one at that limit, so that it oscillates at √(b/T/m)/2π = 421 Hz
     let spring = "[TGR]\nkey = { device = \"key\", dof = 0 }\n[SOL]\nwall = {}\n[RES]\nk = { between = [\"wall\", \"key\"], k = 120e3 }\n";
     for passivity in [true, false] {
         let mut p = e02(passivity);
@@ -454,7 +449,7 @@ fn h13_a_growing_oscillation_of_400_hz_ends_within_a_fifth_of_a_second() {
         for n in 0..3000 {
             let (x, f) = l.step(if n == 0 { 0.05 } else { 0.0 });
             let f = f64::from(f.force[0]);
-            // a tenth of the largest force is the beginning
+            // the onset is a tenth of the largest force
             if begun.is_none() && f.abs() > 1.0 {
                 begun = Some(n);
             }
@@ -479,7 +474,7 @@ fn h12_twelve_keys_under_noise_are_left_alone() {
     let text = include_str!("../../../../models/hammer_piano.ca.toml");
     let scene = scene(text);
     let p = Profile::shipped("tgr12").expect("shipped");
-    // one finger presses its key, inside the bed; eleven are not touched
+    // one finger presses its key into the bed; eleven keys are not touched
     let track = |k: usize| {
         let to = if k == 0 { 2e-3 } else { -8e-3 };
         Track::points(format!("key {k}"), vec![(0.0, -8e-3), (1.5, -8e-3), (1.7, to)]).expect("a track")
@@ -489,7 +484,7 @@ fn h12_twelve_keys_under_noise_are_left_alone() {
     let mut rig = Rig::new(&scene, "tgr12", p);
     let mut sent = vec![[0.0; 12]];
     let (mut sum, mut worst, mut on) = ([0.0; 12], [0.0f64; 12], 0);
-    // least and most that each key is felt with
+    // least and largest force felt on each key
     let mut felt = [[f64::INFINITY, f64::NEG_INFINITY]; 12];
     for _ in 0..21_000 {
         let ack = sent.len().saturating_sub(2);
@@ -507,7 +502,7 @@ fn h12_twelve_keys_under_noise_are_left_alone() {
         }
     }
     assert!(on > 14_000, "{on} frames with forces");
-    // the key that is pressed is: 1.5 N of the bed
+    // the pressed key feels 1.5 N of the bed
     let held = -sent.last().expect("frames")[0];
     assert!(held > 1.0, "{held} N");
     for k in 0..12 {

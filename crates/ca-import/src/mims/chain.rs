@@ -1,10 +1,10 @@
-//! Strings and chains: rows of masses in which each holds on to the next.
+//! Finds strings and chains: rows of masses in which each is linked to the next.
 //!
-//! Decides that a row is a maximal path of masses with at most two links of its class, so that a knot of three ends
-//! three rows and is in none of them: a row that ran through the knot would have to choose two of three. Below
-//! [`SHORTEST`] masses a row is easier to read as it is. A row is a STRING where a ground holds each end by the same
-//! law, else a CHAIN whose end links stay. A ground shared by several strings is given to each: it does not move, so
-//! no one can tell, except an output that weighs it, and then it is left alone.
+//! A row is a maximal path of masses with at most two links of its class. A mass with three such links ends three rows
+//! and belongs to none, since a row through it would have to choose two of three. Rows of fewer than [`SHORTEST`]
+//! masses are easier to read as they are. A row is a STRING if a ground holds each end by the same law, otherwise a
+//! CHAIN, and the links at its ends stay. A ground that several strings share is copied to each. It does not move, so
+//! only an output of its force could show the difference; then the ground stays.
 
 use super::graph::{Graph, Law, LawKey, key, medium};
 use super::names::{Names, stem};
@@ -14,10 +14,10 @@ use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::vec::Vec;
 
-/// Masses in the shortest row that is written as a generator.
+/// Smallest number of masses in a row that is written as a generator.
 const SHORTEST: usize = 4;
 
-/// Masses of one inertia and the links of one law between them.
+/// Links of one law between masses of one inertia.
 #[derive(Default)]
 struct Class {
     links: Vec<usize>,
@@ -46,7 +46,6 @@ pub(super) fn chains(graph: &Graph<'_>, names: &mut Names, plan: &mut Plan) {
     }
 }
 
-/// Masses in a row, and the links between them.
 struct Path {
     masses: Vec<usize>,
     links: Vec<usize>,
@@ -119,7 +118,7 @@ fn write(graph: &Graph<'_>, path: &Path, m: Arg, law: Law, names: &mut Names, pl
     plan.generators.push(Generator { kind, name, args, fixed: Vec::new(), at, members: (first, last) });
 }
 
-/// A link of this law from `mass` to a ground at 0 that a string may make its own.
+/// Finds a link of this law from `mass` to a ground at 0 that can become the end of a string.
 fn ground_link(graph: &Graph<'_>, mass: usize, law: Law, plan: &Plan) -> Option<usize> {
     let own =
         |ground: usize| graph.is_ground(ground) && (graph.links[ground].len() == 1 || !graph.weighed.contains(&ground));

@@ -1,8 +1,7 @@
-//! Parts and plan → [`Model`], with a header that says where it came from and how to play it.
+//! Writes parts and plan as a [`Model`], with a header on its source and how to play it.
 //!
-//! Decides that the model is in `alg` units at 44.1 kHz and sounds at that rate, that what a generator replaced
-//! is reported in the header (it stays with the model; a finding is gone with the terminal), and that parameters which
-//! nothing names any more are left out with a note.
+//! The model has `alg` units at 44.1 kHz and the same sound rate. The header lists the parts that a generator replaced,
+//! because a header stays with the model, unlike a finding. Unused parameters are left out, with a note.
 
 use super::first;
 use super::names::Losses;
@@ -148,7 +147,7 @@ fn header(net: &Net, plan: &Plan, file: &str) -> String {
     lines.join("\n").trim().to_string()
 }
 
-/// A file name without what would end a comment.
+/// Replaces control characters in a file name, which would end a comment.
 fn one_line(name: &str) -> String {
     name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }

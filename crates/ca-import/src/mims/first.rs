@@ -1,21 +1,20 @@
-//! The first samples: whether they need the start of mi.lib, and what of them is not taken over.
+//! The first samples: decides whether the model needs the start of mi.lib and notes what differs.
 //!
-//! Decides that what stands still, unstretched and without weight starts as it always does here, so that most imported
-//! files say nothing of it. What is not taken over (see `start` of `[model]`) is a note at the module that shows it.
+//! A model at rest, unstretched and without weight gets the usual start, so most imported files do not mention it.
+//! Differences that remain (see `start` of `[model]`) are notes at the module that shows them.
 
 use super::names::Losses;
 use super::part::{Arg, Net, Part};
 use alloc::format;
 use ca_model::diag::Diag;
 
-/// Whether anything is displaced, moves or is pressed at the start.
+/// Returns true if a part is displaced, moves or is pressed at the start.
 pub(super) fn matters(net: &Net) -> bool {
     let away = |p: &Part| p.args.iter().any(|a| matches!(a.0, "dx0" | "v" | "x"));
     let pressed = |p: &Part| p.kind == "BUT" && p.arg("d") != Arg::Num(0.0);
     net.parts.iter().any(|p| p.group.is_some() || away(p) || pressed(p))
 }
 
-/// Says what of the first sample is another there.
 pub(super) fn notes(net: &Net, losses: &mut Losses) {
     for link in &net.parts {
         let [a, b] = link.ends[..] else { continue };
@@ -37,7 +36,7 @@ pub(super) fn notes(net: &Net, losses: &mut Losses) {
     }
 }
 
-/// Where a part is in the first sample.
+/// Returns the position of a part in the first sample.
 fn place(net: &Net, part: &Part) -> f64 {
     let get = |key: &str| net.value(part.arg(key));
     let (x, v) = (get("dx0") + net.value(part.rest), get("v"));

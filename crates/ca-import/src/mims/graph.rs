@@ -1,24 +1,22 @@
-//! The parts as a graph: what a search for rows and lattices asks of them.
+//! The parts as a graph, for the search for rows and lattices.
 //!
-//! Decides what counts as regular: a mass at rest at 0 under no gravity, a ground at 0, a linear spring without a rest
-//! length. Two laws are one only if they are written the same way.
+//! Regular parts are a mass at rest at 0 without gravity, a ground at 0, and a linear spring without a rest length. Two
+//! laws are equal only if they are written the same way.
 
 use super::part::{Arg, Part};
 use alloc::collections::BTreeSet;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Stiffness and viscosity of a link, as written; no viscosity for RES.
+/// Stiffness and viscosity of a link, as written; RES has only the first.
 pub(super) type Law = (Arg, Option<Arg>);
-/// The same, ordered.
 pub(super) type LawKey = ((u8, u64), Option<(u8, u64)>);
 
-/// The parts, seen as a graph.
 pub(super) struct Graph<'p> {
     pub parts: &'p [Part],
-    /// links that hold on to each part
+    /// Links at each part.
     pub links: Vec<Vec<usize>>,
-    /// parts whose force is heard; they must keep all their links
+    /// Parts whose force is an output; these must keep all their links.
     pub weighed: BTreeSet<usize>,
 }
 
@@ -35,7 +33,7 @@ impl<'p> Graph<'p> {
         Graph { parts, links, weighed }
     }
 
-    /// The inertia of a mass at rest at 0 under no gravity.
+    /// Returns the inertia of a mass at rest at 0 without gravity.
     pub fn mass(&self, part: usize) -> Option<Arg> {
         match (&self.parts[part], &self.parts[part].args[..]) {
             (Part { kind: "MAS", group: None, .. }, &[("m", m)]) => Some(m),
@@ -43,12 +41,11 @@ impl<'p> Graph<'p> {
         }
     }
 
-    /// Whether it is a ground at 0.
     pub fn is_ground(&self, part: usize) -> bool {
         self.parts[part].kind == "SOL" && self.parts[part].args.is_empty()
     }
 
-    /// The law of a linear spring without a rest length.
+    /// Returns the law of a linear spring without a rest length.
     pub fn law(&self, link: usize) -> Option<Law> {
         match (self.parts[link].kind, &self.parts[link].args[..]) {
             ("RES", &[("k", k)]) => Some((k, None)),
@@ -57,7 +54,7 @@ impl<'p> Graph<'p> {
         }
     }
 
-    /// The end of `link` that is not `part`.
+    /// Returns the end of `link` that is not `part`.
     pub fn other_end(&self, link: usize, part: usize) -> usize {
         match self.parts[link].ends[..] {
             [a, b] => a + b - part,
@@ -66,12 +63,11 @@ impl<'p> Graph<'p> {
     }
 }
 
-/// A law as a key to group by.
 pub(super) fn key(law: Law) -> LawKey {
     (law.0.key(), law.1.map(Arg::key))
 }
 
-/// The arguments all generators share.
+/// Returns the arguments that all generators share.
 pub(super) fn medium(m: Arg, law: Law) -> [(&'static str, Arg); 3] {
     [("m", m), ("k", law.0), ("z", law.1.unwrap_or(Arg::Num(0.0)))]
 }

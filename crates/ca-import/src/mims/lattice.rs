@@ -1,7 +1,7 @@
-//! Meshes: masses whose labels end in `row_column`, each holding on to its neighbours.
+//! Finds meshes: masses whose labels end in `row_column`, each linked to its neighbours.
 //!
-//! Decides on the whole where it is a rectangle of masses with some of its nodes held (all of the border, the four
-//! corners, or any others, which are then named), else on the largest rectangle of masses; what is left over goes to
+//! The whole lattice is taken if it is a rectangle of masses with some nodes held: all of the border, the four corners,
+//! or any others, which are then listed. Otherwise the largest rectangle of masses is taken. The rest goes to
 //! [`super::chain`] or is written singly.
 
 use super::graph::{Graph, Law, key, medium};
@@ -13,7 +13,7 @@ use alloc::format;
 use alloc::vec;
 use alloc::vec::Vec;
 
-/// Nodes along the shorter side of the smallest mesh that is written as a generator.
+/// Smallest number of nodes along the shorter side of a mesh that is written as a generator.
 const SMALLEST: usize = 3;
 
 /// Nodes by place, their common inertia and law, and the links between neighbours.
@@ -26,7 +26,6 @@ struct Lattice {
     links: BTreeMap<(usize, usize), usize>,
 }
 
-/// Rows `i0 .. i1` and columns `j0 .. j1`.
 #[derive(Clone, Copy)]
 struct Area {
     i0: usize,
@@ -66,7 +65,7 @@ pub(super) fn meshes(graph: &Graph<'_>, names: &mut Names, plan: &mut Plan) {
     }
 }
 
-/// `mesh_m3_12` is (`mesh_m`, 3, 12).
+/// Splits a label: `mesh_m3_12` is (`mesh_m`, 3, 12).
 fn place(label: &str) -> Option<(&str, usize, usize)> {
     let (left, j) = label.rsplit_once('_')?;
     let base = left.trim_end_matches(|c: char| c.is_ascii_digit());
@@ -134,13 +133,11 @@ impl Lattice {
         self.node(i, j).is_some_and(|p| graph.is_ground(p))
     }
 
-    /// The link between two places.
     fn link(&self, a: (usize, usize), b: (usize, usize)) -> Option<usize> {
         let (a, b) = (self.node(a.0, a.1)?, self.node(b.0, b.1)?);
         self.links.get(&(a.min(b), a.max(b))).copied()
     }
 
-    /// Whether all of it is a mesh with these edges.
     fn is_whole(&self, graph: &Graph<'_>, edges: &str) -> bool {
         let end = |i: usize, n: usize| i == 0 || i + 1 == n;
         self.is_mesh(graph, |i, j| match edges {
@@ -149,7 +146,7 @@ impl Lattice {
         })
     }
 
-    /// The nodes that are held, where all of it is a mesh with some, but only few, of them.
+    /// Returns the held nodes if all of the lattice is a mesh with at most 16 of them.
     fn held(&self, graph: &Graph<'_>) -> Option<Vec<[usize; 2]>> {
         let places = (0..self.rows).flat_map(|i| (0..self.cols).map(move |j| [i, j]));
         let fixed: Vec<[usize; 2]> = places.filter(|[i, j]| self.is_ground(graph, *i, *j)).collect();
@@ -157,7 +154,7 @@ impl Lattice {
         (few && self.is_mesh(graph, |i, j| fixed.contains(&[i, j]))).then_some(fixed)
     }
 
-    /// Whether all of it is a mesh with grounds at the places of `fixed` and masses elsewhere.
+    /// Returns true if all of it is a mesh with grounds at the places of `fixed` and masses elsewhere.
     fn is_mesh(&self, graph: &Graph<'_>, fixed: impl Fn(usize, usize) -> bool) -> bool {
         let tied =
             |a: (usize, usize), b: (usize, usize)| (fixed(a.0, a.1) && fixed(b.0, b.1)) || self.link(a, b).is_some();
@@ -173,9 +170,11 @@ impl Lattice {
             })
     }
 
-    /// The largest rectangle of masses with all its links. For each row, the heights of the columns of masses that
-    /// end there and of the ladders between neighbouring columns; then every span of columns. Rows are taken along
-    /// the longer side: the search grows with the square of the shorter one.
+    /// Finds the largest rectangle of masses with all its links.
+    ///
+    /// For each row it finds how many masses of each column, and how many links between neighbouring columns, end there
+    /// without a gap, then tries every span of columns. Rows are taken along the longer side, because the search grows
+    /// with the square of the shorter one.
     fn largest(&self, graph: &Graph<'_>) -> Option<Area> {
         let turned = self.cols > self.rows;
         let (rows, cols) = if turned { (self.cols, self.rows) } else { (self.rows, self.cols) };

@@ -1,4 +1,4 @@
-//! What the links of MIMS become, with the laws of mi.lib.
+//! Converts the links of MIMS, by the laws of mi.lib.
 //!
 //! | MIMS | law, d = x_b − x_a, v its change per sample | here |
 //! |---|---|---|
@@ -8,9 +8,8 @@
 //! | `nlPluck K s` | slope K/10 − K up to s/10, then rising to 0 at s: it pushes away | LNL |
 //! | `nlBow Z s` | slope Z − Z/3 up to s/3, then falling to 0 at s | BOW |
 //!
-//! Decides that the two curves are written in the parameters of our laws (four points; f, v0, v1), which give the same
-//! polygon: K s/10 − (K/10) s and Z s/3 − (Z/3) s are 0. A piecewise law of their own in the catalog would be the same
-//! force under a second name.
+//! The two curves are written with the parameters of LNL (four points) and BOW (f, v0, v1), which give the same
+//! polygon: K s/10 − (K/10) s and Z s/3 − (Z/3) s are 0. Another law in the catalog would be the same force twice.
 
 use super::parse::Line;
 use super::part::{Arg, Part};
@@ -20,7 +19,6 @@ use alloc::format;
 use alloc::vec::Vec;
 use ca_model::diag::Diag;
 
-/// Fills in kind and arguments of a link.
 pub(super) fn give_meaning(r: &mut Reader<'_, '_>, line: &Line<'_>, what: What, nums: &[Arg], part: &mut Part) {
     match (what, nums) {
         (What::Spring, &[k]) => {
@@ -80,7 +78,7 @@ pub(super) fn give_meaning(r: &mut Reader<'_, '_>, line: &Line<'_>, what: What, 
     }
 }
 
-/// Refuses a force that no float holds.
+/// Refuses a force that is not finite.
 fn product(r: &mut Reader<'_, '_>, line: &Line<'_>, part: &Part, f: f64) {
     if !f.is_finite() {
         let d = Diag::error("E009", format!("the force of `{}` is out of range: {f}", part.name));
@@ -88,8 +86,8 @@ fn product(r: &mut Reader<'_, '_>, line: &Line<'_>, part: &Part, f: f64) {
     }
 }
 
-/// Writes the rest length, 0 for every link of MIMS, where our default, the rest distance, is another. Laws without a
-/// rest length (contacts, plucks) measure from 0 as MIMS does.
+/// Writes the rest length, which is 0 for every link of MIMS, where the default (the distance at rest) differs. Laws
+/// without a rest length (contacts, plucks) measure from 0 as in MIMS.
 pub(super) fn rest_lengths(parts: &mut [Part]) {
     let catalog = ca_model::catalog();
     let rests: Vec<Arg> = parts.iter().map(|p| p.rest).collect();

@@ -1,12 +1,13 @@
-//! Models of the MIMS scripter (`.mdl`), read into a [`Model`].
+//! Imports models of the MIMS scripter (`.mdl`) as a [`Model`].
 //!
-//! Decides that an import says everything it changes. The format has no units, no versions and a grammar that its own
-//! tools read differently, so each guess is a note (N201) that points into the text, and what cannot be said exactly
-//! is an error, not an approximation. Only the older dialect (`mass M x0 xDelayed`) is read; in the younger one the
-//! last number is a velocity, so reading it would be wrong without a sign of it: it is recognised and refused.
-//! Numbers are taken over as they are, as `alg` units at 44.1 kHz; converting them to SI would make every figure of a
-//! known model unrecognisable. Regular chains and lattices become generators again, which is what their authors typed
-//! before the scripter expanded them.
+//! An import reports everything that it changes. The format lacks units and versions, and its own tools read its
+//! grammar in different ways. So each guess is a note (N201) that points into the text, and what a model cannot express
+//! exactly is an error, not an approximation. Only the older dialect (`mass M x0 xDelayed`) is read. In the younger one
+//! the last number is a velocity, which would be read wrongly, so that dialect is recognised and refused.
+//!
+//! Numbers stay as they are, as `alg` units at 44.1 kHz: in SI units the numbers of a known model would be
+//! unrecognisable. Regular chains and lattices become generators again, as their authors typed them before the scripter
+//! expanded them.
 //!
 //! ```text
 //! text ─parse→ lines ─types→ typed lines ─net→ parts ─regular→ plan ─emit→ Model
@@ -33,7 +34,7 @@ use alloc::vec::Vec;
 use ca_model::Model;
 use ca_model::diag::Diags;
 
-/// MIMS, for [`FORMATS`](crate::FORMATS).
+/// Entry of MIMS in [`FORMATS`](crate::FORMATS).
 pub const FORMAT: Format = Format {
     name: "MIMS",
     extension: "mdl",
@@ -42,8 +43,8 @@ pub const FORMAT: Format = Format {
     import,
 };
 
-/// The text of a MIMS file, whatever wrote it: bytes that are not UTF-8 are Latin-1, which only comments and labels can
-/// hold, and lines that end as on old Macintoshes end as everywhere else.
+/// Decodes a MIMS file from any editor. Bytes that are not UTF-8 are Latin-1, which occurs only in comments and labels.
+/// Line ends of old Macintoshes become line feeds.
 ///
 /// ```
 /// use ca_import::mims::decode;
@@ -54,9 +55,9 @@ pub fn decode(bytes: Vec<u8>) -> String {
     if text.contains('\n') { text } else { text.replace('\r', "\n") }
 }
 
-/// Reads a MIMS model. `file` is its name, of which only the last part is kept, as title and in the header comment.
+/// Reads a MIMS model. Only the last part of `file` is used, as title and in the header comment.
 ///
-/// The model carries no text and no spans: it is meant to be written. The spans of the findings point into `text`.
+/// The model is meant to be written, so it has neither text nor spans. The spans of the findings point into `text`.
 /// With an error among the findings the model is empty and the notes are left out.
 ///
 /// ```

@@ -1,8 +1,8 @@
-//! Names that fit a model file, and notes that are said once.
+//! Names that are valid in a model file, and notes without repetition.
 //!
-//! Decides that one name belongs to one thing in the whole model (modules, parameters, groups), although MIMS keeps
-//! them apart and accepts a label twice: renaming is harmless, since links and ports are never referred to. A note
-//! that would stand at every line of a thousand is said at the first, with the number of the others.
+//! A name is unique among modules, parameters and groups. MIMS separates these and accepts a label twice, but renaming
+//! is harmless because nothing refers to links and ports. A note that applies to many lines is given once, with a
+//! count.
 
 use alloc::collections::BTreeMap;
 use alloc::format;
@@ -10,12 +10,12 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use ca_model::diag::{Diag, Diags};
 
-/// All names given so far, each with the number to try next.
+/// All names given so far, each with the next number to try.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Names(BTreeMap<String, usize>);
 
 impl Names {
-    /// `wanted`, or `wanted_2`, `wanted_3` … if that is taken.
+    /// Returns `wanted`, or `wanted_2`, `wanted_3` … if that is taken.
     pub fn unique(&mut self, wanted: &str) -> String {
         let Some(&next) = self.0.get(wanted) else {
             self.0.insert(wanted.to_string(), 2);
@@ -32,7 +32,7 @@ impl Names {
     }
 }
 
-/// A label as a name of ASCII letters, digits and `_` that does not begin with a digit (which would be a quantity).
+/// Makes a name of ASCII letters, digits and `_` that does not begin with a digit (which would be a quantity).
 pub(super) fn legal(label: &str) -> String {
     let mut name: String = label.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     if name.starts_with(|c: char| c.is_ascii_digit()) {
@@ -41,7 +41,7 @@ pub(super) fn legal(label: &str) -> String {
     name
 }
 
-/// What a row of labels has in common: `low` for `low_m0` to `low_m149`. Empty if nothing.
+/// Returns the common beginning of a row of labels: `low` for `low_m0` to `low_m149`. Empty if there is none.
 pub(super) fn stem(labels: &[&str]) -> String {
     let Some((first, rest)) = labels.split_first() else { return String::new() };
     let same = |n: usize, other: &str| first.bytes().zip(other.bytes()).take(n).take_while(|(a, b)| a == b).count();
@@ -58,7 +58,7 @@ pub(super) struct Losses {
 }
 
 impl Losses {
-    /// Says `diag`, unless the same key was said before; then only counts.
+    /// Adds a note for a new key; otherwise counts it.
     pub fn add(&mut self, key: &str, diag: Diag) {
         if let Some(&i) = self.index.get(key) {
             self.list[i].1 += 1;
@@ -68,7 +68,6 @@ impl Losses {
         }
     }
 
-    /// Hands the notes over.
     pub fn into_diags(self, diags: &mut Diags) {
         for (mut diag, n) in self.list {
             if n > 1 {

@@ -1,12 +1,12 @@
-//! Typed lines → parts: the meaning of each argument of a line.
+//! Converts typed lines to parts: gives each argument of a line its meaning.
 //!
-//! Decides that the meaning of a number is given once, here and in [`super::links`], and that a named parameter stays
-//! a name wherever its value is used as it is. Where a law needs a product of two of them, the product is
-//! written as a number and said so: a model file has no expressions, and a hidden second parameter
-//! (`nlK_times_0_9`) would look like the author's.
-//! Positions of MIMS are absolute and a link of it is slack at the distance 0, so everything rests at 0 and x0 is the
-//! displacement at the start; only a `posInput`, which stays at its x0 until it is moved, rests there. A mass comes at
-//! x0 − xDelayed per sample, and the first two samples are mi.lib's (`start`).
+//! Only this module and [`super::links`] give numbers a meaning. A named parameter stays a name where its value is used
+//! unchanged. If a law needs the product of two parameters, the product is written as a number, with a note: a model
+//! file does not have expressions, and an extra parameter (`nlK_times_0_9`) would look like the author's.
+//!
+//! In MIMS positions are absolute and a link is slack at distance 0, so all parts rest at 0 and x0 is the displacement
+//! at the start. Only a `posInput`, which stays at its x0 until it is moved, rests there. A mass starts with the
+//! velocity x0 − xDelayed per sample, and the first two samples follow mi.lib (`start`).
 
 use super::first;
 use super::links;
@@ -23,10 +23,10 @@ use ca_model::Span;
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::Plain;
 
-/// Beyond this, and below its inverse, a number leaves the range of a float somewhere on its way to SI units.
+/// Largest number. Beyond it, or below its inverse, a number leaves the range of a float on the way to SI units.
 const HUGE: f64 = 1e290;
 
-/// Gives every line its meaning. Parts are only to be used where `diags` has no error.
+/// Converts all lines to parts, which are valid only if `diags` is free of errors.
 pub(super) fn build<'a>(typed: &[(&Line<'a>, &'static Type)], diags: &mut Diags) -> Net {
     let mut r = Reader {
         net: Net::default(),
@@ -69,7 +69,7 @@ pub(super) fn build<'a>(typed: &[(&Line<'a>, &'static Type)], diags: &mut Diags)
     net
 }
 
-/// Names the groups `g1`, `g2` …, after all labels have theirs, and puts the name before those of their members.
+/// Names the groups `g1`, `g2` …, after all labels have their names, and puts them before the names of their members.
 fn name_groups(net: &mut Net) {
     for (i, (name, _)) in net.groups.iter_mut().enumerate() {
         *name = net.names.unique(&format!("g{}", i + 1));
@@ -147,7 +147,7 @@ impl<'a> Reader<'a, '_> {
         part
     }
 
-    /// Refuses a number that no module of ours can have, where it stands.
+    /// Refuses a number that is out of range for every kind, at its place.
     fn in_range(&mut self, line: &Line<'a>, ty: &Type, name: &str, arg: Arg, token: &Token<'a>) {
         let x = self.net.value(arg);
         let wanted = match name {
@@ -205,7 +205,6 @@ impl<'a> Reader<'a, '_> {
         }
     }
 
-    /// Displacement and velocity at the start.
     fn start(&mut self, line: &Line<'a>, ty: &Type, part: &mut Part, x: Arg, x1: Arg) {
         part.place(x);
         let same = x == x1;
@@ -221,7 +220,7 @@ impl<'a> Reader<'a, '_> {
         } else {
             return;
         };
-        // the younger dialect has no `massG`
+        // the younger dialect lacks `massG`
         let unclear = ty.younger.is_some();
         if let Some(last) = line.args.get(ty.numbers.len() - 1).filter(|_| unclear || v != 0.0) {
             let d = Diag::note("N201", title).at(last.span, "read as the position one sample before");
@@ -232,7 +231,7 @@ impl<'a> Reader<'a, '_> {
 
     fn fall(&mut self, line: &Line<'a>, part: &mut Part, m: Arg, g: Arg) {
         let (mass, force) = (self.fold(m, &part.name), self.fold(g, &part.name));
-        // no mass: that was said
+        // an invalid mass has been reported
         if force == 0.0 || mass <= 0.0 {
             return;
         }

@@ -1,8 +1,8 @@
-//! Text → lines of `@label type args…`, each token with its place.
+//! Splits text into lines of `@label type args…`, each token with its place.
 //!
-//! Decides on blanks as the only separator and `#` as the start of a comment, as the tools of the older dialect do
-//! (the younger one also splits at `+`, which would cut `1e+3`). Signs of the younger dialect that show in the form of
-//! a line (`~begin`, `[…]`, quotes) are refused here; those that show in a type, in [`super::types`].
+//! Blanks separate words and `#` begins a comment, as in the tools of the older dialect. (The younger one also splits
+//! at `+`, which would cut `1e+3`.) This module refuses the younger dialect by the form of a line (`~begin`, `[…]`,
+//! quotes); [`super::types`] refuses it by a type.
 
 use alloc::format;
 use alloc::string::String;
@@ -10,25 +10,23 @@ use alloc::vec::Vec;
 use ca_model::Span;
 use ca_model::diag::{Diag, Diags};
 
-/// A word and where it stands.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Token<'a> {
     pub text: &'a str,
     pub span: Span,
 }
 
-/// One module or parameter as written.
 #[derive(Clone, Debug)]
 pub(super) struct Line<'a> {
-    /// without its `@`
+    /// Without its `@`.
     pub label: Token<'a>,
     pub ty: Token<'a>,
     pub args: Vec<Token<'a>>,
-    /// counted from 1
+    /// Counted from 1.
     pub number: usize,
 }
 
-/// The lines of `text`, or `None` where it is not a model of the dialect at all.
+/// Splits `text` into lines. Returns `None` if it is not a model of this dialect.
 pub(super) fn lines<'a>(text: &'a str, diags: &mut Diags) -> Option<Vec<Line<'a>>> {
     let mut lines = Vec::new();
     let mut strange: Option<(Token<'_>, usize)> = None;
@@ -65,7 +63,7 @@ pub(super) fn lines<'a>(text: &'a str, diags: &mut Diags) -> Option<Vec<Line<'a>
     Some(lines)
 }
 
-/// Says once, at the first sign of it, that the younger dialect is not read.
+/// Reports once that the younger dialect is not read, at its first sign.
 pub(super) fn refuse_younger(number: usize, span: Span, what: &str, diags: &mut Diags) {
     diags.push(
         Diag::error("E028", format!("a model of MIMS4Max, the younger dialect, is not read: line {number}"))
@@ -74,7 +72,7 @@ pub(super) fn refuse_younger(number: usize, span: Span, what: &str, diags: &mut 
     );
 }
 
-/// At most 40 characters of a word, for a message.
+/// Cuts a word to 40 characters for a message.
 pub(super) fn shown(word: &str) -> String {
     if word.chars().count() <= 40 { word.into() } else { word.chars().take(39).chain(['…']).collect() }
 }
@@ -88,7 +86,7 @@ fn younger_form<'a>(words: &[Token<'a>]) -> Option<Token<'a>> {
     if first.text.starts_with('@') { words[1..].iter().find(opens).copied() } else { None }
 }
 
-/// Rows with their number and place; they end with a line feed, a carriage return or both.
+/// Splits rows, with number and place; they end with a line feed, a carriage return or both.
 fn rows(text: &str) -> impl Iterator<Item = (usize, usize, &str)> {
     let mut next = Some(0);
     (1..).map_while(move |number| {

@@ -1,6 +1,6 @@
-//! What a word of a line refers to: a number, a named parameter, a module; and the new name of a label.
+//! Resolves the words of a line to numbers, named parameters and modules, and gives labels new names.
 //!
-//! Decides that a word that refers to nothing is reported where it stands, with the nearest that exists.
+//! An unknown word is reported at its place, with the nearest known one.
 
 use super::names::{Losses, legal};
 use super::parse::{Line, Token, shown};
@@ -12,21 +12,20 @@ use alloc::string::{String, ToString};
 use ca_model::Span;
 use ca_model::diag::{Diag, Diags};
 
-/// What the lines are read with.
 pub(super) struct Reader<'a, 'd> {
     pub net: Net,
     pub losses: Losses,
     pub diags: &'d mut Diags,
-    /// names of parameters → index into [`Net::params`]
+    /// Name of a parameter → index into [`Net::params`].
     pub params: BTreeMap<&'a str, usize>,
-    /// label of a material element → its part
+    /// Label of a material element → its part.
     pub mats: BTreeMap<&'a str, usize>,
-    /// labels of anything else
+    /// Labels of all other lines.
     pub others: BTreeMap<&'a str, Span>,
 }
 
 impl<'a> Reader<'a, '_> {
-    /// The number behind an argument, where its name cannot be kept.
+    /// Returns the number of an argument where its name cannot stay, and records that.
     pub fn fold(&mut self, arg: Arg, by: &str) -> f64 {
         if let Arg::Param(i) = arg {
             self.net.params[i].folded.get_or_insert_with(|| by.to_string());
@@ -34,7 +33,7 @@ impl<'a> Reader<'a, '_> {
         self.net.value(arg)
     }
 
-    /// A name of its own for `label`, saying where it had to be changed.
+    /// Returns a unique name for `label`, with a note if it differs from the label.
     pub fn name(&mut self, label: Token<'a>) -> String {
         let wanted = legal(label.text);
         if wanted.is_empty() {
@@ -109,7 +108,7 @@ impl<'a> Reader<'a, '_> {
     }
 }
 
-/// A finite number as MIMS writes them (`0.`, `.5`, `1e-3`); words like `inf` are names.
+/// Parses a finite number as MIMS writes it (`0.`, `.5`, `1e-3`); words such as `inf` are names.
 pub(super) fn number(text: &str) -> Option<f64> {
     text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c))
         .then(|| text.parse::<f64>().ok())

@@ -1,10 +1,9 @@
-//! Finds strings, chains and meshes among single masses and plans to write each as one generator.
+//! Plans which strings, chains and meshes of single masses are written as generators.
 //!
-//! Decides that only what a generator gives back exactly is taken: masses of one inertia, at rest at 0, held by links
-//! of one stiffness and viscosity, written the same way (a named parameter and its value are not the same). Everything
-//! else that touches a member stays, and is pointed at its new name, `low[133]`. Chains are found by structure alone.
-//! Lattices are read from labels that end in two numbers and then verified link by link: finding a lattice without
-//! labels is a search, and no published model needs it.
+//! Only parts that a generator reproduces exactly are taken: masses of one inertia, at rest at 0, held by links of one
+//! stiffness and viscosity, written the same way (a named parameter differs from its value). Other parts that touch a
+//! member stay and refer to its new name, `low[133]`. Chains are found by structure alone, lattices by labels that end
+//! in two numbers, then checked link by link: no published model needs a search for lattices without labels.
 
 use super::chain;
 use super::graph::Graph;
@@ -14,7 +13,6 @@ use super::part::Part;
 use super::plan::Plan;
 use alloc::vec;
 
-/// What may be written as generators.
 pub(super) fn plan(parts: &[Part], names: &mut Names) -> Plan {
     let graph = Graph::new(parts);
     let mut plan = Plan { gone: vec![false; parts.len()], ..Plan::default() };

@@ -1,9 +1,8 @@
-//! The types of the older dialect: how many modules and numbers each takes.
+//! Types of the older dialect, with the number of their modules and numbers.
 //!
-//! Decides what counts as the same word. The published tools skip a type they do not know without a word, and one of
-//! their own models says `springDamperDamper` throughout; read as they do it, it is silent. A doubled word
-//! or other case is therefore read as the type it doubles, with a note; every other misspelling is an error with the
-//! nearest type, because `nlSpring2` and `nlSpring3` are one letter apart and do not sound alike.
+//! The published tools skip an unknown type silently, and one of their models writes `springDamperDamper` throughout,
+//! so it is silent. Here a doubled word or other case is read as the type that it doubles, with a note. Any other
+//! misspelling is an error with the nearest type: `nlSpring2` and `nlSpring3` differ by one letter, and sound unlike.
 
 use super::names::Losses;
 use super::parse::{Line, refuse_younger, shown};
@@ -12,7 +11,6 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use ca_model::diag::{Diag, Diags};
 
-/// What a type becomes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum What {
     Param,
@@ -24,12 +22,12 @@ pub(super) enum What {
     PosInput,
     Spring,
     Damper,
-    /// `nlSpring`, which the tools read in two ways
+    /// `nlSpring`, which the tools read in two ways.
     NlSpring,
     NlSpring2,
     NlSpring3,
     Contact,
-    /// the old name of `contact`
+    /// Old name of `contact`.
     Detent,
     NlPluck,
     NlBow,
@@ -38,20 +36,19 @@ pub(super) enum What {
     FrcOutput,
 }
 
-/// One type.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Type {
     pub name: &'static str,
     pub what: What,
-    /// how many `@module` arguments come first
+    /// Number of `@module` arguments, which come first.
     pub ends: usize,
-    /// the numbers that follow
+    /// Names of the numbers that follow.
     pub numbers: &'static [&'static str],
-    /// how many of them may be left out, from the end
+    /// Count of these that may be left out, from the end.
     pub optional: usize,
-    /// whether a drawing buffer and its x and y may follow
+    /// True if a drawing buffer and its x and y may follow.
     pub drawn: bool,
-    /// numbers that only the younger dialect writes
+    /// Count of numbers that only the younger dialect writes.
     pub younger: Option<usize>,
 }
 
@@ -91,11 +88,11 @@ const TYPES: &[Type] = &[
     port("frcOutput", What::FrcOutput),
 ];
 
-/// Types of the younger dialect only.
+/// Types that only the younger dialect has.
 const YOUNGER: &[&str] =
     &["string", "stiffString", "chain", "mesh", "closedMesh", "cornerMesh", "nlContact", "nlSpringDamper"];
 
-/// The lines whose type and number of arguments are known; the others are reported.
+/// Returns the lines with a known type and number of arguments, and reports the others.
 pub(super) fn typed<'l, 'a>(lines: &'l [Line<'a>], diags: &mut Diags) -> Vec<(&'l Line<'a>, &'static Type)> {
     let mut losses = Losses::default();
     let mut found = Vec::new();
@@ -108,7 +105,7 @@ pub(super) fn typed<'l, 'a>(lines: &'l [Line<'a>], diags: &mut Diags) -> Vec<(&'
         }
         let near = || TYPES.iter().find(|t| same_word(t.name, line.ty.text) && fits(t, line));
         let Some(ty) = known.or_else(near) else {
-            // a sign of the younger dialect may still come
+            // the younger dialect may still show in a later line
             if !diags.is_full() {
                 unknown(line, diags);
             }
@@ -137,14 +134,13 @@ pub(super) fn typed<'l, 'a>(lines: &'l [Line<'a>], diags: &mut Diags) -> Vec<(&'
     found
 }
 
-/// Whether a line has as many arguments as its type takes.
 fn fits(ty: &Type, line: &Line<'_>) -> bool {
     let most = ty.ends + ty.numbers.len();
     let n = line.args.len();
     (most - ty.optional..=most).contains(&n) || (ty.drawn && n == most + 3)
 }
 
-/// The same but for case and words written twice in a row.
+/// Compares words without case and with words that are doubled in a row.
 fn same_word(known: &str, word: &str) -> bool {
     let mut parts: Vec<String> = Vec::new();
     for c in word.chars() {
@@ -170,7 +166,7 @@ fn unknown(line: &Line<'_>, diags: &mut Diags) {
     });
 }
 
-/// The name nearest to `word`, if one is near.
+/// Returns the most similar name, if one is similar enough.
 pub(super) fn nearest<'n>(word: &str, names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
     if word.len() > 80 {
         return None;

@@ -1,24 +1,22 @@
-//! CSV clouds: a point in each row, `x,y,z`, after a header or without one.
+//! CSV clouds: one point `x,y,z` in each row, with or without a header.
 //!
-//! Decides that a first row which is not three numbers is a header, and that a header may hold other columns beside
-//! `x`, `y` and `z`. Each row has as many cells as the first one: `0,1,0,0` for three numbers with decimal commas is refused.
-//! It ignores a comma at the end of a row, and blank lines. Lines beginning with `#` are comments. There are no edges: a model
-//! joins what is near by `reach`.
+//! A first row that is not three numbers is a header; it may name other columns beside `x`, `y` and `z`. Each row must
+//! have as many cells as the first, so `0,1,0,0` for three numbers with decimal commas is refused. A comma at the end
+//! of a row and blank lines are ignored. Lines beginning with `#` are comments. There are no edges: a model joins near
+//! points by `reach`.
 
 use super::Drawing;
 use crate::error::{FileError, shown};
 use crate::gesture::csv::Rows;
 use ::csv::ByteRecord;
 
-/// The fix of a row with a wrong number of cells.
 const COLUMNS: &str = "separate columns by commas and write decimals with a point";
 
-/// Reads a CSV cloud.
 pub(super) fn read(bytes: &[u8]) -> Result<Drawing, FileError> {
     let mut rows = Rows::new(bytes);
     let (mut d, mut columns, mut width) = (Drawing::default(), None, 0);
     while let Some((line, mut row)) = rows.next()? {
-        // a comma at the end begins no column
+        // a comma at the end does not begin a column
         if row.iter().next_back().is_some_and(<[u8]>::is_empty) && (columns.is_none() || row.len() == width + 1) {
             row.truncate(row.len() - 1);
         }
@@ -42,7 +40,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Drawing, FileError> {
     Ok(d)
 }
 
-/// The columns of x, y and z, and whether this row named them.
+/// Returns the columns of x, y and z, and whether this row named them.
 fn header(row: &ByteRecord, line: u64) -> Result<([usize; 3], bool), FileError> {
     if row.len() == 3 && (0..3).all(|c| number(row, c, line).is_ok()) {
         return Ok(([0, 1, 2], false));

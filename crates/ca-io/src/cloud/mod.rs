@@ -1,9 +1,9 @@
-//! Clouds: bodies as drawing programs write them, into points and edges.
+//! Clouds: reads bodies from drawing programs as points and edges.
 //!
-//! Decides that points keep the order of the file and that those in the very same place become one, the first: exporters
-//! write a corner once for each seam, and two masses in one place are never meant. A face or line gives its edges, each
-//! once; a face with less than three different corners, or one corner twice, is left out and counted. What a model
-//! cannot hold, and what is not finite, is refused.
+//! Points keep the order of the file. Points in exactly the same place become one, the first: exporters write a corner
+//! once for each seam, and a model never needs two masses in one place. Each edge of a face or line is kept once. A
+//! face with fewer than three different corners, or with one corner twice, is skipped and counted. Values that are not
+//! finite, and more points than a model can hold, are refused.
 
 mod csv;
 mod obj;
@@ -20,20 +20,20 @@ use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 use std::sync::Arc;
 
-/// What a file holds, as it stands there.
+/// Content of a file, unprocessed.
 #[derive(Default)]
 struct Drawing {
     points: Vec<[f64; 3]>,
-    /// corners of closed faces
+    /// Corners of closed faces.
     faces: Vec<Vec<u32>>,
-    /// corners of open lines
+    /// Corners of open lines.
     lines: Vec<Vec<u32>>,
 }
 
 /// Reads a `.ply`, `.obj` or `.csv` file.
 ///
 /// # Errors
-/// Where the file cannot be read, has another extension, or is not of the format its extension says.
+/// If the file cannot be read, has another extension, or is not of the format of its extension.
 pub fn open(path: impl AsRef<Path>) -> Result<Cloud, FileError> {
     let path = path.as_ref();
     let ext = path.extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase);
@@ -48,7 +48,7 @@ pub fn open(path: impl AsRef<Path>) -> Result<Cloud, FileError> {
     };
     // a `.ply` may be binary
     let binary = ext.as_deref() == Some("ply");
-    // what a model names is not waited for, as a pipe would be
+    // anything but a plain file is refused, since opening a pipe could block
     if path.metadata().is_ok_and(|m| !m.is_file()) {
         let e = FileError::content("it is not a regular file").file(path.display());
         return Err(e.fix("name a file that holds the points"));
@@ -57,7 +57,7 @@ pub fn open(path: impl AsRef<Path>) -> Result<Cloud, FileError> {
     read(&bytes).and_then(|d| cloud(&d)).map_err(|e| e.file(path.display()))
 }
 
-/// The files that a model names.
+/// Returns the files that a model names.
 pub fn named<'m>(model: &'m Model, catalog: &Catalog) -> BTreeSet<&'m String> {
     let files = model.items.iter().flat_map(|item| {
         let params = catalog.get(&item.kind).map_or(&[][..], |k| k.params);
@@ -67,7 +67,7 @@ pub fn named<'m>(model: &'m Model, catalog: &Catalog) -> BTreeSet<&'m String> {
     files.filter_map(|e| if let Value::Text(t) = &e.value { Some(t) } else { None }).collect()
 }
 
-/// Reads all files a model names, from its folder.
+/// Reads all files that a model names, relative to its folder.
 pub fn of_model(model: &Model, catalog: &Catalog, folder: &Path) -> Clouds {
     let read = |name: &String| {
         open(folder.join(name)).map(Arc::new).map_err(|e| {
@@ -82,7 +82,7 @@ pub fn of_model(model: &Model, catalog: &Catalog, folder: &Path) -> Clouds {
     named(model, catalog).into_iter().map(|name| (name.clone(), read(name))).collect()
 }
 
-/// A cloud as the text of an OBJ file: the same points and edges when read again.
+/// Returns a cloud as the text of an OBJ file, which reads back as the same points and edges.
 pub fn write_obj(cloud: &Cloud) -> String {
     let points = cloud.points.iter().map(|[x, y, z]| format!("v {x:?} {y:?} {z:?}\n"));
     points.chain(cloud.edges.iter().map(|[a, b]| format!("l {} {}\n", a + 1, b + 1))).collect()
@@ -91,20 +91,18 @@ pub fn write_obj(cloud: &Cloud) -> String {
 /// Reads a cloud from the text of an OBJ file.
 ///
 /// # Errors
-/// With the line, where the text is no OBJ.
+/// If the text is not OBJ; the error has the line.
 pub fn read_obj(text: &[u8]) -> Result<Cloud, FileError> {
     obj::read(text).and_then(|d| cloud(&d))
 }
 
-/// The fix of a decimal comma.
 const POINT: &str = "write decimals with a point, as in `0.1`";
 
-/// The lines of a text, whichever way they end: `\n`, `\r\n`, or `\r` alone.
+/// Splits a text into lines at `\n`, `\r\n`, or `\r` alone.
 fn lines(text: &str) -> impl Iterator<Item = &str> {
     text.split('\n').flat_map(|l| l.strip_suffix('\r').unwrap_or(l).split('\r'))
 }
 
-/// Refuses more points than a model holds.
 fn not_too_many(points: usize) -> Result<(), FileError> {
     if points <= LARGEST {
         return Ok(());
@@ -112,7 +110,7 @@ fn not_too_many(points: usize) -> Result<(), FileError> {
     Err(FileError::content(format!("{points} points are more than the {LARGEST} a model holds")).fix("simplify it"))
 }
 
-/// Merges, counts and pairs.
+/// Merges equal points and collects the edges.
 fn cloud(d: &Drawing) -> Result<Cloud, FileError> {
     not_too_many(d.points.len())?;
     if d.points.is_empty() {

@@ -1,20 +1,19 @@
-//! OBJ clouds: `v x y z`, `f` and `l` with numbers of points from 1, or from −1 backwards.
+//! OBJ clouds: `v x y z`, `f` and `l`, with point numbers from 1, or from −1 backwards.
 //!
-//! This module reads these three words itself and ignores all others, because the libraries make arrays for a renderer: tobj and
-//! obj-rs drop points that no face uses and sort the others by their first use, so that `bell[17]` would not be point 17 of the
-//! drawing; obj keeps 32 bits of a coordinate.
+//! This module reads these three keywords itself and ignores all others, because the libraries make arrays for a
+//! renderer. tobj and obj-rs drop points that no face uses and sort the others by first use, so `bell[17]` would not be
+//! point 17 of the drawing. obj keeps only 32 bits of a coordinate.
 
 use super::Drawing;
 use crate::error::{FileError, shown};
 
-/// Reads an OBJ cloud.
 pub(super) fn read(bytes: &[u8]) -> Result<Drawing, FileError> {
     let text = String::from_utf8_lossy(bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes));
     let mut d = Drawing::default();
     let mut lines = super::lines(&text).map(|l| l.split('#').next().unwrap_or("").trim_end()).enumerate();
     while let Some((i, mut line)) = lines.next() {
         let mut joined = String::new();
-        // `\` at its end: the next line goes on with it
+        // `\` at the end continues the line
         while let Some(begun) = line.strip_suffix('\\') {
             joined.extend([begun, " "]);
             line = lines.next().map_or("", |l| l.1);
@@ -45,7 +44,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Drawing, FileError> {
             Some("f" | "l") => {
                 let mut corners = Vec::new();
                 for word in words {
-                    // `3/1/2` is point 3 with a place in a picture and a normal
+                    // `3/1/2` is point 3 with a texture coordinate and a normal
                     let n: i64 = word.split('/').next().and_then(|w| w.parse().ok()).unwrap_or(0);
                     let at = if n < 0 { d.points.len() as i64 + n } else { n - 1 };
                     match u32::try_from(at) {

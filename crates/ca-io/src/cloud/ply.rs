@@ -1,8 +1,9 @@
-//! PLY clouds: elements `vertex` (x, y, z), `face` and `tristrips` (vertex_indices or vertex_index) and `edge` (vertex1,
-//! vertex2), as text or binary of either byte order; other elements and properties are passed over.
+//! PLY clouds: elements `vertex` (x, y, z), `face` and `tristrips` (vertex_indices or vertex_index) and `edge`
+//! (vertex1, vertex2), as text or binary of either byte order. Other elements and properties are skipped.
 //!
-//! Other programs write a byte order mark, blank lines, comments in Latin-1 and lines that end in a carriage return alone. The library
-//! refuses all of these, so this module removes them first. Its messages show its parser; the messages here are our own.
+//! Other programs write a byte order mark, blank lines, comments in Latin-1 and lines that end in a carriage return
+//! alone. The library refuses all of these, so this module removes them first. It also writes its own messages, because
+//! those from the library show its parser.
 
 use super::Drawing;
 use crate::error::{FileError, FileErrorKind, lower, shown};
@@ -12,7 +13,6 @@ use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::{ErrorKind, Read as _};
 
-/// One element, whichever it is.
 #[derive(Default)]
 struct Element {
     place: [f64; 3],
@@ -20,13 +20,13 @@ struct Element {
     ends: [u32; 2],
 }
 
-/// What no point has as its number.
+/// Number that no point has.
 const NOBODY: u32 = u32::MAX;
 
-/// −1, which begins a new strip.
+/// Stands for −1, which begins a new strip.
 const NEXT: u32 = u32::MAX - 1;
 
-/// A number of a point; what cannot be one is refused later, with the others that name no point.
+/// Returns the number of a point. An invalid one is refused later, with all others that name no point.
 fn index(v: f64) -> u32 {
     if v >= 0.0 && v < f64::from(NEXT) {
         v as u32
@@ -84,11 +84,11 @@ impl PropertyAccess for Element {
     }
 }
 
-/// The file in the form that the library reads.
+/// The file, cleaned up for the library.
 struct Tidy<'b> {
     header: String,
     payload: Cow<'b, [u8]>,
-    /// of text, the line of the file that each line of `payload` was
+    /// For text, the line of the file for each line of `payload`.
     lines: Vec<usize>,
 }
 
@@ -130,7 +130,7 @@ impl Tidy<'_> {
         Tidy { header, payload: payload.into_bytes().into(), lines }
     }
 
-    /// A line by its number to the library: that in the file, and its text.
+    /// Returns a line by its number in the cleaned-up file: its number in the original file, and its text.
     fn line(&self, n: usize) -> Option<(usize, Cow<'_, str>)> {
         let above = self.header.lines().count();
         if n <= above {
@@ -141,7 +141,6 @@ impl Tidy<'_> {
         Some((*self.lines.get(at)?, String::from_utf8_lossy(text)))
     }
 
-    /// The error, in the header or in an element.
     fn wrong(&self, e: &ParseError, element: Option<&ElementDef>) -> FileError {
         const ANEW: &str = "export it anew, as text or binary PLY";
         let (what, fix) = match (element, e.line().and_then(|n| self.line(n))) {
@@ -174,13 +173,12 @@ impl Tidy<'_> {
     }
 }
 
-/// The triangles of a strip: each corner with the two before it. A triangle without area turns the strip, and is none.
+/// Returns the triangles of a strip: each corner with the two before it. A triangle without area is skipped.
 fn triangles(strip: &[u32]) -> impl Iterator<Item = Vec<u32>> {
     let whole = |t: &&[u32]| t[0] != t[1] && t[1] != t[2] && t[0] != t[2];
     strip.split(|c| *c == NEXT).flat_map(move |s| s.windows(3).filter(whole).map(<[u32]>::to_vec))
 }
 
-/// Reads a PLY cloud.
 pub(super) fn read(bytes: &[u8]) -> Result<Drawing, FileError> {
     let tidy = Tidy::of(bytes);
     let mut reader = Reader::new(tidy.header.as_bytes().chain(&tidy.payload[..]));

@@ -8,10 +8,10 @@
 //! 0.2,  -0.005,
 //! ```
 //!
-//! Decides that time \[s\] stands in every line, rather than a rate in the header: a hand needs three lines for a key
-//! stroke, not three thousand. A blank cell means that this column has nothing to say at that time, so it is
-//! interpolated between its neighbours. A line of blanks says nothing, and a comma at the end of a line begins no column. Lines beginning with `#` are comments. Time may stand still (a jump) but not
-//! run backwards. Only commas separate and only points are decimal: guessing would turn `1,5` into two columns.
+//! Time \[s\] is a column, not a rate in the header: a hand-written key stroke needs three lines, not three thousand.
+//! Time may repeat (a jump) but not decrease. A blank cell is interpolated between the neighbours in its column. Blank
+//! lines are skipped, and a comma at the end of a line does not begin a column. Lines beginning with `#` are comments.
+//! Only commas separate, and only points are decimal: guessing would turn `1,5` into two columns.
 
 use super::track::too_long;
 use super::{Gesture, LONGEST, Track};
@@ -19,7 +19,6 @@ use crate::error::{FileError, FileErrorKind, lower, shown};
 use ::csv::{ByteRecord, ReaderBuilder, Trim};
 use ca_core::internal::numeric::Plain;
 
-/// Reads a CSV gesture.
 pub(super) fn read(bytes: &[u8]) -> Result<Gesture, FileError> {
     let mut rows = Rows::new(bytes);
     let Some((line, head)) = rows.next()? else {
@@ -66,10 +65,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Gesture, FileError> {
     Gesture::new(tracks.collect::<Result<_, _>>()?)
 }
 
-/// The names after `time`.
 fn header(line: u64, head: &ByteRecord) -> Result<Vec<String>, FileError> {
     let mut names: Vec<String> = Vec::with_capacity(head.len());
-    // a comma at the end begins no column
+    // a comma at the end does not begin a column
     let blank_end = head.len() > 1 && head.iter().next_back().is_some_and(<[u8]>::is_empty);
     for (c, cell) in head.iter().take(head.len() - usize::from(blank_end)).enumerate() {
         let at = format!("line {line}, column {}", c + 1);
@@ -110,7 +108,6 @@ fn cells(n: usize) -> String {
     if n == 1 { "1 cell".to_owned() } else { format!("{n} cells") }
 }
 
-/// The number in a cell, `None` if it is blank.
 fn number(line: u64, column: usize, name: &str, cell: &[u8]) -> Result<Option<f64>, FileError> {
     if cell.is_empty() {
         return Ok(None);
@@ -129,17 +126,16 @@ fn number(line: u64, column: usize, name: &str, cell: &[u8]) -> Result<Option<f6
     }
 }
 
-/// Lines that are neither comments nor without a cell, with their numbers.
+/// Reads the lines that have a cell and are not comments, with their numbers.
 pub(crate) struct Rows<'a> {
     reader: ::csv::Reader<&'a [u8]>,
     bytes: &'a [u8],
     row: ByteRecord,
-    /// byte and line up to which lines have been counted
+    /// Byte and line up to which lines have been counted.
     counted: (usize, u64),
 }
 
 impl<'a> Rows<'a> {
-    /// Those of a file.
     pub(crate) fn new(bytes: &'a [u8]) -> Rows<'a> {
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         let mut builder = ReaderBuilder::new();
@@ -147,7 +143,6 @@ impl<'a> Rows<'a> {
         Rows { reader: builder.from_reader(bytes), bytes, row: ByteRecord::new(), counted: (0, 1) }
     }
 
-    /// The next line, and its number.
     pub(crate) fn next(&mut self) -> Result<Option<(u64, ByteRecord)>, FileError> {
         loop {
             let more = self.reader.read_byte_record(&mut self.row);
@@ -163,7 +158,8 @@ impl<'a> Rows<'a> {
         Ok(Some((self.line_of(start), self.row.clone())))
     }
 
-    /// Line of the record that starts at byte `start`, where the parser has not yet skipped blank lines and comments.
+    /// Returns the line of the record that starts at byte `start`, where the parser has not yet skipped blank lines and
+    /// comments.
     fn line_of(&mut self, start: usize) -> u64 {
         let (mut at, mut line) = self.counted;
         while at < self.bytes.len() {
@@ -205,7 +201,7 @@ mod tests {
         // other line ends, a byte order mark, quotes, a last line without an end, a jump
         let g = read(b"\xef\xbb\xbftime,\"the key\"\r\n0,1\r\n1,1\r\n1,\"2\"").unwrap();
         assert_eq!(g.track("the key").unwrap().at(1.0), 2.0);
-        // commas at the ends of lines, of all or of some; lines of blanks and of commas
+        // commas at the end of all or some lines; lines of blanks and of commas
         for text in ["time,key,\n0,0,\n0.5,1,\n", "time,key\n0,0,\n0.5,1\n", " \ntime,key\n0,0\n \t \n,,\n0.5,1\n  "] {
             let g = read(text.as_bytes()).unwrap_or_else(|e| panic!("{text:?}: {e}"));
             assert_eq!((g.tracks().len(), g.track("key").unwrap().at(0.25)), (1, 0.5), "{text:?}");

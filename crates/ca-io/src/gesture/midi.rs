@@ -1,14 +1,14 @@
-//! Standard MIDI Files as gestures: events become breakpoints of position or force, port by port.
+//! Standard MIDI Files as gestures: turns events into breakpoints of position or force, port by port.
 //!
-//! Decides that what an event asks of a port is the same as while it is played ([`MidiPort`]), and that a glide starts from wherever
-//! the port is at that moment, so nothing ever jumps unless `attack` or `release` is 0.
+//! An event moves a port as it does live ([`MidiPort`]). A glide starts from the position of the port at that moment,
+//! so nothing jumps unless `attack` or `release` is 0.
 //!
-//! Before its first event a port stands at `from`, a pitch bend midway (the middle of its 14 bits is the middle of the
-//! way, both ends are reached exactly). Ports which the file does not move rest there throughout; that it moves none
-//! at all is an error which lists what it has.
+//! Before its first event a port rests at `from`, or for a pitch bend at the middle of its range; the middle of the 14
+//! bits is exactly the middle of the range, and both ends are reached exactly. Ports that the file does not move rest
+//! there throughout. A file that moves no port is an error, which lists the events in the file.
 //!
-//! Times are exact: ticks and the tempo map are summed as integers, and divided once per event. A file that is cut
-//! short or malformed is an error; the parser below would drop the rest of a track without a word.
+//! Times are exact: ticks and the tempo map are summed as integers, and divided once per event. A truncated or
+//! malformed file is an error; midly alone would silently drop the rest of a track.
 
 use super::midi_port::{Glide, MidiPort, Motion};
 use super::smf::{self, Event};
@@ -19,7 +19,6 @@ use ca_core::internal::numeric::Plain;
 use midly::MidiMessage;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-/// Reads a Standard MIDI File for these ports.
 pub(super) fn read(bytes: &[u8], ports: &[PortMap]) -> Result<Gesture, FileError> {
     if ports.is_empty() {
         let e = FileError::usage("no port of the model listens to MIDI");
@@ -45,18 +44,17 @@ pub(super) fn read(bytes: &[u8], ports: &[PortMap]) -> Result<Gesture, FileError
     }
     let tracks = ports.iter().zip(port_tracks).map(|(p, f)| Track::points(&p.port, f.finish()));
     remarks.extend(unheard(&ignored));
-    // orders to a channel ask no port for anything
+    // channel mode messages need no port
     ignored.retain(|e| !matches!(e.message, MidiMessage::NoteOn { .. }) && !is_order(e.message));
     remarks.extend(inventory(&ignored).map(|what| format!("no port follows {what}")));
     Ok(Gesture { remarks, midi: true, ..Gesture::new(tracks.collect::<Result<_, _>>()?)? })
 }
 
-/// True for an order to a whole channel, such as all notes off.
+/// Returns true for a channel mode message, such as all notes off.
 fn is_order(message: MidiMessage) -> bool {
     matches!(message, MidiMessage::Controller { controller, .. } if controller.as_int() >= 120)
 }
 
-/// The notes among ignored events, in words.
 fn unheard(ignored: &[Event]) -> Option<String> {
     let mut all: BTreeMap<u8, BTreeMap<u8, usize>> = BTreeMap::new();
     for e in ignored {
@@ -76,7 +74,7 @@ fn unheard(ignored: &[Event]) -> Option<String> {
     (times > 0).then(|| format!("{what} no port: {}", notes.join("; ")))
 }
 
-/// So many notes that move nothing are named.
+/// Largest number of ignored notes that are listed.
 const SHOWN: usize = 12;
 
 fn check(p: &PortMap) -> Result<(), FileError> {
@@ -92,13 +90,13 @@ fn check(p: &PortMap) -> Result<(), FileError> {
     Ok(())
 }
 
-/// One port while the events go by.
+/// A port and its breakpoints so far.
 struct PortTrack {
     port: MidiPort,
     points: Vec<(f64, f64)>,
-    /// straight ways to go, one after the other: from and to a time and a value
+    /// Straight segments still to go, in order: start and end, each a time and a value.
     ways: VecDeque<[(f64, f64); 2]>,
-    /// value at rest
+    /// Value while no segment is left.
     rest: f64,
     touched: bool,
 }
@@ -120,7 +118,7 @@ impl PortTrack {
         }
     }
 
-    /// Goes on until `time`, leaves what is not done by then, and says where the port is.
+    /// Moves on until `time`, drops the remaining segments, and returns the value of the port.
     fn settle(&mut self, time: f64) -> f64 {
         while let Some([(t0, a), (t1, b)]) = self.ways.pop_front() {
             if t1 <= time {
@@ -207,7 +205,6 @@ fn inventory(events: &[Event]) -> Option<String> {
     (!said.is_empty()).then(|| said.join(", "))
 }
 
-/// `a, b and c`.
 fn list(parts: &[String]) -> String {
     match parts {
         [] => String::new(),

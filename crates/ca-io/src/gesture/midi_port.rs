@@ -1,50 +1,51 @@
-//! One port that MIDI moves: what each event asks of it, in a file or while it is played.
+//! Motion of one port by MIDI events, from a file or live.
 //!
-//! Decides that a port is monophonic. Of overlapping notes the newest wins, and its release falls back to the newest
-//! still held; a key that is struck again while down is one key. One that notes do not bring back (`back = false`) goes to its other
-//! side with each. Polyphony is many ports with a note each, which is how an instrument of strings is built anyway.
+//! A port is monophonic. Of overlapping notes the newest wins, and its release falls back to the newest note still
+//! held. A key struck again while down counts as one key. With `back = false`, each note moves the port to its other
+//! side. Polyphony needs a port for each note, as in an instrument of strings.
 //!
-//! The sustain pedal (controller 64, down from 64 on) holds the notes of its channel in every model none of whose ports is moved
-//! by that controller itself. A port that the pedal alone holds comes up before the next note: it could not be struck where it is.
+//! The sustain pedal (controller 64, down from value 64) holds the notes of its channel, unless that controller itself
+//! moves a port of the model. A port held only by the pedal returns to rest before the next note, since it could not be
+//! struck where it is.
 
 use super::PortMap;
 use ca_core::internal::io::midi::{MidiMap, MidiSource, Velocity};
 use midly::MidiMessage;
 
-/// Controllers that mean the same in every model.
+/// Controllers with a fixed meaning in every model.
 const SUSTAIN: u8 = 64;
 const ALL_SOUND_OFF: u8 = 120;
 const RESET_CONTROLLERS: u8 = 121;
 const ALL_NOTES_OFF: u8 = 123;
 
-/// Speed of a key at the softest touch, as a share of that at velocity 127: hammers still arrive, 30 dB or so below the loudest.
+/// Speed of a key at the softest touch, as a share of the speed at velocity 127: the hammer still arrives, about 30 dB
+/// below the loudest.
 const SOFTEST: f64 = 0.2;
 
-/// A straight way from wherever the port is.
+/// Straight motion from the present value of the port.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Glide {
-    /// the value at its end, in the unit of the port
+    /// Value at the end, in the unit of the port.
     pub to: f64,
-    /// the time that takes \[s\]
+    /// Duration \[s\].
     pub over: f64,
 }
 
-/// The way of a port after an event.
+/// Motion of a port after an event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
-    /// back to rest, before all else: where the pedal alone held the port
+    /// Return to rest before the glide, if only the pedal held the port.
     pub lift: Option<Glide>,
-    /// where it goes
+    /// Motion to the new value.
     pub glide: Glide,
 }
 
-/// A note that is held.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Held {
     channel: u8,
     key: u8,
     velocity: u8,
-    /// by its key; else by the pedal
+    /// True if held by its key, false if by the pedal.
     pressed: bool,
 }
 
@@ -54,33 +55,33 @@ impl Held {
     }
 }
 
-/// A port with the notes that are held on it.
+/// A port with its held notes.
 #[derive(Clone, Debug)]
 pub struct MidiPort {
     map: MidiMap,
-    /// the newest last
+    /// Held notes, the newest last.
     held: Vec<Held>,
-    /// where notes do not bring it back: it is at the far side
+    /// With `back = false`: the port is at the far side.
     far: bool,
-    /// whether the pedal holds notes in this model
+    /// True if the pedal holds notes in this model.
     sustains: bool,
-    /// a bit for each channel whose pedal is down
+    /// Channels whose pedal is down, a bit each.
     pedals: u32,
 }
 
 impl MidiPort {
-    /// Those of a model, with no note held.
+    /// Makes the ports of a model, with no note held.
     pub fn all(ports: &[PortMap]) -> Vec<MidiPort> {
         let sustains = ports.iter().all(|p| p.map.source != MidiSource::Control(SUSTAIN));
         ports.iter().map(|p| MidiPort { map: p.map, held: Vec::new(), far: false, sustains, pedals: 0 }).collect()
     }
 
-    /// Where it stands before its first event: at `from`, a pitch bend midway.
+    /// Returns the value before the first event: `from`, or the middle for a pitch bend.
     pub fn rest(&self) -> f64 {
         if self.map.source == MidiSource::PitchBend { self.way(0.5) } else { self.map.from }
     }
 
-    /// True if the port follows events of this kind on a channel, from 1. This event may leave it where it is.
+    /// Returns true if the port follows events of this kind on a channel (from 1). This event may leave it in place.
     pub fn follows(&self, channel: u8, message: MidiMessage) -> bool {
         self.map.channel.is_none_or(|c| c == channel)
             && match (self.map.source, message) {
@@ -99,7 +100,7 @@ impl MidiPort {
             }
     }
 
-    /// An event on a channel, from 1; `None` where the port stays where it goes.
+    /// Processes an event on a channel (from 1); returns `None` if the motion of the port does not change.
     pub fn event(&mut self, channel: u8, message: MidiMessage) -> Option<Motion> {
         if !self.follows(channel, message) {
             return None;
@@ -139,7 +140,7 @@ impl MidiPort {
         Motion { lift: (sustained && self.map.back).then(|| self.up()), glide: self.note(velocity) }
     }
 
-    /// Keys come up: the pedal goes on to hold their notes.
+    /// Releases keys; the pedal may go on holding their notes.
     fn let_go(&mut self, channel: u8, up: impl Fn(&Held) -> bool) -> Option<Glide> {
         if (self.pedals >> channel) & 1 == 0 {
             return self.release(up);
@@ -158,7 +159,7 @@ impl MidiPort {
         self.release(|n| n.channel == channel && !n.pressed)
     }
 
-    /// Ends some notes; if the newest is among them, back to the newest still held, or to rest.
+    /// Ends some notes. If the newest is among them, the port goes to the newest note still held, or to rest.
     fn release(&mut self, gone: impl Fn(&Held) -> bool) -> Option<Glide> {
         let newest = self.held.last().copied();
         self.held.retain(|n| !gone(n));
@@ -171,12 +172,11 @@ impl MidiPort {
         })
     }
 
-    /// Back to rest.
     fn up(&self) -> Glide {
         Glide { to: self.map.from, over: self.map.release }
     }
 
-    /// Where a note of this velocity brings it, from 1 on.
+    /// Returns the motion for a note of this velocity, from 1.
     fn note(&self, velocity: u8) -> Glide {
         let part = f64::from(velocity) / 127.0;
         let (far, over) = match self.map.velocity {
@@ -191,7 +191,7 @@ impl MidiPort {
         Glide { to: self.way(f64::from(value) / 127.0), over: self.map.attack }
     }
 
-    /// The value at a part of the way, exact at both ends.
+    /// Returns the value at a share of the range, exact at both ends.
     fn way(&self, part: f64) -> f64 {
         let m = &self.map;
         if part >= 1.0 { m.to } else { m.from + (m.to - m.from) * part }

@@ -1,10 +1,10 @@
-//! Tests of [`super`] and of `smf.rs`, on files written byte by byte.
+//! Tests of [`super`] and of `smf.rs`, with files written byte by byte.
 
 use super::*;
 use crate::error::FileErrorKind;
 use ca_core::internal::io::midi::Velocity;
 
-/// A file of this format and timing, each track given as (delta, bytes of the event) without its end.
+/// Makes a file of this format and timing, each track given as (delta, bytes of the event) without its end.
 fn file(format: u16, timing: u16, tracks: &[&[(u32, &[u8])]]) -> Vec<u8> {
     let mut b = b"MThd\0\0\0\x06".to_vec();
     b.extend(format.to_be_bytes());
@@ -37,7 +37,7 @@ fn key() -> PortMap {
     port("key", MidiSource::Note { low: 60, high: 72 }, None)
 }
 
-/// 500 ticks a beat at 120 beats a minute: a tick is a millisecond.
+/// Ticks per beat: at 120 beats a minute, a tick is a millisecond.
 const MS: u16 = 500;
 
 fn one(map: PortMap, events: &[(u32, &[u8])]) -> Track {
@@ -101,7 +101,7 @@ fn all_tracks_are_read_whatever_the_header_announces() {
     let g = read(&bytes, &[key()]).unwrap();
     assert_eq!(g.remarks(), ["its header announces 5 tracks and 2 are there; the file may be cut short"]);
     bytes[11] = 1;
-    // no track, but what a program left behind the last one
+    // not a track, but data that some program left behind the last one
     bytes.extend(*b"TAG\0\xff\xff\xff\xff\x01");
     assert_eq!(times(&bytes), [0.0, 0.5]);
     bytes[11] = 3;
@@ -148,7 +148,7 @@ fn the_newest_note_wins_and_its_release_falls_back() {
             (1000, &[0x90, 64, 32]),
             (1000, &[0x90, 67, 64]),
             (1000, &[0x80, 64, 0]), // not the newest: nothing moves
-            (1000, &[0x80, 67, 0]), // back to 60
+            (1000, &[0x80, 67, 0]), // back to note 60
             (1000, &[0x80, 60, 0]),
         ],
     );
@@ -157,7 +157,7 @@ fn the_newest_note_wins_and_its_release_falls_back() {
         assert_eq!(t.at(time), velocity(v), "at {time}");
     }
     assert_eq!((t.at(5.25), t.at(5.5)), (1.5, 1.0));
-    // the same key again is one key; the same key of another channel is another
+    // the same key twice is one key; the same key on another channel is another
     let t = one(key(), &[(0, &[0x90, 60, 127]), (500, &[0x90, 60, 64]), (500, &[0x80, 60, 0])]);
     assert_eq!((t.at(0.75), t.at(1.5)), (velocity(64.0), 1.0));
     let t = one(key(), &[(0, &[0x90, 60, 127]), (500, &[0x91, 60, 64]), (500, &[0x81, 60, 0])]);
@@ -204,7 +204,7 @@ fn an_attack_of_0_is_a_jump() {
     assert_eq!((t.at(0.999_999), t.at(1.0)), (1.0, 2.0));
 }
 
-/// Times at which note 60 is struck.
+/// Returns the times at which note 60 is struck.
 fn times(bytes: &[u8]) -> Vec<f64> {
     let hits = smf::messages(bytes).unwrap().events;
     hits.iter().filter(|e| matches!(e.message, MidiMessage::NoteOn { .. })).map(|e| e.time).collect()
@@ -216,10 +216,10 @@ const BPM_240: &[u8] = &[0xff, 0x51, 3, 0x03, 0xd0, 0x90];
 
 #[test]
 fn tempo_changes_land_exactly() {
-    // 120, then 60 after a beat, then 240 after another; 96 ticks a beat
+    // 120 beats a minute, 60 after a beat, then 240 after another; 96 ticks a beat
     let inside = file(0, 96, &[&[(0, HIT), (96, BPM_60), (0, HIT), (96, BPM_240), (0, HIT), (96, HIT), (48, HIT)]]);
     assert_eq!(times(&inside), [0.0, 0.5, 1.5, 1.75, 1.875]);
-    // the same with the tempo in a track of its own, which may come last
+    // the same with the tempo in a separate track, which may come last
     let tempo: &[(u32, &[u8])] = &[(96, BPM_60), (96, BPM_240)];
     let notes: &[(u32, &[u8])] = &[(0, HIT), (96, HIT), (96, HIT), (96, HIT), (48, HIT)];
     assert_eq!(times(&file(1, 96, &[tempo, notes])), [0.0, 0.5, 1.5, 1.75, 1.875]);
@@ -264,7 +264,7 @@ fn says_what_the_file_has() {
     );
     let e = read(&file(0, MS, &[&[]]), &[key()]).unwrap_err();
     assert!(e.what.ends_with("it has no notes or controllers"), "{e}");
-    // letting go of what was never struck moves nothing
+    // releasing a note that was never struck moves nothing
     assert!(read(&file(0, MS, &[&[(0, &[0x80, 60, 0])]]), &[key()]).is_err());
 }
 
@@ -282,7 +282,7 @@ fn refuses_what_it_would_misread() {
     assert_eq!(kind(b"MThd"), FileErrorKind::Format);
     assert_eq!(kind(b""), FileErrorKind::Format);
     assert_eq!(kind(&file(0, MS, &[&[(0, &[0xff, 0x51, 3, 0, 0, 0]), (0, HIT)]])), FileErrorKind::Content);
-    // without the whole second track it is read, with a remark
+    // a file without the whole second track is read, with a remark
     let track = file(1, MS, &[&[(0, HIT)]]).len() - 14;
     assert_eq!(read(&good[..good.len() - track], &[key()]).unwrap().remarks().len(), 1);
     for missing in (1..good.len()).filter(|n| *n != track) {
@@ -306,7 +306,7 @@ fn a_velocity_may_be_how_fast_it_goes() {
     map.map.velocity = Velocity::Speed;
     let t =
         one(map, &[(1000, &[0x90, 60, 127]), (1000, &[0x80, 60, 0]), (1000, &[0x90, 60, 32]), (2000, &[0x80, 60, 0])]);
-    // all the way, in a quarter of a second at 127; the speed falls evenly to a fifth of that
+    // the full range, in a quarter of a second at velocity 127; the speed decreases linearly to a fifth of that
     let slow = 0.25 / (0.2 + 0.8 * 32.0 / 127.0);
     for (time, want) in
         [(1.125, 1.5), (1.25, 2.0), (2.25, 1.5), (2.5, 1.0), (3.0 + 0.5 * slow, 1.5), (3.0 + slow, 2.0), (5.5, 1.0)]
@@ -357,7 +357,7 @@ fn notes_that_move_nothing_are_named() {
 
 #[test]
 fn the_pedal_holds_notes_until_it_is_up() {
-    // the pedal after the key, which comes up at 1 s; the pedal comes up at 2 s
+    // pedal down after the key; key up at 1 s, pedal up at 2 s
     let held: &[(u32, &[u8])] = &[
         (0, &[0x90, 60, 127]),
         (500, &[0xb0, 64, 64]),
@@ -369,14 +369,14 @@ fn the_pedal_holds_notes_until_it_is_up() {
     for (time, want) in [(0.25, 2.0), (1.25, 2.0), (2.0, 2.0), (2.25, 1.5), (2.5, 1.0)] {
         assert_eq!(t.at(time), want, "at {time}");
     }
-    // a key that is down when the pedal comes up stays so; all sound off ends what the pedal holds, all notes off does not
+    // a key down when the pedal comes up stays held; all sound off ends notes held by the pedal, all notes off does not
     let pedal = |last: &[u8]| -> f64 {
         one(key(), &[(0, &[0xb0, 64, 127]), (0, &[0x90, 60, 127]), (500, last), (500, &[0xb0, 64, 0])]).at(0.75)
     };
     assert_eq!([pedal(&[0xb0, 123, 0]), pedal(&[0xb0, 120, 0]), pedal(&[0xb0, 121, 0])], [2.0, 1.5, 2.0]);
     let t = one(key(), &[(0, &[0xb0, 64, 127]), (0, &[0x90, 60, 127]), (500, &[0xb0, 64, 0])]);
     assert_eq!(t.at(9.0), 2.0);
-    // a plectrum does not fall back, whatever the pedal does
+    // a plectrum (`back = false`) does not return, whatever the pedal does
     let mut map = key();
     map.map.back = false;
     let events: &[(u32, &[u8])] = &[(0, &[0xb0, 64, 127]), (0, &[0x90, 60, 127]), (500, &[60, 0])];
@@ -398,7 +398,7 @@ fn a_note_that_the_pedal_alone_holds_comes_up_before_the_next_one() {
     for (time, want) in [(2.0, 2.0), (2.25, 1.5), (2.5, 1.0), (2.75, there), (4.0, there), (4.5, 1.0)] {
         assert_eq!(t.at(time), want, "at {time}");
     }
-    // what comes meanwhile cuts it short
+    // a later event cuts the motion short
     let t = one(key(), &[&again[..4], &[(250, &[0xb0, 120, 0][..])]].concat());
     assert_eq!((t.at(2.25), t.at(2.75), t.at(9.0)), (1.5, 1.0, 1.0));
 }
@@ -426,7 +426,7 @@ fn what_no_port_follows_is_told() {
     let g = read(&file(0, MS, &[events]), &[key()]).unwrap();
     let told = "no port follows controller 7 on channel 1, pitch bend, channel pressure and key pressure on channel 2";
     assert_eq!(g.remarks(), [told]);
-    // a pedal is told where nothing can be held
+    // the pedal gets a remark if no port has notes to hold
     let g = read(&file(0, MS, &[events]), &[port("x", MidiSource::Control(7), None)]).unwrap();
     assert!(g.remarks()[1].starts_with("no port follows controller 64 on channel 1"), "{:?}", g.remarks());
 }

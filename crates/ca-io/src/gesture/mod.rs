@@ -1,17 +1,16 @@
-//! Gestures: what a hand did or shall do, from a file.
+//! Gestures: movements of a hand, read from a file.
 //!
-//! Decides that CSV, NPY, WAV and Standard MIDI files all become the same thing before a model sees them, a handful of
-//! named [`Track`]s, so that the engine has one way to be played and a take can be edited in whichever program is at
-//! hand. The whole file is read and checked at once: a bad number in the last line is an error before the first tick,
-//! never in the middle of a performance. The price is memory: eight bytes per sample, 23 MB a minute for one channel
-//! at 48 kHz.
+//! CSV, NPY, WAV and Standard MIDI files all become the same: a few named [`Track`]s. The engine thus has one way to be
+//! driven, and a take can be edited in any program. The whole file is read and checked at once: a bad number in the
+//! last line is an error before the first tick, never during a performance. This costs eight bytes per sample, 23 MB a
+//! minute for one channel at 48 kHz.
 //!
-//! | file | tracks are called | time |
+//! | file | names of tracks | time |
 //! |---|---|---|
-//! | `.csv` | as the header says | column `time` \[s\] |
-//! | `.npy` | as the fields of its dtype; `ch0`, `ch1`, … without fields | field `time` \[s\], or the rate given |
-//! | `.wav` | `ch0`, `ch1`, … | its own rate |
-//! | `.mid`, `.midi`, `.smf`, `.kar`, `.rmi` | as the ports it moves | its own tempo map |
+//! | `.csv` | from the header | column `time` \[s\] |
+//! | `.npy` | fields of its dtype; `ch0`, `ch1`, … without fields | field `time` \[s\], or the rate given |
+//! | `.wav` | `ch0`, `ch1`, … | its sample rate |
+//! | `.mid`, `.midi`, `.smf`, `.kar`, `.rmi` | the ports that it moves | its tempo map |
 
 use crate::error::{FileError, shown};
 #[cfg(feature = "files")]
@@ -40,36 +39,36 @@ pub use midi_port::{Glide, MidiPort, Motion};
 pub(crate) use track::check_rate;
 pub use track::{Cursor, Curve, LONGEST, Track};
 
-/// How MIDI moves one port of the model.
+/// Mapping from MIDI to one port of the model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PortMap {
-    /// name of the port
+    /// Name of the port.
     pub port: String,
-    /// notes, controller, bend or pressure, and what they mean in the unit of the port
+    /// Notes, controller, bend or pressure, and their values in the unit of the port.
     pub map: MidiMap,
 }
 
-/// The ports of a scene that listen to MIDI.
+/// Returns the ports of a scene that listen to MIDI.
 pub fn port_maps(scene: &Scene) -> Vec<PortMap> {
     let map = |i: &Input| Some(PortMap { port: i.name.clone(), map: i.midi? });
     scene.inputs.iter().filter_map(map).collect()
 }
 
-/// A file format a gesture can come from.
+/// File format of a gesture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GestureFormat {
-    /// text: `time, name…`
+    /// Text: `time, name…`.
     Csv,
-    /// an array of NumPy
+    /// NumPy array.
     Npy,
-    /// sound, one track per channel
+    /// Sound, one track per channel.
     Wav,
-    /// a Standard MIDI File
+    /// Standard MIDI File.
     Midi,
 }
 
 impl GestureFormat {
-    /// The format that the extension of `path` stands for.
+    /// Returns the format for the extension of `path`.
     pub fn of(path: &Path) -> Option<GestureFormat> {
         let ext = path.extension()?.to_str()?.to_ascii_lowercase();
         Some(match ext.as_str() {
@@ -91,10 +90,10 @@ pub struct Gesture {
 }
 
 impl Gesture {
-    /// A gesture of these tracks, whose names must differ.
+    /// Makes a gesture of these tracks, whose names must differ.
     ///
     /// # Errors
-    /// Where a track has no name, or two have the same.
+    /// If a track has no name, or two have the same name.
     pub fn new(tracks: Vec<Track>) -> Result<Gesture, FileError> {
         for (i, t) in tracks.iter().enumerate() {
             if t.name().is_empty() {
@@ -108,7 +107,7 @@ impl Gesture {
         Ok(Gesture { tracks, remarks: Vec::new(), midi: false })
     }
 
-    /// Several gestures as one.
+    /// Combines several gestures.
     ///
     /// # Errors
     /// If two tracks have the same name.
@@ -122,40 +121,40 @@ impl Gesture {
         Ok(Gesture { remarks, midi, ..Gesture::new(tracks)? })
     }
 
-    /// Its only track, called `name`; `None` where it has several.
+    /// Returns the gesture with its only track renamed to `name`; `None` if it has several.
     pub fn named(self, name: &str) -> Option<Gesture> {
         let [one] = &self.tracks[..] else { return None };
         let tracks = vec![one.clone().named(name)];
         Some(Gesture { tracks, ..self })
     }
 
-    /// As one from a MIDI file, or as one that is not.
+    /// Returns the gesture marked as read from a MIDI file, or not.
     #[must_use]
     pub fn as_midi(self, midi: bool) -> Gesture {
         Gesture { midi, ..self }
     }
 
-    /// All tracks, in the order of the file.
+    /// Returns all tracks, in the order of the file.
     pub fn tracks(&self) -> &[Track] {
         &self.tracks
     }
 
-    /// Remarks on the file, in words: events that move nothing, and ways in which it breaks the standard of its format.
+    /// Returns remarks on the file: events that move nothing, and violations of the standard of its format.
     pub fn remarks(&self) -> &[String] {
         &self.remarks
     }
 
-    /// True if a MIDI file is part of it, which is played to its end.
+    /// Returns true if a MIDI file is part of it; such a gesture is played to its end.
     pub fn is_midi(&self) -> bool {
         self.midi
     }
 
-    /// The track of that name.
+    /// Returns the track of that name.
     pub fn track(&self, name: &str) -> Option<&Track> {
         self.tracks.iter().find(|t| t.name() == name)
     }
 
-    /// Time of the last value of any track \[s\].
+    /// Returns the time of the last value of any track \[s\].
     pub fn duration(&self) -> f64 {
         self.tracks.iter().map(Track::duration).fold(0.0, f64::max)
     }
@@ -163,13 +162,13 @@ impl Gesture {
 
 #[cfg(feature = "files")]
 impl Gesture {
-    /// Reads the file at `path` in the format its extension stands for.
+    /// Reads the file at `path` in the format for its extension.
     ///
-    /// `ports` says how MIDI moves the model (unused by other formats); `rate` \[Hz\] is for arrays without a `time` of
-    /// their own.
+    /// `ports` maps MIDI to the model, and is unused for other formats. `rate` \[Hz\] is for arrays without a field
+    /// `time`.
     ///
     /// # Errors
-    /// Where the file cannot be read or is larger than a gesture may be, or as [`Gesture::read`].
+    /// If the file cannot be read or is too large, or as [`Gesture::read`].
     pub fn open(path: impl AsRef<Path>, ports: &[PortMap], rate: Option<f64>) -> Result<Gesture, FileError> {
         let path = path.as_ref();
         let format = GestureFormat::of(path).ok_or_else(|| {
@@ -185,7 +184,8 @@ impl Gesture {
     /// Reads a gesture from memory; errors name no file.
     ///
     /// # Errors
-    /// Where the bytes are not of the format, with the line or field, or `rate` is given for a format that has its own.
+    /// If the bytes are not of the format, with the line or field, or if `rate` is given for a format with its own
+    /// time.
     pub fn read(
         format: GestureFormat,
         bytes: &[u8],
@@ -204,7 +204,7 @@ impl Gesture {
     }
 }
 
-/// The tracks of the gesture that a scene brings along; an error for one that is not a curve over time.
+/// Returns the tracks of the gesture in a scene, with an error for each that is not a curve over time.
 pub fn own(scene: &Scene) -> impl Iterator<Item = Result<Track, FileError>> {
     scene
         .about

@@ -1,14 +1,13 @@
-//! NPY gestures: an array as `numpy.save` writes it.
+//! NPY gestures: arrays written by `numpy.save`.
 //!
-//! Decides where time comes from: an array with named fields (a structured dtype) may have a field `time`, in seconds,
-//! and its other fields are the tracks; any other array, of shape `(frames,)` or `(frames, columns)`, is sampled at the
-//! rate the caller gives, and its columns are `ch0`, `ch1`, …. Taking the first column of a plain array for time was
-//! the alternative: it would play a recording as a clock, or a clock as a recording, without a word. Values are taken
-//! as they are, integers too.
+//! An array with named fields (a structured dtype) may have a field `time`, in seconds; its other fields are the
+//! tracks. Any other array, of shape `(frames,)` or `(frames, columns)`, has the rate given by the caller and columns
+//! `ch0`, `ch1`, …. The first column of a plain array is never taken as time, because that would silently confuse
+//! recordings and times. Values are used unscaled, integers too.
 //!
-//! npyz reads the header and the numbers. The header is looked at first: npyz multiplies the shape without a check, calls itself
-//! once for each bracket and each dimension of a field, and takes memory for a header as long as the file says, so that a crafted
-//! file would end the process.
+//! npyz reads the header and the numbers. This module checks the header first, because a crafted file would crash npyz:
+//! it multiplies the shape without overflow checks, recurses for each bracket and each dimension of a field, and
+//! allocates the header length given in the file.
 
 use super::{Gesture, Track, check_rate};
 use crate::error::{FileError, FileErrorKind, lower, shown};
@@ -16,14 +15,14 @@ use ca_core::internal::numeric::Plain;
 use half::f16;
 use npyz::{DType, Deserialize, NpyHeader, Order, TypeChar, TypeRead as _};
 
-/// More columns than this are a matrix the wrong way round.
+/// Largest number of columns; more are likely a transposed matrix.
 const MAX_COLUMNS: usize = 1024;
 /// Longest header \[bytes\].
 const MAX_HEADER: usize = 1 << 17;
-/// Brackets of a field in the list of fields in the dictionary.
+/// Nesting of brackets for a field in the list of fields in the dictionary.
 const DEEP: usize = 3;
 
-/// Reads an NPY gesture; `rate` \[Hz\] for arrays without a field `time`.
+/// Reads an NPY gesture; `rate` \[Hz\] is for arrays without a field `time`.
 pub(super) fn read(bytes: &[u8], rate: Option<f64>) -> Result<Gesture, FileError> {
     let (text, data) = split(bytes)?;
     check(&text)?;
@@ -60,7 +59,7 @@ pub(super) fn read(bytes: &[u8], rate: Option<f64>) -> Result<Gesture, FileError
         let what = format!("the file is cut short: {frames} frames announced, {} bytes of data", data.len());
         return Err(FileError::format(what));
     }
-    // from here on frames × per_row × item ≤ data.len()
+    // from here on, frames × per_row × item ≤ data.len()
     let mut columns: Vec<(String, Vec<f64>)> = Vec::new();
     if structured {
         let mut offset = 0;
@@ -88,7 +87,6 @@ pub(super) fn read(bytes: &[u8], rate: Option<f64>) -> Result<Gesture, FileError
     tracks(columns, rate)
 }
 
-/// Gives the columns their time.
 fn tracks(mut columns: Vec<(String, Vec<f64>)>, rate: Option<f64>) -> Result<Gesture, FileError> {
     let time = columns.iter().position(|c| c.0 == "time").map(|i| columns.remove(i).1);
     if columns.is_empty() {
@@ -118,7 +116,6 @@ fn tracks(mut columns: Vec<(String, Vec<f64>)>, rate: Option<f64>) -> Result<Ges
     Gesture::new(made?)
 }
 
-/// The text of the header, and the data.
 fn split(bytes: &[u8]) -> Result<(String, &[u8]), FileError> {
     let short = || FileError::format("the file is cut short in its header");
     let Some(rest) = bytes.strip_prefix(b"\x93NUMPY") else {
@@ -145,7 +142,7 @@ fn wrong(what: &str) -> FileError {
     FileError::format(format!("its header has {what}")).fix("write it with `numpy.save(file, array)`")
 }
 
-/// Refuses a header that npyz does not get through: it holds strings, whole numbers, truth values and few brackets.
+/// Refuses a header that could crash npyz: allows only strings, whole numbers, truth values and few brackets.
 fn check(text: &str) -> Result<(), FileError> {
     let (mut deep, mut numbers, mut rest) = (0_usize, 1_u64, text);
     while let Some(c) = rest.chars().next() {
@@ -178,20 +175,19 @@ fn check(text: &str) -> Result<(), FileError> {
     Ok(())
 }
 
-/// Reads a header, as one of version 3.
 fn header(text: &str) -> Result<NpyHeader, FileError> {
     let text = text.trim_end();
     let bytes = [&b"\x93NUMPY\x03\0"[..], &(text.len() as u32).to_le_bytes(), text.as_bytes()].concat();
     NpyHeader::from_reader(&bytes[..]).map_err(|e| {
         let why = e.to_string();
-        // what follows is of the parser
+        // the rest of the message is from the parser
         let why = why.split_once(": ").map_or(why.as_str(), |w| if w.0.contains("Python") { w.0 } else { &why });
         let e = FileError::format(format!("its header is not read: {}", lower(&shown(why))));
         e.fix("write it with `numpy.save(file, array)`")
     })
 }
 
-/// Bytes of a number of this type, or of what aligns the next field.
+/// Returns the size of a number of this type, or with `padding` of a gap that aligns the next field \[bytes\].
 fn size(ty: &DType, padding: bool) -> Result<usize, FileError> {
     if let DType::Plain(t) = ty {
         let known = match t.type_char() {
@@ -211,7 +207,7 @@ fn size(ty: &DType, padding: bool) -> Result<usize, FileError> {
     Err(e.fix("save it as `float64`, `float32`, `float16` or integers: `a.astype(float)`"))
 }
 
-/// Numbers of any type of [`size`], each from its bytes.
+/// Reads numbers of any type accepted by [`size`], each from its bytes.
 fn column<'b>(ty: &DType, cells: impl Iterator<Item = &'b [u8]>) -> Result<Vec<f64>, FileError> {
     fn all<'b, T: Deserialize>(
         ty: &DType,

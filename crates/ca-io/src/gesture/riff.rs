@@ -1,49 +1,48 @@
-//! RIFF: the format and the samples of a WAV file, whatever chunks stand around them.
+//! RIFF: finds the format and the samples of a WAV file among its chunks.
 //!
-//! Reads `RIFF` and, for files beyond 4 GiB, `RF64` and `BW64` (EBU Tech 3306, ITU-R BS.2088), whose chunk `ds64` holds 64-bit
-//! sizes. A program that writes to a pipe cannot go back to enter a size: `ffmpeg` leaves 0xffffffff, `sox` 0x7ffff000,
-//! others the largest number of 31 or 32 bits, a neighbour of it, what the header leaves of it, or 0. Such samples go on to the
-//! end of the file. A size of 0 says so only where the size of the whole is open too, so that a file without samples stays
-//! without samples.
+//! Reads `RIFF` and, for files beyond 4 GiB, `RF64` and `BW64` (EBU Tech 3306, ITU-R BS.2088), whose chunk `ds64` holds
+//! 64-bit sizes.
 //!
-//! No library covers this: hound 3.5 knows neither `RF64` nor open sizes, pad bytes or 64-bit floats, and reads 24 bits in 32
-//! from the wrong end; symphonia 0.6 lacks `RF64`, bwavfile 2.0 64-bit floats.
+//! A program that writes to a pipe cannot enter a size afterwards. `ffmpeg` leaves 0xffffffff, `sox` 0x7ffff000; others
+//! leave the largest number of 31 or 32 bits, a neighbour of it, that number less the header, or 0. Such samples extend
+//! to the end of the file. A size of 0 means this only if the size of the whole file is open too, so that a file
+//! without samples stays empty.
+//!
+//! No library covers this. hound 3.5 knows neither `RF64` nor open sizes, pad bytes or 64-bit floats, and reads 24 bits
+//! in 32 from the wrong end. symphonia 0.6 lacks `RF64`, bwavfile 2.0 64-bit floats.
 
-/// The largest size of 32 bits.
 const LARGEST: u64 = 0xffff_ffff;
 
-/// True of a size that means "to the end of the file".
+/// Returns true for a size that means "to the end of the file".
 fn is_open(size: u64) -> bool {
     (0x7fff_f000..=0x8000_0000).contains(&size) || (0xffff_f000..=LARGEST).contains(&size)
 }
-/// The tag of an extensible format, and where the tag of its samples stands.
+/// Tag of an extensible format, and offset of the tag of its samples.
 const EXTENSIBLE: (u32, usize) = (0xfffe, 24);
 
-/// The chunks of a file.
 pub(super) struct Chunks<'b> {
     pub format: Format,
-    /// samples, as far as they are there
+    /// Samples, as far as the file contains them.
     pub data: &'b [u8],
-    /// bytes of samples, as the file says
+    /// Bytes of samples according to the file.
     pub announced: u64,
 }
 
-/// The format of the samples.
 #[derive(Clone, Copy)]
 pub(super) struct Format {
-    /// 1 for integers, 3 for floats
+    /// 1 for integers, 3 for floats.
     pub kind: u32,
-    /// \[Hz\]
+    /// Sample rate \[Hz\].
     pub rate: u32,
     pub channels: usize,
-    /// bytes of a sample
+    /// Bytes of a sample.
     pub bytes: usize,
-    /// bits of it that count
+    /// Significant bits of a sample.
     pub bits: u32,
 }
 
 impl Chunks<'_> {
-    /// Finds them, or says which of them is missing.
+    /// Finds the chunks, or returns a message about the missing one.
     pub fn find(bytes: &[u8]) -> Result<Chunks<'_>, &'static str> {
         let (tag, rest) = bytes.split_at_checked(4).ok_or("`RIFF` is missing at its beginning")?;
         let long = matches!(tag, b"RF64" | b"BW64");
@@ -95,7 +94,7 @@ impl Format {
     }
 }
 
-/// A number of so many bytes, the least first.
+/// Reads a little-endian number of `bytes` bytes.
 fn number(of: &[u8], at: usize, bytes: usize) -> Option<u64> {
     let all = of.get(at..at.checked_add(bytes)?)?;
     Some(all.iter().rev().fold(0, |n, b| n << 8 | u64::from(*b)))

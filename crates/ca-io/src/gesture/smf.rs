@@ -1,43 +1,41 @@
-//! A Standard MIDI File as one list of events with their times.
+//! Reads a Standard MIDI File as one list of events with times.
 //!
-//! Decides that tracks are merged by tick, and where ticks agree by the order of tracks, then of events: what a
-//! sequencer plays. Tempo changes count wherever they stand, as sequencers have it, although format 1 keeps them in
-//! the first track. Midly reads the events, one by one, because asked for a whole track it ends it silently at the
-//! first event it cannot read; here the bytes it leaves unread are an error with a place. The chunks and the header
-//! are read here: midly takes what there is of a chunk for all of it, and overflows on one kind of frame rate.
+//! Tracks are merged by tick; at equal ticks by the order of tracks, then of events, as in sequencers. Tempo changes
+//! apply in every track, as in sequencers, although format 1 has them only in the first.
 //!
-//! Files break the standard in ways that players accept, and so does this reader: running status that goes on after a meta or
-//! system-exclusive event, and more tracks than the header announces. A remark tells both. A file may also be wrapped in
+//! Events are read from midly one by one. When asked for a whole track, midly silently ends it at the first event that
+//! it cannot read; here the unread bytes are an error with a place. This module reads the chunks and the header,
+//! because midly accepts a truncated chunk as whole, and overflows on one kind of frame rate.
+//!
+//! Some violations of the standard are accepted with a remark, as players accept them: running status that continues
+//! after a meta or system-exclusive event, and a wrong number of tracks in the header. A file may also be wrapped in
 //! RIFF (RMID, `.rmi`).
 
 use crate::error::{FileError, FileErrorKind};
 use midly::{EventIter, MetaMessage, MidiMessage, TrackEventKind};
 
-/// One message, when and where.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Event {
-    /// \[s\] from the beginning
+    /// Time from the beginning \[s\].
     pub time: f64,
-    /// 1 to 16
+    /// Channel, 1 to 16.
     pub channel: u8,
     pub message: MidiMessage,
 }
 
 enum Raw {
     Message(u8, MidiMessage),
-    /// microseconds per beat
+    /// Microseconds per beat.
     Tempo(u32),
 }
 
-/// The contents of a file.
 pub(super) struct Messages {
-    /// all channel messages, in order of time
+    /// All channel messages, in order of time.
     pub events: Vec<Event>,
-    /// how the file breaks the standard, in words
+    /// Violations of the standard, in words.
     pub remarks: Vec<String>,
 }
 
-/// All channel messages of a file.
 pub(super) fn messages(bytes: &[u8]) -> Result<Messages, FileError> {
     let not_one = || FileError::format("it is not a Standard MIDI File").fix("export it as one, format 0 or 1");
     let bytes = unwrapped(bytes).ok_or_else(not_one)?;
@@ -56,7 +54,7 @@ pub(super) fn messages(bytes: &[u8]) -> Result<Messages, FileError> {
     let (mut found, mut broken) = (0, 0);
     while let Some((head, after)) = rest.split_at_checked(8) {
         let is_track = head.starts_with(b"MTrk");
-        // anything may stand behind the last track
+        // anything may follow the last track
         if found >= announced && !is_track {
             break;
         }
@@ -65,13 +63,13 @@ pub(super) fn messages(bytes: &[u8]) -> Result<Messages, FileError> {
             return Err(cut(format!("track {} is {} bytes longer than the file", found + 1, size - after.len())));
         };
         rest = after;
-        // chunks of other kinds may stand between
+        // chunks of other types may come between
         if is_track {
             found += 1;
             broken += read_track(found, EventIter::new(body), &mut raw)?;
         }
     }
-    // whole tracks may be missing, a part of one may not
+    // whole tracks may be missing, but not part of one
     if found == 0 || found < announced && !rest.is_empty() {
         return Err(cut(format!("{announced} tracks are announced, {found} are there")));
     }
@@ -88,7 +86,7 @@ pub(super) fn messages(bytes: &[u8]) -> Result<Messages, FileError> {
         let times = if broken == 1 { "once".into() } else { format!("{broken} times") };
         remarks.push(format!("running status goes on {times} {rule}; it is read as before that event"));
     }
-    // stable: the order of tracks and events is kept within a tick
+    // stable, so tracks and events keep their order within a tick
     raw.sort_by_key(|e| e.0);
     let mut events = Vec::with_capacity(raw.len());
     for (tick, what) in raw {
@@ -100,7 +98,8 @@ pub(super) fn messages(bytes: &[u8]) -> Result<Messages, FileError> {
     Ok(Messages { events, remarks })
 }
 
-/// The file in a RIFF container of the form RMID, or the bytes themselves; `None` where the container holds no file.
+/// Returns the file inside a RIFF container of the form RMID, or the bytes themselves; `None` if the container has no
+/// file.
 fn unwrapped(bytes: &[u8]) -> Option<&[u8]> {
     let Some(riff) = bytes.strip_prefix(b"RIFF") else { return Some(bytes) };
     let mut rest = riff.get(4..)?.strip_prefix(b"RMID")?;
@@ -108,7 +107,7 @@ fn unwrapped(bytes: &[u8]) -> Option<&[u8]> {
         let (head, body) = rest.split_at_checked(8)?;
         let size = u32::from_le_bytes([head[4], head[5], head[6], head[7]]) as usize;
         if head.starts_with(b"data") {
-            // where it is cut short, its tracks are
+            // a truncated container gives the error of a truncated track
             return Some(&body[..size.min(body.len())]);
         }
         rest = body.get(size.checked_add(size % 2)?..)?;
@@ -119,14 +118,14 @@ fn cut(what: String) -> FileError {
     FileError::format(what).fix("the file is cut short or damaged; export it again")
 }
 
-/// Reads a track. Returns how often running status goes on after a meta or system-exclusive event.
+/// Reads a track, and returns how often running status continues after a meta or system-exclusive event.
 fn read_track(n: u32, mut track: EventIter<'_>, raw: &mut Vec<(u64, Raw)>) -> Result<u32, FileError> {
     let length = track.unread().len();
     let mut tick = 0u64;
     let (mut status, mut broken) = (None, 0);
     for event in 1.. {
         let before = track.unread().len();
-        // midly forgets the status at a meta or system-exclusive event
+        // midly resets the running status at a meta or system-exclusive event
         status = track.running_status().or(status);
         if track.running_status() != status && lacks_status(track.unread()) {
             *track.running_status_mut() = status;
@@ -154,32 +153,32 @@ fn read_track(n: u32, mut track: EventIter<'_>, raw: &mut Vec<(u64, Raw)>) -> Re
     Ok(broken)
 }
 
-/// True if the next event begins with data: no status byte follows its delta time.
+/// Returns true if the next event begins with data: no status byte follows its delta time.
 fn lacks_status(unread: &[u8]) -> bool {
     let delta = unread.iter().take_while(|b| **b >= 0x80).count();
     unread.get(delta + 1).is_some_and(|b| *b < 0x80)
 }
 
-/// From ticks to seconds, in order of time.
+/// Converts ticks to seconds, in order of time.
 ///
-/// Seconds are `(done + (tick − since) · step) / per_second`, all of it integers but the one division.
+/// Seconds are `(done + (tick − since) · step) / per_second`, with integers for all but the division.
 struct Clock {
     done: u128,
     since: u64,
     step: u32,
     per_second: f64,
-    /// SMPTE time knows no tempo
+    /// False for SMPTE time, which has no tempo.
     beats: bool,
 }
 
 impl Clock {
-    /// From the last two bytes of the header.
+    /// Takes the last two bytes of the header.
     fn new(time: [u8; 2]) -> Result<Clock, FileError> {
         let sub = f64::from(time[1]);
         let (beats, step, per_second) = match time[0] {
-            // 120 beats a minute until told otherwise
+            // 120 beats a minute until the first tempo event
             0..0x80 => (true, 500_000, f64::from(u16::from_be_bytes(time)) * 1e6),
-            // frames a second, negative; 29 means 30 / 1.001
+            // frames a second, negated; 29 means 30 / 1.001
             frames => match frames.wrapping_neg() {
                 29 => (false, 1001, 30_000.0 * sub),
                 fps @ (24 | 25 | 30) => (false, 1, f64::from(fps) * sub),

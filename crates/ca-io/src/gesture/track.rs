@@ -1,37 +1,37 @@
-//! One quantity as a function of time, and how it is read while time runs.
+//! Tracks: one quantity as a function of time, and its evaluation.
 //!
-//! Decides that every gesture, whatever file it came from, is a piecewise-linear function: breakpoints with their own
-//! times, or samples at a rate. Both hold their first value before the beginning and their last after the end, so that
-//! a port always has a value. Two breakpoints at one time are a jump; the later one counts from that time on. Splines
-//! were the alternative: they overshoot, and a hand that strikes must not be pushed below the string by the reader.
+//! Every gesture is a piecewise-linear function, whatever its file: breakpoints with times, or samples at a rate.
+//! Before the beginning it has its first value and after the end its last, so that a port always has a value. Two
+//! breakpoints at one time are a jump; the later one applies from that time on. Splines are not used because they
+//! overshoot: a striking hand must not be pushed below the string.
 //!
-//! Values and times are finite by construction, and so is everything in between: bad input never reaches a model.
+//! Values and times are finite by construction, and so are interpolated values: bad input never reaches a model.
 
 use crate::error::FileError;
 use ca_core::internal::numeric::Plain;
 
-/// Longest time that a gesture may have, either side of zero \[s\]: a day, as long as a performance is asked to last at most.
+/// Greatest time of a gesture, on either side of zero \[s\]: a day, the greatest length of a performance.
 pub const LONGEST: f64 = 86_400.0;
 
-/// Highest rate of samples \[Hz\], and the inverse of the lowest.
+/// Highest sample rate \[Hz\], and inverse of the lowest.
 const FASTEST: f64 = 1e9;
 
-/// The error of a time that is longer than [`LONGEST`] \[s\].
+/// Makes the error for a time beyond [`LONGEST`] \[s\].
 pub(super) fn too_long(t: f64) -> FileError {
     let what = format!("the time is {} s, and a gesture lasts {} s at most", Plain(t), Plain(LONGEST));
     FileError::content(what).fix("cut the rest off, or write times in seconds")
 }
 
-/// How a track is kept.
+/// Values of a track.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Curve {
-    /// time \[s\] and value, times never decreasing, at least one
+    /// Times \[s\] and values, at least one, with times that never decrease.
     Points(Vec<(f64, f64)>),
-    /// samples at a rate \[Hz\] from time 0, at least one
+    /// Rate \[Hz\], and samples from time 0, at least one.
     Samples(f64, Vec<f64>),
 }
 
-/// One named quantity over time, in the unit of the port or live parameter it is meant for.
+/// One named quantity over time, in the unit of its port or live parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Track {
     name: String,
@@ -39,10 +39,10 @@ pub struct Track {
 }
 
 impl Track {
-    /// A track through breakpoints (time \[s\], value). Times may repeat (a jump) but not run backwards.
+    /// Makes a track through breakpoints (time \[s\], value). Times may repeat (a jump) but not decrease.
     ///
     /// # Errors
-    /// Where there is no point, time runs backwards, or a number is not finite.
+    /// If there is no point, times decrease or exceed [`LONGEST`], or a number is not finite.
     pub fn points(name: impl Into<String>, points: Vec<(f64, f64)>) -> Result<Track, FileError> {
         let name = name.into();
         let err = |i: usize, what: String| Err(FileError::content(what).at(format!("track `{name}`, point {i}")));
@@ -66,10 +66,10 @@ impl Track {
         Ok(Track { name, curve: Curve::Points(points) })
     }
 
-    /// A track of samples, the first at time 0, at `rate` \[Hz\].
+    /// Makes a track of samples at `rate` \[Hz\], the first at time 0.
     ///
     /// # Errors
-    /// Where the rate is no rate, there is no sample, or one is not finite.
+    /// If the rate is invalid, there is no sample, one is not finite, or the track is longer than [`LONGEST`].
     pub fn sampled(name: impl Into<String>, rate: f64, samples: Vec<f64>) -> Result<Track, FileError> {
         let name = name.into();
         check_rate(rate)?;
@@ -87,24 +87,24 @@ impl Track {
         Ok(Track { name, curve: Curve::Samples(rate, samples) })
     }
 
-    /// The same track under another name.
+    /// Returns the same track under another name.
     #[must_use]
     pub fn named(mut self, name: impl Into<String>) -> Track {
         self.name = name.into();
         self
     }
 
-    /// What it is called: a port or a live parameter.
+    /// Returns the name of its port or live parameter.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Its values.
+    /// Returns the values.
     pub fn curve(&self) -> &Curve {
         &self.curve
     }
 
-    /// Time of the last value \[s\], 0 if there is none after the beginning.
+    /// Returns the time of the last value \[s\], 0 if none is after the beginning.
     pub fn duration(&self) -> f64 {
         match &self.curve {
             Curve::Points(p) => p[p.len() - 1].0.max(0.0),
@@ -112,7 +112,7 @@ impl Track {
         }
     }
 
-    /// Whether the value ever changes.
+    /// Returns true if the value ever changes.
     pub fn moves(&self) -> bool {
         match &self.curve {
             Curve::Points(p) => p.iter().any(|q| q.1 != p[0].1),
@@ -120,7 +120,7 @@ impl Track {
         }
     }
 
-    /// Breakpoints or samples it is made of; never 0.
+    /// Returns the number of breakpoints or samples; never 0.
     pub fn n_points(&self) -> usize {
         match &self.curve {
             Curve::Points(p) => p.len(),
@@ -128,7 +128,7 @@ impl Track {
         }
     }
 
-    /// Value at time `t` \[s\], by bisection; always finite.
+    /// Returns the value at time `t` \[s\], by bisection; always finite.
     pub fn at(&self, t: f64) -> f64 {
         match &self.curve {
             Curve::Points(p) => between(p, p.partition_point(|q| q.0 <= t).saturating_sub(1), t),
@@ -136,10 +136,11 @@ impl Track {
         }
     }
 
-    /// Value at time `t` \[s\] where `hint` was left by the previous call (0 at first): amortised O(1) while time goes
-    /// forward, a bisection where it jumps back, no allocation. The same bits as [`Track::at`].
+    /// Returns the value at time `t` \[s\], with the same bits as [`Track::at`], faster for consecutive times.
     ///
-    /// The hint is a bare number so that an engine can own the track and its hint side by side.
+    /// `hint` is from the previous call, 0 at first. The cost is amortised O(1) while time increases, a bisection where
+    /// it decreases, without allocation. The hint is a plain number so that an engine can own the track and its hint
+    /// side by side.
     pub fn at_near(&self, hint: &mut usize, t: f64) -> f64 {
         match &self.curve {
             Curve::Samples(rate, v) => sample(*rate, v, t),
@@ -158,13 +159,13 @@ impl Track {
         }
     }
 
-    /// A reader of this track alone, from its beginning.
+    /// Returns a reader of this track, from its beginning.
     pub fn cursor(&self) -> Cursor<'_> {
         Cursor { track: self, hint: 0 }
     }
 }
 
-/// Reads one track as time runs.
+/// Reads one track at increasing times.
 #[derive(Clone, Debug)]
 pub struct Cursor<'a> {
     track: &'a Track,
@@ -172,7 +173,7 @@ pub struct Cursor<'a> {
 }
 
 impl Cursor<'_> {
-    /// Value at time `t` \[s\]; see [`Track::at_near`].
+    /// Returns the value at time `t` \[s\]; see [`Track::at_near`].
     pub fn at(&mut self, t: f64) -> f64 {
         self.track.at_near(&mut self.hint, t)
     }
@@ -185,7 +186,7 @@ pub(crate) fn check_rate(rate: f64) -> Result<(), FileError> {
     Err(FileError::usage(format!("a rate of {} Hz", Plain(rate))).fix("give samples per second, for example 3000"))
 }
 
-/// Value at `t` where `i` is the last point at or before `t`, or the first.
+/// Returns the value at `t`, where `i` is the last point at or before `t`, or the first.
 fn between(p: &[(f64, f64)], i: usize, t: f64) -> f64 {
     let (t0, a) = p[i];
     match p.get(i + 1) {
@@ -202,7 +203,7 @@ fn sample(rate: f64, v: &[f64], t: f64) -> f64 {
     if x >= (v.len() - 1) as f64 {
         return v[v.len() - 1];
     }
-    // (n / rate) * rate is not always n: a time that means a sample gets that sample, to the bit
+    // (n / rate) · rate is not always n: the time of a sample gives that sample, to the bit
     let near = x.round();
     if (x - near).abs() <= near * (4.0 * f64::EPSILON) {
         return v[near as usize];
@@ -211,7 +212,7 @@ fn sample(rate: f64, v: &[f64], t: f64) -> f64 {
     mix(v[i], v[i + 1], x - i as f64)
 }
 
-/// Between `a` and `b`, and never beyond either, even where b − a is not a number of this world.
+/// Interpolates between `a` and `b`, and never exceeds them, even if b − a overflows.
 fn mix(a: f64, b: f64, u: f64) -> f64 {
     (a * (1.0 - u) + b * u).clamp(a.min(b), a.max(b))
 }

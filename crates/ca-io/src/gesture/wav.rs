@@ -1,22 +1,21 @@
-//! WAV gestures: every channel a track, `ch0`, `ch1`, …
+//! WAV gestures: every channel becomes a track, `ch0`, `ch1`, …
 //!
-//! Decides that full scale is 1 and nothing more, one metre or one newton at a port: a recorded hand fills a small part
-//! of it, so floats serve best. Integers of 8, 16, 24 and 32 bits are divided by 2ⁿ⁻¹, so that the most negative one is −1 exactly, and
-//! the writer of sounds agrees to the bit. Samples with fewer bits than their bytes hold use the high bits, as in libsndfile. Floats,
-//! of 32 or 64 bits, may exceed 1; they may not be infinite.
+//! Full scale is 1, that is one metre or one newton at a port. A recorded hand uses a small part of it, so floats are
+//! best. Integers of 8, 16, 24 and 32 bits are divided by 2ⁿ⁻¹, so that the most negative one is −1 exactly; the writer
+//! of sounds is the inverse, to the bit. Samples with fewer bits than their bytes hold use the high bits, as in
+//! libsndfile. Floats, of 32 or 64 bits, may exceed 1 but must be finite.
 
 use super::riff::{Chunks, Format};
 use super::{Gesture, Track};
 use crate::error::{FileError, FileErrorKind};
 
-/// Reads a WAV gesture.
 pub(super) fn read(bytes: &[u8]) -> Result<Gesture, FileError> {
     let (rate, channels) = channels(bytes)?;
     let tracks = channels.into_iter().enumerate().map(|(c, v)| Track::sampled(format!("ch{c}"), rate, v));
     Gesture::new(tracks.collect::<Result<_, _>>()?)
 }
 
-/// The rate \[Hz\] of a WAV file and the samples of each of its channels.
+/// Returns the rate \[Hz\] of a WAV file and the samples of each channel.
 pub(crate) fn channels(bytes: &[u8]) -> Result<(f64, Vec<Vec<f64>>), FileError> {
     let no_wav = |what: &str| FileError::format(format!("it is not a WAV file: {what}"));
     let Chunks { format, data, announced } = Chunks::find(bytes).map_err(no_wav)?;
@@ -49,10 +48,8 @@ pub(crate) fn channels(bytes: &[u8]) -> Result<(f64, Vec<Vec<f64>>), FileError> 
     Ok((f64::from(format.rate), channels))
 }
 
-/// The function from the bytes of a sample to its value.
 type Decoder = Box<dyn Fn(&[u8]) -> f64>;
 
-/// The decoder of a format, or an error where there is none.
 fn decoder(format: Format, data: &[u8]) -> Result<Decoder, FileError> {
     const INTEGERS: u32 = 1;
     const FLOATS: u32 = 3;
@@ -74,7 +71,8 @@ fn decoder(format: Format, data: &[u8]) -> Result<Decoder, FileError> {
     })
 }
 
-/// True for samples in the low bits of their bytes, as hound writes them. The standard uses the high bits, above zeros.
+/// Returns true for samples in the low bits of their bytes, as hound writes them. The standard uses the high bits, with
+/// zeros below.
 fn at_the_low_end(format: Format, data: &[u8]) -> bool {
     let wide = 8 * format.bytes as u32;
     let (unused, above) = (wide - format.bits, 32 - format.bits);
@@ -82,7 +80,7 @@ fn at_the_low_end(format: Format, data: &[u8]) -> bool {
     unused > 0 && all().any(|v| v & !(-1 << unused) != 0) && all().all(|v| v == v << above >> above)
 }
 
-/// Up to four bytes, the least first.
+/// Reads up to four bytes, little-endian.
 fn integer(bytes: &[u8]) -> i32 {
     bytes.iter().rev().fold(0, |n, b| n << 8 | i32::from(*b))
 }
@@ -120,7 +118,6 @@ mod tests {
         assert_eq!((g.tracks()[0].at(0.0), g.tracks()[0].at(1.0)), (0.25, -3.0));
     }
 
-    /// A file with a chunk between the format and the samples.
     fn with_chunk(file: &[u8], chunk: &[u8]) -> Vec<u8> {
         [&file[..36], chunk, &file[36..]].concat()
     }
@@ -131,17 +128,17 @@ mod tests {
         let of = |bytes: &[u8]| channels(bytes).unwrap();
         let plain = of(&file);
         assert_eq!(plain.1, [[1.0, 2.0, 3.0].map(|v| v / 32768.0)]);
-        // names of the artist and of the program, of an odd number of bytes, which one more fills up
+        // a chunk of an odd number of bytes, with its pad byte
         assert_eq!(of(&with_chunk(&file, b"LIST\x05\0\0\0INFOx\0")), plain);
         assert_eq!(of(&with_chunk(&file, b"LIST\x04\0\0\0INFO")), plain);
-        // written to a pipe, which cannot be gone back in
+        // written to a pipe, without seeking back
         let mut piped = file.clone();
         piped[40..44].fill(0xff);
         piped.push(0);
         assert_eq!(of(&piped), plain);
     }
 
-    /// As SciPy writes an array, `extensible` as other programs do.
+    /// Makes a file as SciPy writes an array, or `extensible` as other programs do.
     fn doubles(samples: &[f64], extensible: bool) -> Vec<u8> {
         let mut file = wav(2, 32, SampleFormat::Float, &[0f32; 2])[..36].to_vec();
         let (kind, more) = if extensible { (0xfffe_u16, 24) } else { (3, 0) };
@@ -178,7 +175,7 @@ mod tests {
         assert_eq!(e.to_string(), "sample 1 of channel 0: the value is inf");
     }
 
-    /// A file of integers of `bits` bits in `bytes` bytes each.
+    /// Makes a file of integers of `bits` bits in `bytes` bytes each.
     fn integers(bytes: u16, bits: u16, samples: &[i32]) -> Vec<u8> {
         let mut file = b"RIFF\xff\xff\xff\xffWAVEfmt \x28\0\0\0\xfe\xff\x01\0\xb8\x0b\0\0".to_vec();
         file.extend((3000 * u32::from(bytes)).to_le_bytes());
@@ -196,9 +193,9 @@ mod tests {
         assert_eq!(of(4, 24, &[full << 8, half << 8, 3 << 8]), [-1.0, 0.5, 3.0 / 8_388_608.0]);
         assert_eq!(of(3, 20, &[full, half, 16]), [-1.0, 0.5, 16.0 / 8_388_608.0]);
         assert_eq!(of(2, 12, &[-32_768, 16_384]), [-1.0, 0.5]);
-        // at the low end, as hound writes them
+        // in the low bits, as hound writes them
         assert_eq!(of(4, 24, &[full, half, 3]), [-1.0, 0.5, 3.0 / 8_388_608.0]);
-        // all bits count
+        // all bits are significant
         assert_eq!(of(4, 32, &[i32::MIN, 1 << 30, 3]), [-1.0, 0.5, 3.0 / 2_147_483_648.0]);
         assert!(channels(&integers(2, 17, &[1])).unwrap_err().to_string().contains("variety"));
         assert!(channels(&integers(0, 0, &[])).is_err());
@@ -226,7 +223,7 @@ mod tests {
         for (whole, data) in lasts.into_iter().chain(others) {
             assert_eq!(sized(whole, data).as_ref(), Ok(&plain), "{whole:#x} {data:#x}");
         }
-        // a file with a known length and without samples
+        // a file of known length without samples
         assert!(sized(36, 0).unwrap_err().to_string().contains("no sample"));
         assert!(sized(0x7fff_f023, 0x7fff_efff).unwrap_err().to_string().contains("cut short"));
     }
@@ -263,11 +260,11 @@ mod tests {
         assert_eq!((e.kind, e.place.as_str()), (FileErrorKind::Format, "sample 2 of channel 0"));
         assert!(read(b"RIFX").is_err());
         assert!(read(b"not a wave file at all, whatever").unwrap_err().to_string().contains("not a WAV file"));
-        // a rate of 0, which hound accepts where the bytes per second agree
+        // a rate of 0, which hound accepts if the bytes per second agree
         let mut dead = whole.clone();
         dead[24..32].fill(0);
         assert!(read(&dead).unwrap_err().to_string().contains("0 Hz"));
-        // a header that promises 4 GB makes no such vector
+        // a header that promises 4 GB does not allocate them
         let mut vast = whole;
         vast[40..44].copy_from_slice(&0xf000_0000u32.to_le_bytes());
         assert_eq!(read(&vast).unwrap_err().kind, FileErrorKind::Format);

@@ -1,7 +1,7 @@
-//! MIDI as raw bytes: devices of the kernel (`/dev/snd/midiC0D0`), a pipe, a file.
+//! Raw MIDI bytes from kernel devices (`/dev/snd/midiC0D0`), pipes and files.
 //!
-//! Decides for plain files, which need no library and no header, and for a thread each, since a device is read by waiting; how
-//! much waits for this process has a bound, so that a pipe without end takes no memory.
+//! Plain files need neither a library nor headers. Each file has its own thread, because a read from a device blocks.
+//! The queue to this process is bounded, so that an endless pipe uses little memory.
 
 use super::Cable;
 use crate::error::{FileError, FileErrorKind};
@@ -11,22 +11,21 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::time::Duration;
 
-/// Bytes that are read at once, and pieces that may wait.
+/// Bytes read at a time, and pieces that may wait in the queue.
 const PIECE: usize = 256;
 const WAITING: usize = 16;
-/// Pieces that are played in a turn: fewer events than the engine takes in one.
+/// Pieces played per turn: fewer events than the engine accepts per turn.
 const TURN: usize = 4;
-/// A pipe whose writer has gone is opened again after so long.
+/// Time until a pipe is reopened after its writer closed it.
 const AGAIN: Duration = Duration::from_millis(50);
 
-/// From a thread that reads.
 enum Came {
     Bytes(Vec<u8>),
-    /// it is over, in words
+    /// The file has ended; the reason in words.
     End(String),
 }
 
-/// Cables that are open.
+/// Open cables.
 pub struct Cables {
     names: Vec<String>,
     open: Vec<Cable>,
@@ -57,12 +56,12 @@ impl Cables {
         Ok(Cables { names, open, came, news: Vec::new() })
     }
 
-    /// Paths of those that are open.
+    /// Returns the paths of the open cables.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.names.iter().map(String::as_str)
     }
 
-    /// What came since the last turn.
+    /// Passes the bytes received since the last turn to `feed`, up to four pieces.
     pub fn turn(&mut self, mut feed: impl FnMut(&mut Cable, &[u8])) {
         for _ in 0..TURN {
             let Ok((k, came)) = self.came.try_recv() else { return };
@@ -73,19 +72,20 @@ impl Cables {
         }
     }
 
-    /// What people should know since the last call: bad, and in words.
+    /// Returns messages for people since the last call, each with true if it is an error.
     pub fn news(&mut self) -> Vec<(bool, String)> {
         std::mem::take(&mut self.news)
     }
 }
 
-/// True of a plain file that begins as a Standard MIDI File does. Others are not opened, since a pipe would wait for its writer.
+/// Returns true for a plain file that begins like a Standard MIDI File. Other files are not opened, since opening a
+/// pipe blocks until it has a writer.
 pub fn is_standard_file(path: &Path) -> bool {
     let mut head = [0; 4];
     path.is_file() && File::open(path).is_ok_and(|mut f| f.read_exact(&mut head).is_ok()) && head == *b"MThd"
 }
 
-/// The raw MIDI devices of this machine.
+/// Returns the raw MIDI devices of this machine.
 pub fn devices() -> Vec<PathBuf> {
     let names = std::fs::read_dir("/dev/snd").into_iter().flatten().flatten().map(|e| e.path());
     let is = |p: &PathBuf| p.file_name().is_some_and(|n| n.to_string_lossy().starts_with("midi"));
@@ -94,7 +94,7 @@ pub fn devices() -> Vec<PathBuf> {
     all
 }
 
-/// Reads until it ends or nobody listens; a pipe again, once somebody writes again.
+/// Reads until the file ends or the receiver is gone. A pipe is reopened for its next writer.
 fn read(path: &Path, k: usize, tell: &SyncSender<(usize, Came)>) {
     let end = |why: String| tell.send((k, Came::End(why)));
     loop {

@@ -1,8 +1,8 @@
-//! MIDI while it is played: bytes in, what becomes of each event out.
+//! Live MIDI: turns bytes into motions of ports and changes of controllers.
 //!
-//! Decides that bytes may come in any pieces, from a cable or a page, as a stream with running status and clocks between;
-//! that ports move as they do from a file ([`MidiPort`]); and that what moves nothing is told, not dropped in silence, though
-//! each kind of it only once. A controller up to 31 is fine where the one 32 above it follows (14 bits).
+//! Bytes may arrive in pieces of any size, from a cable or a page, as a stream with running status and interleaved
+//! clock messages. Ports move as they do from a file ([`MidiPort`]). An event that moves nothing is reported once for
+//! each kind, not dropped silently. Controllers 0 to 31 have 14 bits if the controller 32 above follows.
 
 #[cfg(feature = "files")]
 pub mod cables;
@@ -13,53 +13,53 @@ use midly::live::LiveEvent;
 use midly::stream::MidiStream;
 use std::collections::BTreeSet;
 
-/// What became of an event.
+/// Effect of an event.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Played {
-    /// a port goes somewhere
+    /// A port moves.
     Port(String, Motion),
-    /// a controller went to a part of its way, 0 … 1; whoever wants may bind it
+    /// A controller moved, and may be bound to something.
     Control {
-        /// from 1
+        /// Channel, from 1.
         channel: u8,
-        /// 0 … 127
+        /// Number of the controller, 0 … 127.
         number: u8,
-        /// 0 … 1
+        /// Position of the controller, 0 … 1.
         part: f64,
-        /// true where a port follows it
+        /// True if a port follows it.
         used: bool,
     },
-    /// nothing listens to it, in words; once for each kind
+    /// Description of an event that moves nothing, once for each kind.
     Unheard(String),
 }
 
-/// One cable, or whatever else bytes come by: its running status, and what is not whole yet.
+/// Stream of bytes from one source: its running status and its incomplete event.
 #[derive(Default)]
 pub struct Cable(MidiStream);
 
 /// The ports of a model that listen to MIDI.
 pub struct LiveMidi {
     ports: Vec<(String, MidiPort)>,
-    /// upper seven bits of the controllers that may be fine
+    /// Upper seven bits of the controllers that may have 14 bits.
     coarse: [[u8; 32]; 16],
-    /// channels with what was told of them
+    /// Kinds of events already reported, by channel.
     told: BTreeSet<(u8, String)>,
 }
 
 impl LiveMidi {
-    /// With no note held.
+    /// Starts with no note held.
     pub fn new(ports: &[PortMap]) -> LiveMidi {
         let names = ports.iter().map(|p| p.port.clone());
         let ports = names.zip(MidiPort::all(ports)).collect();
         LiveMidi { ports, coarse: [[0; 32]; 16], told: BTreeSet::new() }
     }
 
-    /// Whether some port listens.
+    /// Returns true if some port listens.
     pub fn listens(&self) -> bool {
         !self.ports.is_empty()
     }
 
-    /// Takes bytes as they come by a cable; gives what became of the events that they complete.
+    /// Takes bytes from a cable and returns the effects of the events that they complete.
     pub fn feed(&mut self, cable: &mut Cable, bytes: &[u8]) -> Vec<Played> {
         let mut events = Vec::new();
         cable.0.feed(bytes, |event| {
@@ -92,7 +92,7 @@ impl LiveMidi {
                     }
                     _ => (number, f64::from(value) / 127.0, used),
                 };
-                // those from 120 on are orders to the channel
+                // from 120 on they are channel mode messages
                 if number < 120 {
                     all.push(Played::Control { channel, number, part, used });
                 }
@@ -107,7 +107,7 @@ impl LiveMidi {
         all
     }
 
-    /// Tells of what moves nothing, once.
+    /// Reports an event that moves nothing, the first time.
     fn unheard(&mut self, channel: u8, what: String) -> Option<Played> {
         let text = format!("{what} on channel {channel} moves no port");
         self.told.insert((channel, what)).then_some(Played::Unheard(text))
@@ -154,7 +154,7 @@ mod tests {
         assert_eq!(midi.feed(&[0x90]), []);
         assert_eq!(midi.feed(&[60, 0xf8]), []);
         assert_eq!(midi.feed(&[127]), [glides(2.0, 0.25)]);
-        // running status; the newest wins, and its end goes back to what is held
+        // running status; the newest note wins, and its end returns to the note still held
         assert_eq!(midi.feed(&[61, 0, 62, 64]), [glides(1.0 + 64.0 / 127.0, 0.25)]);
         assert_eq!(midi.feed(&[62, 0]), [glides(2.0, 0.25)]);
         assert_eq!(midi.feed(&[0x80, 60, 0]), [glides(1.0, 0.5)]);

@@ -1,31 +1,30 @@
-//! Length: how long a scene is played, and when a sound has died away.
+//! Length of a play, and detection of the end of a sound.
 //!
-//! A MIDI file is played to its last event and until the sound has died away, whatever the model asks for its own
-//! gesture: how long that takes is not known before, so the sound itself tells. It has a bound, since a sound may never end.
+//! A MIDI file is played to its last event and until the sound has died away, whatever length the model gives for its
+//! own gesture. The decay time is not known in advance, so it is detected in the sound. It is bounded, since a sound
+//! may never end.
 
 use crate::ending::QUIET;
 use crate::perform::{Performance, frames, seconds};
 
-/// Seconds of a sound that are quiet, one after the other, before it ends: longer than beats and the slowest period that is heard.
+/// Time for which a sound must be quiet before it ends \[s\]: longer than beats and the longest audible period.
 const HOLD: f64 = 0.5;
 
-/// The length of a play.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Length {
-    /// samples, at most
+    /// Largest number of samples.
     pub frames: u64,
     fading: Option<Fading>,
 }
 
-/// The state of a sound that ends by itself.
+/// State of the detection of the end of a sound.
 #[derive(Clone, Debug, PartialEq)]
 struct Fading {
-    /// samples up to the last event, and those that are to be quiet
+    /// Samples up to the last event, and samples that must be quiet.
     last: u64,
     hold: u64,
-    /// peak so far
     peak: f64,
-    /// samples so far, and how many of the last of them were quiet
+    /// Samples so far, and how many of the latest were quiet.
     heard: u64,
     quiet: u64,
 }
@@ -37,7 +36,7 @@ impl From<u64> for Length {
 }
 
 impl Length {
-    /// As asked \[s\], or else as long as the gesture, the model or both say.
+    /// Returns the length as asked \[s\], or else the length given by the gesture and the model.
     pub fn of(p: &Performance, asked: Option<f64>) -> Length {
         let samples = |s: f64| (s * p.scene.rate).ceil() as u64;
         let fading = p.midi_ends().filter(|_| asked.is_none()).map(|end| Fading {
@@ -50,8 +49,8 @@ impl Length {
         Length { frames: frames(p.scene, seconds(p, asked)), fading }
     }
 
-    /// Hears rows of `n_out` numbers; the first `channels` of each are sound. Returns false once the play is over: after the last
-    /// event of a MIDI file, if the sound has been 60 dB below its peak for half a second.
+    /// Examines rows of `n_out` numbers, whose first `channels` are sound. Returns false when the play is over:
+    /// after the last event of a MIDI file, once the sound has been 60 dB below its peak for half a second.
     pub fn hear(&mut self, rows: &[f64], n_out: usize, channels: usize) -> bool {
         let Some(f) = &mut self.fading else { return true };
         for row in rows.chunks_exact(n_out.max(1)) {
@@ -72,7 +71,7 @@ mod tests {
     fn a_sound_ends_once_it_is_quiet_long_enough_after_the_last_event() {
         let fading = Fading { last: 10, hold: 4, peak: 0.0, heard: 0, quiet: 0 };
         let mut length = Length { frames: 1000, fading: Some(fading) };
-        // a probe beside the sound counts for nothing
+        // a probe beside the sound is ignored
         let mut hear = |x: f64| length.hear(&[x, 9.0], 2, 1);
         assert!(hear(-1.0));
         assert!((0..12).all(|_| hear(0.001)), "the last event is at 10");

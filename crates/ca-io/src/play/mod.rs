@@ -1,7 +1,8 @@
 //! Play: the loop that plays a scene to its end without a clock.
 //!
-//! [`player`] steps a state, [`perform`] gives it gestures, [`length`] says how long. The loop here hands out the outputs by blocks, and keeps
-//! the energy ledger. [`running`] is for a program that drives a scene from outside.
+//! [`player`] steps a state, [`perform`] applies gestures to it, and [`length`] determines how long it is played. The
+//! loop in this module passes on the outputs in blocks and keeps the energy ledger. [`running`] is for a program that
+//! drives a scene from outside.
 
 pub mod length;
 pub mod perform;
@@ -13,32 +14,31 @@ use length::Length;
 use perform::{DIVERGED, Performance};
 use std::time::{Duration, Instant};
 
-/// Ticks between two looks at what was played.
+/// Ticks per block of outputs.
 pub const BLOCK: u64 = 1024;
 
-/// The result of a play.
 pub struct Played<'a> {
-    /// at its end
+    /// The performance, at its end.
     pub performance: Performance<'a>,
-    /// samples that were played
+    /// Samples played.
     pub frames: u64,
-    /// time spent
+    /// Time spent.
     pub wall: Duration,
-    /// the tick at which it was found to have diverged
+    /// Tick at which a divergence was found.
     pub diverged_at: Option<u64>,
-    /// the ledger at the end, or before anything left its range
+    /// Ledger at the end, or at the divergence.
     pub energy: Option<Ledger>,
-    /// ticks in the ledger
+    /// Ticks in the ledger.
     pub energy_ticks: u64,
 }
 
-/// Takes the outputs, rows one after the other, and the number of samples so far.
+/// Receives the outputs, row by row, and the number of samples so far.
 pub type Sink<'a, E> = dyn FnMut(&Performance, &[f64], u64) -> Result<(), E> + 'a;
 
-/// Plays for a length. After every `block` of samples, `heard` gets their outputs.
+/// Plays for a length. After every `block` samples, `heard` receives their outputs.
 ///
 /// # Errors
-/// Those of `heard`, which end it.
+/// The errors of `heard`, which end the play.
 pub fn play<'a, E>(
     mut p: Performance<'a>,
     length: impl Into<Length>,
@@ -70,7 +70,7 @@ pub fn play<'a, E>(
         }
     }
     let wall = begin.elapsed();
-    // what diverged between two looks at the state is found here at the latest
+    // finds a divergence since the last check of the state
     p.diverged |= !p.state.is_bounded(DIVERGED);
     let diverged_at = p.diverged.then_some(p.state.tick);
     let (energy, energy_ticks) = match last_good {
@@ -82,7 +82,7 @@ pub fn play<'a, E>(
     Ok(Played { performance: p, frames: done, wall, diverged_at, energy, energy_ticks })
 }
 
-/// Keeps the ledger as it was when positions left every range.
+/// Saves the ledger when positions first leave every range.
 fn keep_ledger(p: &Performance, last_good: &mut Option<(Ledger, u64)>) {
     if let (Some(ledger), None, false) = (p.state.ledger.as_deref(), &*last_good, p.diverged) {
         if !p.state.is_bounded(DIVERGED) {

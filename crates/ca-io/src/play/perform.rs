@@ -1,9 +1,9 @@
-//! Perform: a scene, a gesture and the time that passes.
+//! Performance: a scene driven by gestures over time.
 //!
-//! Decides where a gesture is read: position and force ports every sound sample, device ports once per gesture frame
-//! (through the border of the scene), live parameters once per gesture frame, ramped over it, so that a broken line in
-//! a gesture is a broken line in the coefficient. The command, Python and tests all play scenes through this one loop,
-//! so the same model, gesture and parameters give the same bits everywhere.
+//! Position and force ports read a gesture at every sound sample. Device ports read it once per gesture frame, through
+//! the rate boundary of the scene. Live parameters read it once per gesture frame and ramp over that frame, so that a
+//! gesture of straight lines gives a coefficient of straight lines. The command, Python and the tests all play scenes
+//! through this loop, so the same model, gesture and parameters give the same bits everywhere.
 
 use crate::error::{FileError, FileErrorKind};
 use crate::gesture::{Gesture, Track, own};
@@ -14,28 +14,27 @@ use ca_core::internal::numeric::Plain;
 use ca_core::{Controls, InputRole, LiveParam, Patch, Scene, State};
 use std::ops::{Deref, DerefMut};
 
-/// Seconds of silence after a gesture, and the least of everything.
+/// Silence after a gesture, and least length of a play \[s\].
 const TAIL: f64 = 2.0;
 const LEAST: f64 = 3.0;
-/// Seconds that a sound has to die away after the last event of a MIDI file.
+/// Time for a sound to die away after the last event of a MIDI file \[s\].
 const RING: f64 = 10.0;
 
-/// What a track drives.
 enum Target {
     Input(usize),
     Device(usize),
-    /// number in [`Controls::params`]
+    /// Index in [`Controls::params`].
     Param(usize),
 }
 
-/// The target of a track: numbers are places in [`State::input`](ca_core::State::input).
+/// Target of a track; numbers are indices in [`State::input`](ca_core::State::input).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Driven<'a> {
-    /// a port of a device
+    /// Port of a device.
     Device(usize),
-    /// a port of position or force
+    /// Port of position or force.
     Port(usize),
-    /// a live parameter
+    /// Live parameter.
     Param(&'a str),
 }
 
@@ -43,22 +42,22 @@ struct Drive {
     target: Target,
     track: Track,
     near: usize,
-    /// of a live parameter, the first value that was out of its range
+    /// First value outside the range of a live parameter.
     outside: Option<f64>,
 }
 
-/// A scene being played by gestures: a [`Player`] and the tracks that drive it.
+/// A scene played by gestures: a [`Player`] and the tracks that drive it.
 pub struct Performance<'a> {
-    /// the scene
+    /// Scene.
     pub scene: &'a Scene,
-    /// how it stands
+    /// Player with the state.
     pub player: Player,
-    /// its live parameters
+    /// Live parameters of the scene.
     pub controls: Controls,
     drives: Vec<Drive>,
-    /// time of the last event of a MIDI file \[s\]
+    /// Time of the last event of a MIDI file \[s\].
     midi_ends: Option<f64>,
-    /// the last change of a parameter, kept for its room
+    /// The last change of a parameter, kept to reuse its memory.
     patch: Patch,
 }
 
@@ -77,11 +76,11 @@ impl DerefMut for Performance<'_> {
 }
 
 impl<'a> Performance<'a> {
-    /// Plays `scene` by its built-in gesture; tracks of `gesture` take the place of built-in ones of the same name.
-    /// A track that drives neither a port nor a live parameter is an error that names what could be driven.
+    /// Plays `scene` by its built-in gesture. Tracks of `gesture` replace built-in ones of the same name.
     ///
     /// # Errors
-    /// Where the gesture moves what the scene does not have, or beyond its bounds.
+    /// If a track drives neither a port nor a live parameter, with the names that could be driven; or if a built-in
+    /// gesture is not a curve over time.
     pub fn new(scene: &'a Scene, gesture: Option<&Gesture>) -> Result<Performance<'a>, FileError> {
         let mut p = Performance {
             scene,
@@ -104,8 +103,9 @@ impl<'a> Performance<'a> {
         Ok(p)
     }
 
-    /// The position at the first tick of the hand on a place of [`State::input`](ca_core::State::input), and its change per tick; `None`
-    /// where nothing drives it. A hand that is under way then was so before it.
+    /// Returns the value of the gesture on input `input` of [`State::input`](ca_core::State::input) at the first tick,
+    /// and its change per tick; `None` if nothing drives that input. A hand that moves at the first tick is taken to
+    /// have moved before it.
     pub fn hand(&self, input: usize) -> Option<[f64; 2]> {
         let d = self.drives.iter().find(|d| matches!(d.target, Target::Input(i) if i == input))?;
         let [now, next] = [0.0, self.scene.rates.sample_dt].map(|t| d.track.at(t));
@@ -137,18 +137,18 @@ impl<'a> Performance<'a> {
         Ok(())
     }
 
-    /// Seconds until the last gesture has ended; 0 without gestures.
+    /// Returns the time until the last gesture ends \[s\]; 0 without gestures.
     pub fn duration(&self) -> f64 {
         self.drives.iter().map(|d| d.track.duration()).fold(0.0, f64::max)
     }
 
-    /// Seconds until a gesture that has a MIDI file in it has ended.
+    /// Returns the end of a gesture that contains a MIDI file \[s\].
     pub fn midi_ends(&self) -> Option<f64> {
         self.midi_ends
     }
 
-    /// Live parameters whose gesture has left their range so far, where they stayed at its end: each with the first value
-    /// that was outside \[SI\].
+    /// Returns the live parameters whose gesture has left their range so far and was clamped, each with the first value
+    /// outside \[SI\].
     pub fn clamped(&self) -> impl Iterator<Item = (&LiveParam, f64)> {
         let params = self.controls.params();
         self.drives.iter().filter_map(move |d| match d.target {
@@ -157,13 +157,13 @@ impl<'a> Performance<'a> {
         })
     }
 
-    /// Names of what is being driven.
+    /// Returns the names of the driven ports and parameters.
     pub fn driven(&self) -> Vec<&str> {
         self.drives.iter().map(|d| d.track.name()).collect()
     }
 
-    /// What is driven, and where it is at the gesture frame that begins at tick `tick`, for an engine that plays the
-    /// scene instead of this.
+    /// Returns each target with its value at the gesture frame that begins at tick `tick`, for an engine that plays the
+    /// scene itself.
     pub fn hands(&mut self, tick: u64) -> impl Iterator<Item = (Driven<'_>, f64)> {
         let t = self.end_of_frame(tick);
         let params = self.controls.params();
@@ -178,7 +178,7 @@ impl<'a> Performance<'a> {
         })
     }
 
-    /// Time at which what is read at the start of a frame is meant \[s\]: its end.
+    /// Returns the time for which values read at the start of a frame are meant \[s\]: the end of the frame.
     fn end_of_frame(&self, tick: u64) -> f64 {
         let tick_dt = self.scene.rates.sample_dt;
         if tick == 0 { 0.0 } else { tick as f64 * tick_dt + f64::from(self.scene.rates.ratio - 1) * tick_dt }
@@ -192,7 +192,7 @@ impl<'a> Performance<'a> {
         self.player.tick(self.scene);
     }
 
-    /// Gives ports and live parameters what their gestures say at this tick.
+    /// Sets ports and live parameters to the values of their gestures at this tick.
     fn move_hands(&mut self) {
         let end = self.end_of_frame(self.state.tick);
         let (scene, s) = (self.scene, &mut self.player.state);
@@ -209,7 +209,8 @@ impl<'a> Performance<'a> {
                         if !(param.min..=param.max).contains(&v) {
                             d.outside = d.outside.or(Some(v));
                         }
-                        // out of range is clamped: a gesture is a signal, and a signal never stops a performance
+                        // an out-of-range value is clamped, because a gesture is a signal and must never stop a
+                        // performance
                         let v = v.max(param.min).min(param.max);
                         if self.controls.turn(*p, v, &mut self.patch).is_ok() {
                             s.apply(&self.patch, if s.tick == 0 { 1 } else { scene.rates.frame });
@@ -221,7 +222,7 @@ impl<'a> Performance<'a> {
         }
     }
 
-    /// Runs so many ticks, and appends the outputs of each to `rows`.
+    /// Runs `n` ticks, and appends the outputs of each to `rows`.
     pub fn ticks(&mut self, n: u64, rows: &mut Vec<f64>) {
         if self.drives.is_empty() {
             return self.player.ticks(self.scene, n, rows);
@@ -232,7 +233,7 @@ impl<'a> Performance<'a> {
         }
     }
 
-    /// Runs a tick for each row of `rows` (ticks x inputs), which gets what the inputs were given.
+    /// Runs a tick for each row of `rows` (ticks × inputs), and writes the values of the inputs to it.
     pub fn given(&mut self, rows: &mut [f64]) {
         for row in rows.chunks_exact_mut(self.scene.inputs.len().max(1)) {
             self.tick();
@@ -240,16 +241,16 @@ impl<'a> Performance<'a> {
         }
     }
 
-    /// Plays up to tick number `tick`, or until positions are out of range: they are looked at every `look` ticks.
+    /// Plays up to tick number `tick`, or until positions are out of range, which is checked every `look` ticks.
     pub fn until(&mut self, tick: u64, look: u64) {
         while self.state.tick < tick && self.state.is_bounded(DIVERGED) {
             (0..look.min(tick - self.state.tick)).for_each(|_| self.tick());
         }
     }
 
-    /// The module to blame once the scene is [`Player::diverged`], and why: the one the certificate names where that
-    /// found the scene unstable; else the link that made most energy in a second run with the ledger kept, given as
-    /// `audited`; else the MAT that went furthest.
+    /// Returns the module that most likely caused a divergence ([`Player::diverged`]), and the reason. This is the
+    /// module that the certificate names, if it found the scene unstable. Otherwise it is the link that created most
+    /// energy in a second run with a ledger, on the scene `audited`; otherwise the MAT with the largest displacement.
     pub fn blame(&self, audited: Option<&Scene>, gesture: Option<&Gesture>) -> (String, String) {
         let cert = &self.scene.certificate;
         if cert.lower >= 4.0 {
@@ -258,7 +259,7 @@ impl<'a> Performance<'a> {
         }
         if let Some(scene) = audited {
             if let Ok(mut audited) = Performance::new(scene, gesture) {
-                // up to the first tick out of range: what is entered after that says nothing of the cause
+                // up to the first tick out of range: later entries say nothing about the cause
                 audited.until(self.state.tick + 64, 1);
                 if let Some((link, made)) = audited.state.ledger.as_deref().and_then(ca_core::Ledger::largest_error) {
                     if let Some(name) = scene.audited_name(link) {
@@ -272,20 +273,20 @@ impl<'a> Performance<'a> {
     }
 }
 
-/// The MAT with the largest displacement, or the first that is not finite.
+/// Returns the MAT with the largest displacement, or one that is not a number.
 fn furthest(state: &State) -> usize {
     let size = |i: &usize| if state.x[*i].is_nan() { f64::INFINITY } else { state.x[*i].abs() };
     (0..state.x.len()).max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(0)
 }
 
-/// The longest time that a scene is played \[s\]: as asked; until 10 s after the last event of a MIDI file; as its author says; or
-/// until its gestures have died away.
+/// Returns the longest time for which a scene is played \[s\]: as asked; until 10 s after the last event of a MIDI
+/// file; as the model says; or 2 s beyond its gestures, and at least 3 s.
 pub fn seconds(p: &Performance, asked: Option<f64>) -> f64 {
     let midi = p.midi_ends.map(|end| end + RING);
     asked.or(midi).or(p.scene.about.seconds).unwrap_or((p.duration() + TAIL).max(LEAST))
 }
 
-/// Samples in so many seconds; at least one.
+/// Returns the number of samples in `seconds`; at least one.
 pub fn frames(scene: &Scene, seconds: f64) -> u64 {
     (seconds * scene.rate).round().max(1.0) as u64
 }

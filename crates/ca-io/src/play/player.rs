@@ -1,31 +1,32 @@
-//! Player: a state that is played, over any number of the tick, until it has diverged.
+//! Player: steps a state until it diverges, for any number type of the tick.
 //!
-//! Loops over a scene step this: by halves or ticks where a caller reads or writes between them, by blocks where nothing interacts.
-//! All of these give the same bits.
+//! All loops over a scene step a player: by halves or ticks if the caller reads or writes between them, by blocks
+//! otherwise. All of these give the same bits.
 
 use ca_core::{Real, Scene, State, compute_forces, integrate, process};
 
-/// A scene has diverged beyond this displacement \[m\]. Far above any scale models are written in (1e-9 to 1e9), far below overflow.
+/// Displacement beyond which a scene has diverged \[m\]: far above the scales of models (1e-9 to 1e9), far below
+/// overflow.
 pub const DIVERGED: f64 = 1e15;
 
-/// Ticks between two looks at whether it has diverged.
+/// Ticks between two checks for divergence.
 const LOOK: u64 = 64;
 
-/// A state under way. Every call takes the scene it is of.
+/// A state being played. Every call takes the scene of the state.
 pub struct Player<R: Real = f64> {
-    /// how it stands
+    /// State.
     pub state: State<R>,
-    /// true once positions have left every sensible range; nothing is computed any more, outputs are 0
+    /// True once positions have left every sensible range; then nothing is computed and outputs are 0.
     pub diverged: bool,
 }
 
 impl<R: Real> Player<R> {
-    /// From a state on.
+    /// Starts from a state.
     pub fn new(state: State<R>) -> Player<R> {
         Player { state, diverged: false }
     }
 
-    /// The first half of a tick: its outputs and its forces are there.
+    /// Runs the first half of a tick, which gives outputs and forces.
     #[inline]
     pub fn sense(&mut self, scene: &Scene<R>) {
         if self.diverged {
@@ -35,7 +36,7 @@ impl<R: Real> Player<R> {
         }
     }
 
-    /// The second half: masses move.
+    /// Runs the second half of a tick, which moves the masses.
     #[inline]
     pub fn advance(&mut self, scene: &Scene<R>) {
         if !self.diverged {
@@ -44,18 +45,17 @@ impl<R: Real> Player<R> {
         }
     }
 
-    /// Both halves; the outputs are in `state.output`.
+    /// Runs both halves; the outputs are in `state.output`.
     #[inline]
     pub fn tick(&mut self, scene: &Scene<R>) {
         self.sense(scene);
         self.advance(scene);
     }
 
-    /// Runs `n` ticks with the inputs as they are, and appends the outputs of each to `rows`.
+    /// Runs `n` ticks with constant inputs, and appends the outputs of each to `rows`.
     pub fn ticks(&mut self, scene: &Scene<R>, n: u64, rows: &mut Vec<R::Outer>) {
         let mut left = n;
         while left > 0 {
-            // nothing is to be done between two looks at the state
             let run = left.min(LOOK - self.state.tick % LOOK);
             let first = rows.len();
             rows.resize(first + run as usize * scene.counts.n_out, R::Outer::of(0.0));

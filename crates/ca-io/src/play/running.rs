@@ -1,39 +1,38 @@
-//! Running: a scene that a program plays sample by sample, from outside: inputs in, sound and forces out.
+//! Running: a scene driven by a program from outside, with inputs in, and sound and forces out.
 //!
-//! With a state that is played by hand go its live parameters, its level, and the place of the force on each port. A block of an
-//! audio program (`cordis_anima::Voice`) and one of Python (`Sim`) are loops over the two halves of its player; a scene that plays its
-//! own gesture is a [`Performance`](crate::perform::Performance).
+//! A [`Running`] holds the player with its live parameters, its level, and the source of the force on each port. A
+//! block of an audio program (`cordis_anima::Voice`) and one of Python (`Sim`) are loops over the two halves of its
+//! player. A scene that plays its own gesture is a [`Performance`](crate::perform::Performance).
 
 use crate::play::player::Player;
 use crate::sound::Level;
 use ca_core::internal::state::checksum;
 use ca_core::{Controls, NotRestored, Scene};
 
-/// Where the force on a port stands.
+/// Source of the force on a port.
 #[derive(Clone, Copy, Debug)]
 enum PortForce {
-    /// that on its MAT
+    /// Force on a MAT.
     Mat(usize),
-    /// that of the last whole frame of a device
+    /// Force of the last whole frame of a device.
     Border(usize),
-    /// it gives one, and feels none
+    /// No force: a force port.
     None,
 }
 
-/// A player with all that goes with it. Every call takes the scene it is of.
+/// A player with its parameters, level and port forces. Every call takes the scene of the player.
 pub struct Running {
-    /// how it stands
+    /// Player with the state.
     pub player: Player,
-    /// live parameters
+    /// Live parameters.
     pub controls: Controls,
-    /// how loud it was
+    /// Level of the sound so far.
     pub level: Level,
-    /// of each input
     forces: Vec<PortForce>,
 }
 
 impl Running {
-    /// At the beginning.
+    /// Starts at the beginning of the scene.
     pub fn new(scene: &Scene) -> Running {
         let mut forces = vec![PortForce::None; scene.inputs.len()];
         scene.ports.enx.iter().for_each(|p| forces[p.input as usize] = PortForce::Mat(p.mat as usize));
@@ -42,13 +41,13 @@ impl Running {
         Running { player: Player::new(scene.state()), controls: scene.controls(), level, forces }
     }
 
-    /// Inputs that feel a force: ports of positions.
+    /// Returns the inputs with a force: ports of positions.
     pub fn felt(&self) -> Vec<usize> {
         (0..self.forces.len()).filter(|i| !matches!(self.forces[*i], PortForce::None)).collect()
     }
 
-    /// The force on the port of an input, between the halves \[N\]: of a device that of the last whole frame; 0 on a
-    /// force port, where it is not finite, and once it has diverged.
+    /// Returns the force on the port of an input, between the halves of a tick \[N\]; for a device, the force of the
+    /// last whole frame. It is 0 on a force port, for a force that is not finite, and after a divergence.
     pub fn force(&self, input: usize) -> f64 {
         let force = match self.forces.get(input) {
             Some(PortForce::Mat(m)) => self.player.state.f[*m],
@@ -58,7 +57,7 @@ impl Running {
         if self.player.diverged || !force.is_finite() { 0.0 } else { force }
     }
 
-    /// All of it as bytes: the state, then what goes with it, eight bytes a number, lowest first.
+    /// Returns everything as bytes: the state, then the rest, eight bytes a number, little-endian.
     pub fn to_bytes(&self) -> Vec<u8> {
         let Level { peak, clipped, beyond, non_finite } = &self.level;
         let values = self.controls.params().iter().map(|p| p.value).chain(peak.iter().copied()).map(f64::to_bits);
@@ -70,17 +69,17 @@ impl Running {
         bytes
     }
 
-    /// Goes on from such bytes.
+    /// Restores from such bytes.
     ///
     /// # Errors
-    /// [`NotRestored`], and nothing has changed.
+    /// [`NotRestored`]; then nothing has changed.
     pub fn restore(&mut self, scene: &Scene, bytes: &[u8]) -> Result<(), NotRestored> {
         let mut restored = Running::new(scene);
         let params = restored.controls.params().len();
         let beside = 8 * (params + restored.level.peak.len() + 4);
         let (whole, sum) = bytes.split_at(bytes.len().saturating_sub(8));
         let (state, beside) = whole.split_at(whole.len().saturating_sub(beside));
-        // what is of another scene says so before anything else
+        // the state of another scene gives its own error, before the checksum
         restored.player.state.restore(state)?;
         if sum.first_chunk().map(|w| u64::from_le_bytes(*w)) != Some(checksum(whole)) {
             return Err(NotRestored::Damaged);
@@ -89,7 +88,7 @@ impl Running {
         let mut next = || words.next().ok_or(NotRestored::Damaged);
         let mut patch = ca_core::Patch::default();
         for p in 0..params {
-            // what it does to coefficients is in the state already
+            // the state already contains its effect on coefficients
             let value = f64::from_bits(next()?);
             restored.controls.turn(p, value, &mut patch).map_err(|_| NotRestored::Damaged)?;
         }

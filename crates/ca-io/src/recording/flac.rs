@@ -1,7 +1,7 @@
-//! FLAC recordings, such as a sweep writes.
+//! FLAC recordings, such as the results of a sweep.
 //!
-//! Full scale is 1, as in WAV files: integers of n bits are divided by 2ⁿ⁻¹. The header reserves no memory. The number of
-//! samples is limited, because a few bytes of FLAC may stand for 65 535 equal samples.
+//! Full scale is 1, as in WAV files: integers of n bits are divided by 2ⁿ⁻¹. The header does not cause an allocation.
+//! The number of samples is limited, because a few bytes of FLAC can encode 65 535 equal samples.
 
 use crate::error::{FileError, FileErrorKind, lower};
 use crate::reading::GESTURE;
@@ -9,10 +9,10 @@ use flac_codec::Error;
 use flac_codec::decode::FlacSampleReader;
 use flac_codec::metadata::Metadata as _;
 
-/// Most samples of all channels: as many as a WAV file of 16 bits holds that is as large as may be.
+/// Largest number of samples in all channels: the number in the largest 16-bit WAV file that is read.
 const MOST: usize = GESTURE.megabytes as usize * 500_000;
 
-/// The rate \[Hz\] of a FLAC file and the samples of each of its channels.
+/// Returns the rate \[Hz\] of a FLAC file and the samples of each channel.
 pub(super) fn channels(bytes: &[u8]) -> Result<(f64, Vec<Vec<f64>>), FileError> {
     let mut file = FlacSampleReader::new(bytes).map_err(|e| explain(&e))?;
     let about = file.metadata();
@@ -25,7 +25,7 @@ pub(super) fn channels(bytes: &[u8]) -> Result<(f64, Vec<Vec<f64>>), FileError> 
     let mut channels = vec![Vec::new(); n];
     loop {
         let there = channels[0].len();
-        // the decoder counts down from there
+        // the decoder counts down from the announced number
         if announced.is_some_and(|all| there as u64 > all) {
             return Err(FileError::format("it holds more samples than its header says"));
         }
@@ -84,7 +84,7 @@ mod tests {
         }
     }
 
-    /// Whatever is cut or damaged gets an error or a sound, and no panic.
+    /// A cut or damaged file gives an error or a sound, never a panic.
     #[test]
     fn what_is_cut_or_damaged_gets_an_answer() {
         let sound: Vec<i32> = (0..20_000).map(|i| ((i * i) % 1999 - 1000) * 30).collect();
@@ -101,7 +101,7 @@ mod tests {
         for _ in 0..2000 {
             let mut bad = whole.clone();
             for _ in 0..1 + next() % 4 {
-                // half of the damage in the header, whose bytes are not checked
+                // half of the damage is in the header, whose bytes have no checksum
                 let at = if next() % 2 == 0 { next() % 60 } else { next() % bad.len() };
                 bad[at] = next() as u8;
             }

@@ -1,8 +1,9 @@
-//! Sound in: a recording that a model is compared with.
+//! Sound in: recordings that a model is compared with.
 //!
-//! A WAV recording is read by the code that reads WAV gestures: full scale is 1, integers of every width and
-//! floats of 32 and 64 bits are taken, a sample without a value is refused with its place. FLAC is read too. A recording keeps its own rate; nothing is resampled, since a
-//! model can be compiled at any rate and a filter would stand between the two.
+//! WAV and FLAC files are read. WAV uses the reader of WAV gestures: full scale is 1, integers of all widths and floats
+//! of 32 and 64 bits are read, and a sample without a value is an error with its place. A recording keeps its own rate.
+//! It is not resampled, because a model can be compiled at any rate and a resampling filter would colour the
+//! comparison.
 
 mod flac;
 
@@ -11,12 +12,12 @@ use crate::gesture::{GestureFormat, wav};
 use crate::reading;
 use std::path::Path;
 
-/// A sound as it was recorded.
+/// A recorded sound.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
-    /// \[Hz\]
+    /// Sample rate \[Hz\].
     pub rate: f64,
-    /// samples of each channel, all of one length
+    /// Samples of each channel, all of the same length.
     pub channels: Vec<Vec<f64>>,
 }
 
@@ -24,7 +25,7 @@ impl Recording {
     /// Reads a WAV or FLAC file.
     ///
     /// # Errors
-    /// If it cannot be read, is neither, or holds a sample without a value.
+    /// If the file cannot be read, is neither WAV nor FLAC, or contains a sample without a value.
     pub fn open(path: impl AsRef<Path>) -> Result<Recording, FileError> {
         let path = path.as_ref();
         let is_flac = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("flac"));

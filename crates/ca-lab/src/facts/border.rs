@@ -1,6 +1,6 @@
-//! The border of a scene in words: delays of force and sound, and the demands of its keys on a device.
+//! Describes the border of a scene: delays of force and sound, and the demands of its keys on a device.
 //!
-//! The model settles all of it; the loop of a device and the buffers of a sound card come on top.
+//! The model alone determines these; the loop of a device and the buffers of a sound card add to the delays.
 
 use ca_core::equivalence::Scale;
 use ca_core::internal::border::delays;
@@ -14,7 +14,7 @@ fn ms(seconds: f64) -> String {
     format!("{} ms", short(seconds * 1e3))
 }
 
-/// One line on delays; nothing for a scene that has none.
+/// Describes the delays in one line; `None` for a scene without any.
 pub fn latency(scene: &Scene) -> Option<String> {
     let d = delays(scene);
     let filter = (d.filter > 0.0).then(|| format!("{} of it the filter of the outputs", ms(d.filter)));
@@ -32,19 +32,19 @@ pub fn latency(scene: &Scene) -> Option<String> {
     Some(format!("gesture to force {force}, gesture to sound {}{notes}", ms(d.sound)))
 }
 
-/// The two rates of a scene, and how many ticks a sample has where it has several.
+/// Describes the two rates of a scene, and the ticks per sample if there are several.
 pub fn rates(scene: &Scene) -> String {
     let hertz = |f: f64| show(six(f), Unit::HERTZ);
     let (sound, gesture) = (hertz(scene.rate), hertz(scene.rate / f64::from(scene.rates.ratio)));
     format!("sound {sound}{}, gesture {gesture}", ticks(scene.oversample()))
 }
 
-/// Number of ticks in a sample, as the end of a sentence; empty for one.
+/// Describes the ticks per sample, as the end of a sentence; empty for one.
 pub fn ticks(times: u32) -> String {
     if times > 1 { format!(" in {times} ticks a sample") } else { String::new() }
 }
 
-/// The work of the border in words; `None` for a scene without a border.
+/// Describes the rate boundary; `None` for a scene without one.
 pub fn crossing(scene: &Scene) -> Option<&'static str> {
     (!scene.ports.tgr.is_empty()).then_some(match (scene.rates.frame, scene.ports.crossing.shape) {
         (1, _) => "one tick a frame, the force of the tick",
@@ -53,7 +53,7 @@ pub fn crossing(scene: &Scene) -> Option<&'static str> {
     })
 }
 
-/// Keys whose force reaches the hand, stiffest first.
+/// Returns the keys whose force reaches the hand, stiffest first.
 fn rendered_keys(scene: &Scene) -> Vec<&Key> {
     let mut keys: Vec<&Key> =
         scene.certificate.keys.iter().filter(|k| scene.ports.crossing.feedback && k.k > 0.0).collect();
@@ -61,13 +61,13 @@ fn rendered_keys(scene: &Scene) -> Vec<&Key> {
     keys
 }
 
-/// Demands of the keys on a device, stiffest first: name, stiffness in the hand \[N/m\], friction it needs \[N s/m\].
+/// Demands of keys on a device, stiffest first: name, stiffness in the hand \[N/m\], friction it needs \[N s/m\].
 pub fn asked(scene: &Scene) -> Vec<(&str, f64, f64)> {
     let (d, keys) = (delays(scene), rendered_keys(scene));
     keys.into_iter().map(|k| (k.name.as_str(), felt_as(scene, k), d.friction(felt_as(scene, k)))).collect()
 }
 
-/// Difference between a key with another scale and the other keys.
+/// Describes how a key with another scale differs from the other keys.
 pub fn scale_of(k: &Scale) -> String {
     let (g, h) = (short(k.position), short(k.force));
     if k.is_lever() {
@@ -85,12 +85,12 @@ fn felt_as(scene: &Scene, key: &Key) -> f64 {
     key.k * scene.hand.equivalence.of(&key.name).stiffness()
 }
 
-/// Three digits of a stiffness.
+/// Formats a stiffness with three digits.
 pub fn quantity(k: f64) -> String {
     show(short(k).parse().unwrap_or(k), Unit::STIFFNESS)
 }
 
-/// Name of each device key, what the scene received there and what the hand gave, in joules of the hand.
+/// Returns for each device key its name, the energy received by the scene and given by the hand, in joules of the hand.
 pub fn exchanged<'a>(scene: &'a Scene, ledger: &Ledger) -> Vec<(&'a str, f64, f64)> {
     let name = |input: u32| scene.inputs.get(input as usize).map_or("?", |i| i.name.as_str());
     let joules = |input: u32| scene.inputs.get(input as usize).map_or(1.0, |i| i.gains.energy());

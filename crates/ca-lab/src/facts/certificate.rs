@@ -1,14 +1,14 @@
-//! The proof of stability of a scene in words.
+//! Describes the stability of a scene.
 
 use crate::load::ticked;
 use ca_core::internal::scene::growth::Growth;
 use ca_core::{Certificate, Unit};
 use ca_model::quantity::{rounded, short, show};
 
-/// Modules that are named in a line.
+/// Maximum number of modules named in a line.
 const NAMED: usize = 3;
 
-/// One line.
+/// Describes the certificate in one line.
 pub fn stability(c: &Certificate) -> String {
     let worst = if c.worst.is_empty() { String::new() } else { format!(", `{}` is nearest to the limit", c.worst) };
     let margin = if c.margin().is_finite() { format!("margin {}", short(c.margin())) } else { "no limit".into() };
@@ -26,7 +26,7 @@ pub fn stability(c: &Certificate) -> String {
     format!("{}{by}, {margin}{worst}{silent}", c.level)
 }
 
-/// The stiffest explicit contact, and what such contacts were measured to make.
+/// Describes the stiffest explicit contact, and the measured growth of energy in such contacts.
 pub fn contacting(c: &Certificate) -> Option<String> {
     let what = || {
         format!("`{}` is the stiffest: kT²/m {}; no value is without growth", c.rules.stiffest, short(c.rules.contact))
@@ -34,14 +34,14 @@ pub fn contacting(c: &Certificate) -> Option<String> {
     (c.rules.contact > 0.0).then(|| format!("{}: {}", what(), Growth::near(c.rules.contact)))
 }
 
-/// Links that are judged at rest only.
+/// Names the links that are judged only at rest.
 pub fn opened(c: &Certificate) -> Option<String> {
     let names = ticked(c.rules.open.iter().map(String::as_str));
     (!c.rules.open.is_empty())
         .then(|| format!("{names}: steeper the further drawn out, and nothing says how far: not judged beyond rest"))
 }
 
-/// Motion of the energy of a linearised scene.
+/// Describes the ripple of energy of a linearised scene.
 pub fn rippling(ripple: f64) -> String {
     format!(
         "left alone, the energy of small motions rises by {} % of itself at most, and does not drift",
@@ -49,7 +49,7 @@ pub fn rippling(ripple: f64) -> String {
     )
 }
 
-/// Of contacts that grow with their depth, which is too steep first, and where.
+/// Names a contact that stiffens with depth, and the depth beyond which it is too steep.
 pub fn deepening((name, depth): &(String, f64)) -> String {
     let depth = show(rounded(*depth, 3), Unit::METRE);
     format!("`{name}` grows with its depth: slope·T²/m is 1 at {depth}")

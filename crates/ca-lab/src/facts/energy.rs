@@ -1,15 +1,15 @@
-//! The energy ledger of a scene in words.
+//! Describes the energy ledger of a scene.
 
 use ca_core::{Ledger, Level, Scene};
 use ca_model::quantity::short;
 
-/// An energy to three digits.
+/// Formats an energy with three digits.
 pub fn joule(v: f64) -> String {
-    // no minus before nothing
+    // avoids -0
     format!("{} J", short(v + 0.0))
 }
 
-/// Reason for the growth of a model whose links made hardly any energy, as the end of a sentence.
+/// Explains the growth of a model whose links made hardly any energy, as the end of a sentence.
 pub fn grows(scene: &Scene, ledger: &Ledger) -> &'static str {
     let b = ledger.balance();
     let kept = b.scheme_error.abs() <= 1e-6 * b.peak;
@@ -20,12 +20,12 @@ pub fn grows(scene: &Scene, ledger: &Ledger) -> &'static str {
     }
 }
 
-/// True where groups at the gesture rate have a border that may make energy.
+/// Returns whether groups at the gesture rate have a border that may make energy.
 pub fn compensated(scene: &Scene) -> bool {
     scene.rates.slow.as_ref().is_some_and(|g| g.compensated)
 }
 
-/// The links that made most energy, at most `most` of them, in falling order.
+/// Returns the links that made most energy, at most `most`, in descending order.
 pub fn makers(scene: &Scene, ledger: &Ledger, most: usize) -> Vec<(String, f64)> {
     let mut made: Vec<(usize, f64)> =
         ledger.scheme_error.iter().copied().enumerate().filter(|(_, v)| *v > 0.0).collect();

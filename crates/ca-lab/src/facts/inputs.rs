@@ -1,7 +1,6 @@
-//! What a model is played by, for people: each port with the place it rests at, and where MIDI moves it.
+//! Describes the ports of a model: the rest position of each, and the MIDI messages that move it.
 //!
-//! Decides that instances which differ in nothing but their notes share a line, named as a selector names them, `key[0..12].key`:
-//! of 24 keys alike a list of names says nothing.
+//! Instances that differ only in their notes share a line, named by a selector, `key[0..12].key`, instead of 24 lines.
 
 use ca_core::internal::io::midi::{MidiMap, MidiSource};
 use ca_core::{Input, InputRole, Scene, Unit};
@@ -9,17 +8,17 @@ use ca_model::quantity::{note_name, show};
 
 /// Notes that are listed one by one.
 const LISTED: usize = 8;
-/// Lines of ports; more are named in the last.
+/// Maximum number of lines; the last names the remaining ports.
 const LINES: usize = 8;
 
-/// Ports that differ in their index and their notes alone.
+/// Ports that differ only in index and notes.
 struct Row<'s> {
-    /// what stands before and behind the index, and the index
+    /// Name before the index, index, name after the index.
     name: (&'s str, Option<usize>, &'s str),
     ports: Vec<&'s Input>,
 }
 
-/// A name parted at the first index of instances.
+/// Splits a name at the first index of instances.
 fn parted(name: &str) -> (&str, Option<usize>, &str) {
     let found = name.split_once('[').and_then(|(head, rest)| {
         let (index, tail) = rest.split_once(']')?;
@@ -28,7 +27,7 @@ fn parted(name: &str) -> (&str, Option<usize>, &str) {
     found.unwrap_or((name, None, ""))
 }
 
-/// A mapping without its notes.
+/// Returns a mapping without its notes.
 fn way(map: &MidiMap) -> MidiMap {
     match map.source {
         MidiSource::Note { .. } => MidiMap { source: MidiSource::Note { low: 0, high: 127 }, ..*map },
@@ -55,7 +54,7 @@ fn rows(scene: &Scene) -> Vec<Row<'_>> {
     rows
 }
 
-/// One line about each port, or about several that are alike; of many the rest by name.
+/// Describes each port, or group of similar ports, in one line; a last line names the rest.
 pub fn lines(scene: &Scene) -> Vec<String> {
     let rows = rows(scene);
     let listed = if rows.len() > LINES { LINES - 1 } else { rows.len() };
@@ -89,7 +88,7 @@ fn line(row: &Row<'_>) -> String {
     format!("{}  rests at {}{midi}", name(row), show(port.rest, unit))
 }
 
-/// The notes that move any of these ports, in words; `None` where none do.
+/// Describes the notes that move any of these ports; `None` without notes.
 pub fn notes<'s>(ports: impl Iterator<Item = &'s Input>) -> Option<String> {
     let mut all: Vec<u8> = Vec::new();
     for m in ports.filter_map(|p| p.midi.as_ref()) {

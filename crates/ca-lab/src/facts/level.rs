@@ -1,31 +1,31 @@
-//! Levels of a sound in words.
+//! Describes the level of a sound.
 
 use crate::play::gain;
 use ca_model::quantity::short;
 
-/// A peak from which on the loudness is not the question, 40 dB over full scale.
+/// Peak above which a lower gain is not the remedy, 40 dB over full scale.
 pub const FAR: f64 = 100.0;
 
-/// A peak that no gain makes audible, 200 dB below full scale.
+/// Peak that no gain makes audible, 200 dB below full scale.
 pub const SILENT: f64 = 1e-10;
 
-/// The gain at which the loudest sample fits, as the end of a sentence.
+/// Suggests the gain at which the loudest sample fits, as the end of a sentence.
 pub fn fitting(peak: f64) -> String {
     format!("; multiply the gain of the outputs by {} or less", short(gain(peak)))
 }
 
-/// So many samples were cut off.
+/// Describes the number of samples that were cut off.
 pub fn too_loud(n: u64) -> String {
     let samples = if n == 1 { "1 sample".into() } else { format!("{n} samples") };
     format!("{samples} beyond full scale, cut off")
 }
 
-/// Level of an amplitude in decibels of full scale.
+/// Converts an amplitude to decibels of full scale.
 pub fn decibel(peak: f64) -> f64 {
     20.0 * peak.log10()
 }
 
-/// A peak in words: by its level, but for what no sound card or file could hold.
+/// Describes a peak by its level, unless no sound card or file could hold it.
 pub fn level(peak: f64, diverged: bool) -> String {
     match peak {
         p if p < SILENT => "silent".into(),
@@ -35,7 +35,7 @@ pub fn level(peak: f64, diverged: bool) -> String {
     }
 }
 
-/// One decimal, and no minus before nothing.
+/// Formats a number with one decimal, avoiding -0.
 pub fn tenths(v: f64) -> String {
     format!("{:.1}", (v * 10.0).round() / 10.0 + 0.0)
 }

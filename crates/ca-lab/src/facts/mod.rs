@@ -1,4 +1,4 @@
-//! Facts about a scene in the words of every front end: modules, ports, border, stability, energy and loudness.
+//! Describes a scene in words for every front end: modules, ports, border, stability, energy and loudness.
 
 pub mod border;
 pub mod certificate;
@@ -8,7 +8,7 @@ pub mod level;
 
 use ca_core::Scene;
 
-/// Number of running modules of each code, in order of first appearance.
+/// Counts the running modules of each code, in order of first appearance.
 pub fn codes(scene: &Scene) -> Vec<(&'static str, usize)> {
     let mut list: Vec<(&'static str, usize)> = Vec::new();
     for s in &scene.symbols {

@@ -1,6 +1,6 @@
-//! Inputs besides devices and pages: cables of MIDI ([`cables`]), a sound server that brings MIDI, and OSC ([`osc`]).
+//! Inputs other than devices and pages: MIDI cables ([`cables`]), MIDI from a sound server, and OSC ([`osc`]).
 //!
-//! [`ca_session::Midi`] decides what an event of MIDI moves.
+//! [`ca_session::Midi`] maps MIDI events to ports and parameters.
 
 mod osc;
 mod token;
@@ -18,25 +18,25 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use token::Token;
 
-/// All of them.
 pub(crate) struct Inputs {
     pub(crate) midi: Midi,
     begun: Instant,
     cables: Option<Cables>,
-    /// of the server of sound
+    /// MIDI events from the sound server.
     events: Option<EventReader>,
     osc: Option<Osc>,
 }
 
 impl Inputs {
-    /// Opens what is asked for; `plays` where a MIDI device that is there needs no asking; `events` of the server of sound.
+    /// Opens the requested inputs. If `plays` is true, MIDI devices are opened without a request. `events` come from
+    /// the sound server.
     pub(crate) fn open(
         options: &InputOptions,
         scene: &Scene,
         plays: bool,
         events: Option<EventReader>,
     ) -> Result<Inputs, Failure> {
-        // forces on a hand follow from what it does
+        // OSC moves parameters and ports, and forces on a hand follow from these
         let closed = options.osc_token.is_some() || !devices(scene).is_empty();
         let osc = match options.osc {
             Some(port) => Some(Osc::open(port, Token::open(options.osc_token.as_deref(), closed)?, closed)?),
@@ -51,12 +51,11 @@ impl Inputs {
         })
     }
 
-    /// The server of sound is another one, which brings these, or none.
+    /// Replaces the MIDI events after a change of the sound server.
     pub(crate) fn served(&mut self, events: Option<EventReader>) {
         self.events = events;
     }
 
-    /// What there is, in words.
     pub(crate) fn said(&self) -> Vec<String> {
         let midi = self.cables.iter().flat_map(Cables::names).map(|name| format!("MIDI: {name}"));
         let osc = self.osc.iter().map(Osc::said);
@@ -64,9 +63,9 @@ impl Inputs {
         midi.chain(events).chain(osc).collect()
     }
 
-    /// One turn: what came since the last one; OSC until `end`, the rest waits.
+    /// Plays the events since the last call. OSC packets after `end` wait.
     pub(crate) fn turn(&mut self, recorder: &mut Recorder, end: Instant) {
-        // it waits where it is
+        // events wait in their queues meanwhile
         if recorder.is_swapping() {
             return;
         }
@@ -92,13 +91,13 @@ impl Inputs {
         }
     }
 
-    /// Time since the inputs were opened.
     pub(crate) fn now(&self) -> Duration {
         self.begun.elapsed()
     }
 }
 
-/// The cables that are asked for, all of the machine where no path is given; `plays` where those are opened unasked, if they can be.
+/// Opens the requested MIDI cables: those at a path, or all of the machine for an empty path. If `plays` is true, opens
+/// all that can be opened without a request.
 fn opened(asked: Option<&Path>, plays: bool) -> Result<Option<Cables>, Failure> {
     let (paths, must) = match asked {
         Some(path) if !path.as_os_str().is_empty() => (vec![path.to_path_buf()], true),

@@ -1,8 +1,8 @@
-//! OSC over UDP, from this machine alone.
+//! Receives OSC over UDP from this machine.
 //!
-//! Every user of this machine can send here, so a model with devices takes only messages whose address begins with the
-//! token ([`token`](super::token)): `/TOKEN/param`. Of a packet with another message nothing is used. A model without
-//! devices takes all messages, with the token or without it. [`ca_session::osc`] has the messages.
+//! Every user of this machine can send to the port. So a model with devices accepts only messages whose address begins
+//! with the token ([`token`](super::token)): `/TOKEN/param`. A packet with any other message is dropped as a whole. A
+//! model without devices accepts messages with and without the token. [`ca_session::osc`] defines the messages.
 
 use super::Inputs;
 use super::token::Token;
@@ -13,17 +13,16 @@ use ca_session::osc::{self, LARGEST, Target};
 use std::net::{Ipv4Addr, UdpSocket};
 use std::time::Instant;
 
-/// An open port.
 pub(super) struct Osc {
     socket: UdpSocket,
     packet: Vec<u8>,
     token: Option<Token>,
-    /// messages without the token are refused
+    /// Refuses messages without the token.
     closed: bool,
 }
 
 impl Osc {
-    /// Listens at a port; `closed` to messages without the token.
+    /// Listens at a port. If `closed` is true, refuses messages without the token.
     pub(super) fn open(port: u16, token: Option<Token>, closed: bool) -> Result<Osc, Failure> {
         let open = || {
             let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, port))?;
@@ -34,7 +33,6 @@ impl Osc {
         Ok(Osc { socket: open().map_err(failed)?, packet: vec![0; LARGEST + 1], token, closed })
     }
 
-    /// Port and token, in words.
     pub(super) fn said(&self) -> String {
         let token = self.token.as_ref().filter(|_| self.closed);
         let token = token.map(|t| format!("; addresses begin with the token in {}", t.path.display()));
@@ -45,7 +43,7 @@ impl Osc {
         self.socket.local_addr().map_or(0, |a| a.port())
     }
 
-    /// Plays the packets that came since the last turn, one at least, and none after `end`.
+    /// Plays the packets received since the last call, at least one and none after `end`.
     pub(super) fn turn(&mut self, inputs: &mut Inputs, recorder: &mut Recorder, end: Instant) {
         let Osc { socket, packet, token, closed } = self;
         let admit = |address: &str| match token.as_ref().and_then(|t| t.strip(address)) {
@@ -60,7 +58,7 @@ impl Osc {
             let now = inputs.now();
             let mut target = Target { recorder, midi: &mut inputs.midi, language: &ModelLanguage, now };
             for reply in osc::play(&packet[..n], &admit, &mut target) {
-                // a sender that does not listen loses its answers
+                // replies to a sender that does not listen are lost
                 let _ = socket.send_to(&reply, from);
             }
             if Instant::now() >= end {

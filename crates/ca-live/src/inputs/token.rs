@@ -1,8 +1,8 @@
-//! The token that addresses of OSC begin with, in a file that this user alone can read.
+//! Token at the beginning of OSC addresses, in a file that only this user can read.
 //!
-//! Every user of this machine can send to a UDP port of it, and the sender of a packet is not known. A token in the address
-//! works with every OSC controller, since all let people choose addresses. It lies in a file because other users see the
-//! arguments of a command. The file is kept, so that the patch of a controller is set up once.
+//! Every user of this machine can send to a UDP port, and the sender of a packet is unknown. A token in the address
+//! works with every OSC controller, because all of them allow free choice of addresses. The token is in a file because
+//! other users can see the arguments of a command. The file is kept, so that a controller is configured only once.
 
 use ca_device_tools::store;
 use ca_haptic::host::user::uid;
@@ -13,20 +13,20 @@ use std::io::{ErrorKind, Read as _};
 use std::os::unix::fs::MetadataExt as _;
 use std::path::{Path, PathBuf};
 
-/// Shortest and longest token \[bytes\].
+/// Allowed lengths of a token \[bytes\].
 const LENGTHS: std::ops::RangeInclusive<usize> = 16..=128;
 
-/// The token and its file.
 pub(super) struct Token {
     text: String,
     pub(super) path: PathBuf,
 }
 
 impl Token {
-    /// The token in a file, or in the one beside the user's profiles. A file that is not there is made if it is `needed`.
+    /// Reads the token from `path`, or from the file beside the user's profiles. If the file is missing and the token
+    /// is `needed`, creates it.
     ///
     /// # Errors
-    /// If others can read the file, if it holds something else, or if it cannot be written.
+    /// Fails if other users can read the file, if it does not hold a token, or if it cannot be written.
     pub(super) fn open(path: Option<&Path>, needed: bool) -> Result<Option<Token>, Failure> {
         let path = path.map_or_else(|| store::dir().join("osc-token"), Path::to_owned);
         let failed = |what: String| Failure::Failed(format!("the token of OSC, `{}`: {what}", path.display()));
@@ -38,13 +38,13 @@ impl Token {
         }
         let mut random = [0_u8; 16];
         getrandom::fill(&mut random).map_err(|e| failed(e.to_string()))?;
-        // a letter first: Pure Data would read some tokens as numbers
+        // begins with a letter, because Pure Data would read some tokens as numbers
         let text = random.iter().fold(String::from("t"), |s, b| s + &format!("{b:02x}"));
         if let Some(folder) = path.parent() {
             std::fs::create_dir_all(folder).map_err(|e| failed(e.to_string()))?;
         }
         if let Err(e) = atomic_file::write_new_private(&path, format!("{text}\n").as_bytes()) {
-            // another process may have been faster
+            // another process may have created the file in the meantime
             return match read(&path).map_err(failed)? {
                 Some(text) => Ok(Some(Token { text, path })),
                 None => Err(e.into()),
@@ -53,19 +53,19 @@ impl Token {
         Ok(Some(Token { text, path }))
     }
 
-    /// The rest of an address behind the token; `None` if the address does not begin with it.
+    /// Returns the part of an address after the token, or `None` if the address does not begin with the token.
     pub(super) fn strip<'a>(&self, address: &'a str) -> Option<&'a str> {
         let (given, rest) = address.strip_prefix('/')?.split_once('/')?;
         let (given, text) = (given.as_bytes(), self.text.as_bytes());
-        // how long this takes says nothing of the token
+        // constant time, so that the duration reveals nothing about the token
         let differs = given.iter().zip(text).fold(0, |all, (a, b)| all | (a ^ b));
         (given.len() == text.len() && differs == 0).then(|| &address[address.len() - rest.len() - 1..])
     }
 }
 
-/// The token in a file; `None` if the file is not there.
+/// Reads the token from a file. Returns `None` if the file does not exist.
 fn read(path: &Path) -> Result<Option<String>, String> {
-    // a FIFO would be waited for
+    // opening a FIFO would block
     let other = || "it is not a file".to_owned();
     let file = match std::fs::metadata(path).map(|about| about.is_file()) {
         Ok(true) => File::open(path).map_err(|e| e.to_string())?,

@@ -1,4 +1,4 @@
-//! BANK: cells side by side, one per partial; the modes of a bell, a bar or a gong, each exactly where it is asked.
+//! BANK: cells side by side, one for each partial, e.g. the modes of a bell, a bar or a gong.
 //!
 //! Every cell is a CEL by f and t60 (docs/numerics.md §1.5), so pitch and decay are exact at any sound rate.
 

@@ -1,8 +1,8 @@
-//! CLOUD: a body given by its points, from a file of one of the formats drawing programs write, or written out.
+//! CLOUD: a body given by points, from a file of a common 3-D format or written out.
 //!
-//! Decides that every point is one mass, in the order of the file, so that `bell[17]` is the point 17 of the drawing;
-//! and that the springs are the edges of the drawing, each once, or, where `reach` is written, join all points that are
-//! near. Stiffness is the same for all of them: a drawing says nothing of thickness.
+//! Every point is a mass, in the order of the file, so `bell[17]` is point 17 of the drawing. The springs are the edges
+//! of the drawing, each once, or with `reach` join all near points. Their stiffness is equal: a drawing has no
+//! thickness.
 
 use super::pose::{Pose, SPIN, TURN, V};
 use super::string::{K, M, M_TOTAL, MANY, MASSES, mass};
@@ -62,7 +62,7 @@ out = { from = "room.star.link[0]", gain = 0.02 }
     role: Role::Generator(&Generator { dims: &[3], derive, build }),
 };
 
-/// The cloud in units of its file.
+/// Returns the points in units of their file.
 fn cloud<'a>(a: &'a Args<'_>) -> Cow<'a, Cloud> {
     if let Some(c) = a.cloud("file") {
         return Cow::Borrowed(c);
@@ -72,7 +72,6 @@ fn cloud<'a>(a: &'a Args<'_>) -> Cow<'a, Cloud> {
     Cow::Owned(Cloud { points: flat.as_chunks().0.to_vec(), ..Cloud::default() })
 }
 
-/// The pairs that are joined.
 fn joined(a: &Args<'_>, cloud: &Cloud) -> Result<Vec<[u32; 2]>, Problem> {
     if a.num("k").is_none() {
         return Ok(Vec::new());

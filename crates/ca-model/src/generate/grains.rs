@@ -1,8 +1,7 @@
-//! GRAINS: many loose masses, packed around a place: the seeds of a maraca, gravel, hail.
+//! GRAINS: many loose masses around a place, such as the seeds of a maraca, gravel, hail.
 //!
-//! Decides on a lattice rather than on chance: the same file is the same sound, nothing overlaps at the start, and a
-//! rattle mixes its grains by itself. They stand on a cubic lattice of spacing `gap`, nearest to the centre first;
-//! what is equally near comes in the order of x, then y, then z.
+//! Masses are on a cubic lattice of spacing `gap`, nearest to the centre first, equally near ones in the order of x, y,
+//! z. Random places would vary the sound and could overlap at the start, and a rattle mixes its grains anyway.
 
 use super::pose::{Pose, V};
 use super::string::{M, M_TOTAL, MASSES, mass};
@@ -53,14 +52,14 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     Ok(())
 }
 
-/// The first `n` points of a cubic lattice of `dim` axes, by distance from the origin.
+/// Returns the first `n` points of a cubic lattice of `dim` axes, by distance from the origin.
 fn lattice(n: usize, dim: u8) -> Vec<[i32; 3]> {
     let inside = |r: i32| {
         let flat = if dim == 3 { r } else { 0 };
         let all = (-r..=r).flat_map(move |x| (-r..=r).flat_map(move |y| (-flat..=flat).map(move |z| [x, y, z])));
         all.filter(move |p| p.iter().map(|v| v * v).sum::<i32>() <= r * r)
     };
-    // the smallest ball that has enough of them; one of 100 000 has a radius of 29
+    // the smallest ball with enough points; for 100 000 its radius is 29
     let r = (0..n as i32).find(|r| inside(*r).count() >= n).unwrap_or(0);
     let mut all: Vec<[i32; 3]> = inside(r).collect();
     all.sort_by_key(|p| (p.iter().map(|v| v * v).sum::<i32>(), *p));

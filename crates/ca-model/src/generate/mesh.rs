@@ -1,14 +1,14 @@
-//! MESH: masses on a rectangular grid, joined to their neighbours.
+//! MESH: masses on a rectangular grid, linked to their neighbours.
 //!
 //! Modes with a = kT²/m: closed, λ_pq = 4a (sin²(pπ/(2(nx−1))) + sin²(qπ/(2(ny−1)))), p, q ≥ 1; open,
-//! 4a (sin²(pπ/(2nx)) + sin²(qπ/(2ny))), p + q ≥ 1. Given `f` the lowest is inverted exactly. Stability: a < 1/2 serves
-//! every size. Source: SMC 2019 (mesh, closedMesh, cornerMesh).
+//! λ_pq = 4a (sin²(pπ/(2nx)) + sin²(qπ/(2ny))), p + q ≥ 1. For a given `f` the lowest is inverted exactly. a < 1/2 is
+//! stable for every size. Source: SMC 2019 (mesh, closedMesh, cornerMesh).
 //!
-//! In space the springs are radial and shorter at rest than the spacing: l0 = (1 − stretch) dx. Each then pulls with
-//! k (dx − l0), and a small displacement across it meets tension/dx = stretch · k, so that transverse modes are those
-//! above with that stiffness, and `f` is the lowest of them. In the plane a spring is k; both together want
-//! (1 + stretch) a ≤ 1. Shear springs lie along the diagonals, slack at rest, and change no transverse mode. Only a mesh
-//! held all around is in balance when stretched.
+//! In space the springs are radial and shorter at rest than the spacing: l0 = (1 − stretch) dx. Each pulls with
+//! k (dx − l0), and a small transverse displacement meets tension/dx = stretch · k. So transverse modes are those above
+//! with that stiffness, and `f` is the lowest of them. In the plane the stiffness of a spring is k; both together need
+//! (1 + stretch) a ≤ 1. Shear springs lie along the diagonals, slack at rest, and do not change transverse modes. A
+//! stretched mesh is in balance only if it is held all around.
 
 use super::pose::{Pose, TURN};
 use super::string::{DECAY, F, K, M, M_TOTAL, MASSES, T60, TUNING, Z, ZO, ground, mass, target, too_stiff};
@@ -22,13 +22,12 @@ use ca_core::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 const SIDE: Type = Type::Count { min: 2, max: 4096 };
 
 ca_core::choice! {
-    /// What holds the border.
+    /// Support of the border.
     enum Edges {
-        /// nothing
         Open = "open",
-        /// fixed points all around
+        /// Fixed points all around.
         Closed = "closed",
-        /// fixed points at its four corners
+        /// Fixed points at its four corners.
         Corner = "corner",
     }
 }
@@ -89,7 +88,7 @@ out = { from = "skin[2,2]", gain = 200 }
     role: Role::Generator(&Generator { dims: &[1, 3], derive, build }),
 };
 
-/// What makes no sense in the space the mesh is in.
+/// Refuses parameters that do not fit the dimension of the mesh.
 fn fits(a: &Args<'_>) -> Result<(), Problem> {
     let no = |title: &str, param, help: &str| Err(Problem { title: title.into(), param, help: help.into() });
     let closed = Edges::of(a.num("edges")) == Edges::Closed;
@@ -156,7 +155,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
                 }
             };
             let stiffness = target(a, f, zo, m)? / (4.0 * shape);
-            // stiffness across a spring, along it, and what both together may be
+            // stiffness across a spring and along it, and their limit together
             let share = if a.dim == 1 { 1.0 } else { a.or0("stretch") };
             let along = stiffness / share;
             if stiffness + along > a.scheme.room() {
@@ -176,7 +175,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     Ok(())
 }
 
-/// The nodes of `fixed`, counted from the start.
+/// Returns the nodes of `fixed`, counted from the start.
 fn held(a: &Args<'_>, nx: usize, ny: usize) -> Result<Vec<[usize; 2]>, Problem> {
     let n = a.len("fixed").unwrap_or(0);
     let flat = a.list("fixed", n);

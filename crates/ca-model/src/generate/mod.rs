@@ -1,8 +1,7 @@
-//! Generators: one line of text, many modules, one file each. A generator builds with [`ca_core::internal::kind::builder`].
+//! Generators: one line of text that makes many modules. Each has a file and uses [`ca_core::internal::kind::builder`].
 //!
-//! Expansion happens in the compiler, never in the author's file, and names stay indexable: `low[8]`, `low[-1]`,
-//! `low[*]`.
-// all generators have functions of one type, whether or not they refuse anything
+//! The compiler expands them, never the author's file, and names remain indexable: `low[8]`, `low[-1]`, `low[*]`.
+// all generators have functions of one type, even those that never fail
 #![allow(clippy::unnecessary_wraps)]
 
 use ca_core::Kind;

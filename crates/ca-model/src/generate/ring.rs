@@ -1,13 +1,13 @@
-//! RING: masses in a circle, each joined to the next by a spring and the last to the first.
+//! RING: masses in a circle, each linked to the next by a spring and the last to the first.
 //!
-//! Modes of n masses of stiffness ratio a = kT²/m: λ_j = 4a sin²(jπ/n), j = 0 … ⌊n/2⌋. All but j = 0 (the whole ring
-//! moves, at no pitch) and j = n/2 are two of one pitch, as cos and sin around the ring (docs/numerics.md §1.2). Given `f`,
-//! j = 1 is inverted exactly, damping included, as for STRING. Source: SMC 2019.
+//! Modes of n masses with the stiffness ratio a = kT²/m are λ_j = 4a sin²(jπ/n), j = 0 … ⌊n/2⌋. At j = 0 the whole ring
+//! moves, without a pitch. Each other j except n/2 is two modes of one pitch, as cos and sin around the ring
+//! (docs/numerics.md §1.2). For given `f`, j = 1 is inverted exactly, with damping, as for STRING. Source: SMC 2019.
 //!
-//! Decides that the limit is that of its own highest mode. A row never reaches 4a; a ring of an even number does, so the
-//! rule a ≤ 1 of STRING would pass a ring that is at the limit and grows. The explicit method counts viscosity to ground
-//! too, twice. The way of a moving point is closed by its first mass standing at both ends of the list of nodes: nothing
-//! below has to know of circles, but a point is led from 0 to 1 and cannot go round and round.
+//! The limit follows from the highest mode of the ring. A row never reaches 4a, but a ring of an even number of masses
+//! does, so the rule a ≤ 1 of STRING would accept a ring that is at the limit and grows. The explicit method adds twice
+//! the viscosity to ground. The first mass is at both ends of the path of a moving point, so no other code needs to
+//! know circles, but a point moves from 0 to 1 and cannot go round repeatedly.
 
 use super::string::{DECAY, F, K, M, M_TOTAL, MANY, MASSES, T60, TUNING, Z, ZO, ground, mass, target, too_stiff};
 use alloc::vec::Vec;
@@ -54,7 +54,6 @@ out = { from = "hoop[5]", gain = 200 }
     role: Role::Generator(&Generator { dims: &[1], derive, build }),
 };
 
-/// sin²(jπ/n)
 fn sin2(j: usize, n: usize) -> f64 {
     let s = libm::sin(core::f64::consts::PI * j as f64 / n as f64);
     s * s

@@ -1,11 +1,12 @@
-//! STIFFSTRING: a string that resists bending, as piano strings and bars do.
+//! STIFFSTRING: a string with bending stiffness, as piano strings and bars.
 //!
-//! Decides on true bending, −B δ⁴, expressed with ordinary links: the energy ½B(x_{i−1} − 2x_i + x_{i+1})² of each
-//! inner node is two springs of 2B to its neighbours and one of −B across it. The second-neighbour springs of positive
-//! stiffness found elsewhere in the field flatten the partials instead of sharpening them. The sum is never negative,
-//! which the certificate proves by covering each −B with the springs beside it. Hinged modes:
-//! λ_j = 4k s_j² + 16B s_j⁴, s_j = sin(jπ/(2(N+1))). Given `f` and `b`, partials 1 and 2 stand exactly at
-//! f_j = j f √((1 + b j²)/(1 + b)); B makes up for the dispersion of the row too (docs/numerics.md §1.2). Source: Bilbao 2009.
+//! Bending, −B δ⁴, is expressed by ordinary links: the energy ½B(x_{i−1} − 2x_i + x_{i+1})² of each inner node is two
+//! springs of 2B to its neighbours and one of −B across it. Positive springs to second neighbours, which others use,
+//! flatten the partials instead of sharpening them. The sum is never negative, which the certificate proves by covering
+//! each −B with the springs beside it.
+//!
+//! Hinged modes: λ_j = 4k s_j² + 16B s_j⁴, s_j = sin(jπ/(2(N+1))). For given `f` and `b`, partials 1 and 2 are exactly
+//! at f_j = j f √((1 + b j²)/(1 + b)); B also compensates for dispersion (docs/numerics.md §1.2). Source: Bilbao 2009.
 
 use super::string::{DECAY, F, K, M, M_TOTAL, MANY, MASSES, T60, TUNING, Z, ZO, ground, mass, target, too_stiff};
 use alloc::vec::Vec;
@@ -14,13 +15,12 @@ use ca_core::internal::mat::X;
 use ca_core::{Kind, Need, OneOf, POSITIVE, Param, Role, Type, Unit};
 
 ca_core::choice! {
-    /// What holds the ends.
+    /// Support of the ends.
     enum Ends {
-        /// a fixed point about which the string turns
+        /// Fixed point about which the string can turn.
         Hinged = "hinged",
-        /// a fixed point in which it is clamped
+        /// Fixed point in which it is clamped.
         Fixed = "fixed",
-        /// nothing
         Free = "free",
     }
 }
@@ -90,7 +90,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
             }
             let first = target(a, f, zo, m)?;
             let b = a.or0("b");
-            // above half the rate partial 2 is not heard, and cannot tell how far bending stretches it
+            // partial 2 is silent above half the rate, and then cannot determine the bending
             let second = target(a, 2.0 * f * libm::sqrt((1.0 + 4.0 * b) / (1.0 + b)), zo, m).ok();
             let solve = |n: usize| bending(n, first, second, b);
             let fits = |n: usize| {
@@ -110,9 +110,8 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     Ok(())
 }
 
-/// Springs k and bending B of `n` masses whose first two partials have these λ: 4k s_j² + 16B s_j⁴ = λ_j for j = 1 and 2.
-///
-/// Neither is negative: a row that is all bending, or a plain string, keeps the first partial alone.
+/// Returns the springs k and the bending B of `n` masses whose first two partials have these λ: 4k s_j² + 16B s_j⁴ =
+/// λ_j for j = 1 and 2. Both are at least 0: pure bending, or a plain string, meets the first partial only.
 fn bending(n: usize, first: f64, second: Option<f64>, b: f64) -> (f64, f64) {
     let n1 = n as f64 + 1.0;
     let square = |j: f64| {
@@ -146,7 +145,7 @@ fn build(a: &Args<'_>, b: &mut Builder<'_>) -> Result<(), Problem> {
     }
     let last = row.len() - 2;
     for (i, pair) in row.windows(2).enumerate() {
-        // every inner node beside the link gives 2 shares; a clamp, whose node beyond is at rest too, gives 2 − 1
+        // each inner node beside the link adds 2 shares; a clamp, whose outer neighbour is at rest too, adds 2 − 1
         let inner = u32::from(i > 0) * 2 + u32::from(i < last) * 2;
         let clamp = u32::from(ends == Ends::Fixed) * (u32::from(i == 0) + u32::from(i == last));
         b.link(pair[0], pair[1], 4 + inner + clamp, 1);
@@ -161,5 +160,5 @@ fn build(a: &Args<'_>, b: &mut Builder<'_>) -> Result<(), Problem> {
     Ok(())
 }
 
-/// No slot: the parameter is absent.
+/// Marks a missing slot: the parameter is absent.
 const NONE: u32 = u32::MAX;

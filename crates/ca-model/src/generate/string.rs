@@ -1,9 +1,9 @@
-//! STRING and CHAIN: masses in a row, joined by springs.
+//! STRING and CHAIN: masses in a row, linked by springs.
 //!
-//! Modes of N masses of stiffness ratio a = kT²/m, fixed at both ends: f_j = (fs/π) asin(√a sin(jπ/(2(N+1)))); free:
-//! sin(jπ/(2N)) (docs/numerics.md §1.2). Given `f`, the first of these is inverted exactly, damping included: with
-//! damping to ground b every mode obeys λ_j = (1−r)² + 4r sin²(θ/2), r² = 1−b, as a CEL does. Source: CMJ 1993, SMC
-//! 2019.
+//! Modes of N masses with the stiffness ratio a = kT²/m: fixed at both ends, f_j = (fs/π) asin(√a sin(jπ/(2(N+1))));
+//! free, with sin(jπ/(2N)) (docs/numerics.md §1.2). For a given `f` the first is inverted exactly, damping included:
+//! with damping to ground b every mode obeys λ_j = (1−r)² + 4r sin²(θ/2), r² = 1−b, as a CEL does. Source: CMJ 1993,
+//! SMC 2019.
 
 use ca_core::internal::mat::X;
 use ca_core::{ABOVE_ZERO, Kind, Need, OneOf, POSITIVE, Param, Role, Type, Unit};
@@ -14,7 +14,7 @@ use alloc::vec::Vec;
 use ca_core::internal::kind::builder::{Args, Builder, Generator, Problem};
 use ca_core::internal::tuning::Scheme;
 
-/// How many masses a generator may make.
+/// Largest number of masses of a generator.
 pub(super) const MANY: u32 = crate::model::LARGEST as u32;
 pub(super) const M: Param = Param::number("m", Unit::KILOGRAM, ABOVE_ZERO, Need::Optional, "inertia of each mass");
 pub(super) const M_TOTAL: Param =
@@ -43,13 +43,12 @@ pub(super) const TUNING: OneOf = OneOf { sets: &[&["k"], &["f"]], required: true
 pub(super) const DECAY: OneOf = OneOf { sets: &[&["zo"], &["t60"]], required: false };
 
 ca_core::choice! {
-    /// What holds the ends.
+    /// Support of the ends.
     enum Ends {
-        /// a fixed point at each
+        /// Fixed point at each end.
         Fixed = "fixed",
-        /// nothing
         Free = "free",
-        /// the same as fixed: without bending there is nothing to clamp
+        /// Same as fixed: without bending stiffness there is nothing to clamp.
         Hinged = "hinged",
     }
 }
@@ -125,15 +124,14 @@ out = { from = "tail[5]", gain = 200 }
     role: Role::Generator(&Generator { dims: &[1], derive, build }),
 };
 
-/// The mass of each of `n`.
 pub(super) fn mass(a: &Args<'_>, n: usize) -> f64 {
     a.num("m").or_else(|| a.num("m_total").map(|m| m / n as f64)).unwrap_or(1.0)
 }
 
-/// Viscosity to ground of a mass `m`: as written, or from t60 exactly (docs/numerics.md §1.5).
+/// Returns the viscosity to ground of a mass `m`: as written, or exactly from t60 (docs/numerics.md §1.5).
 pub(super) fn ground(a: &Args<'_>, m: f64) -> f64 {
     match a.num("t60") {
-        // the tuned one knows the fundamental, by which a share of the force from the time to come slows the decay
+        // for an implicit method the decay also depends on the fundamental, through the force after the tick
         Some(t60) => match (a.scheme, a.num("f")) {
             (Scheme::Implicit(_), Some(f)) => a.scheme.tuned(f, t60, a.tick_dt).map_or(0.0, |(_, b)| b) * m / a.tick_dt,
             (scheme, _) => scheme.damped(t60, a.tick_dt) * m / a.tick_dt,
@@ -142,7 +140,7 @@ pub(super) fn ground(a: &Args<'_>, m: f64) -> f64 {
     }
 }
 
-/// The λ = T²ω²-like number a mode must have to be heard at `f` with viscosity to ground `zo`.
+/// Returns the λ (like T²ω²) of a mode that sounds at `f` with viscosity to ground `zo`.
 pub(super) fn target(a: &Args<'_>, f: f64, zo: f64, m: f64) -> Result<f64, Problem> {
     if f * a.tick_dt >= 0.5 {
         return Err(Problem {
@@ -158,7 +156,7 @@ pub(super) fn target(a: &Args<'_>, f: f64, zo: f64, m: f64) -> Result<f64, Probl
     })
 }
 
-/// "too stiff": what to say where the spring asked for would pass the stability limit.
+/// Reports a spring that would exceed the stability limit.
 pub(super) fn too_stiff(f: f64, n: usize, fewer: usize) -> Problem {
     Problem {
         title: format!("{n} masses cannot sound {} Hz at this sound rate", Plain(f)),
@@ -186,7 +184,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
                 let s = libm::sin(angle(n));
                 lambda / (4.0 * s * s)
             };
-            // the highest partial sits at 4a sin², which must stay below the limit: a ≤ 1 serves every n
+            // the highest partial is at 4a sin², below the limit for a ≤ 1 and every n
             if stiffness(n) > a.scheme.room() {
                 let fewer = (1..n).rev().find(|n| stiffness(*n) <= a.scheme.room()).unwrap_or(0);
                 return Err(too_stiff(f, n, fewer));

@@ -1,10 +1,10 @@
 //! TETRA: four masses at the corners of a regular tetrahedron, the smallest body that can tumble in space.
 //!
 //! Its corners are every other corner of a cube, so the centre is exact: with s = edge/√8,
-//! 0 (s, s, s), 1 (s, −s, −s), 2 (−s, s, −s), 3 (−s, −s, s). Six springs, slack at rest, in the order 01 02 03 12 13 23.
-//! Stretching modes λ = kT²/m · (4; 2, 2, 2; 1, 1), so that alone kT²/m < 1 is stable (docs/numerics.md §4.2). Without
-//! springs an author joins the corners as he likes, e.g. by LPR between `["p[*]", "p[*]"]`, which makes the six pairs
-//! in that order.
+//! 0 (s, s, s), 1 (s, −s, −s), 2 (−s, s, −s), 3 (−s, −s, s). Six springs, slack at rest, are in the order
+//! 01 02 03 12 13 23. Stretching modes are λ = kT²/m · (4; 2, 2, 2; 1, 1), so a body alone is stable for kT²/m < 1
+//! (docs/numerics.md §4.2). Without springs an author links the corners freely, e.g. by LPR between `["p[*]", "p[*]"]`,
+//! which makes the six pairs in that order.
 
 use super::pose::{Pose, SPIN, TURN, V};
 use super::string::{K, M, M_TOTAL, MASSES, mass};
@@ -52,7 +52,7 @@ out = { from = "room.p.link[0]", gain = 0.1 }
     role: Role::Generator(&Generator { dims: &[3], derive, build }),
 };
 
-/// Refuses viscosity where there are no springs for it.
+/// Refuses viscosity without springs.
 pub(super) fn springs(a: &Args<'_>) -> Result<(), Problem> {
     if a.num("k").is_some() || a.num("z").is_none() {
         return Ok(());
@@ -83,5 +83,5 @@ fn build(a: &Args<'_>, b: &mut Builder<'_>) -> Result<(), Problem> {
     Ok(())
 }
 
-/// No slot: no viscosity to ground.
+/// Marks a missing slot: no viscosity to ground.
 const NONE: u32 = u32::MAX;

@@ -1,11 +1,13 @@
-//! WAVEGUIDE: a string of travelling waves, with junctions at which it is touched.
+//! WAVEGUIDE: a string of travelling waves with junctions, where links act on it.
 //!
-//! Equation, at each junction between two sides of impedance Z, with v = (x' − x1)/2T: m (x' − 2x + x1)/T² = f + 2Z
-//! (v₁ + v₂) − 2Z v, and v − vᵢ goes out on side i (docs/numerics.md §7.2). With f alone on the right this is a mass of
-//! m + ZT with a damper of 2Z, so a junction *is* a CEL without spring, of three coefficients like any MAT, and S = M −
-//! ¼T²K − ½TC of a network counts it with m: all that is known of masses holds of junctions. Delays, loss and tuning:
-//! [`ca_core::internal::tuning::wave`]. Stability: passive whatever is linked, as far as the links are with masses of m. Source: HSP v2
-//! (`DWG-end~`, `ex-junct~`); the mass makes passive what `ex-junct~` is not. Test: G01 to G03.
+//! At a junction between two sides of impedance Z, with v = (x' − x1)/2T,
+//! m (x' − 2x + x1)/T² = f + 2Z (v₁ + v₂) − 2Z v, and v − vᵢ leaves on side i (docs/numerics.md §7.2). With f alone on
+//! the right this is a mass of m + ZT with a damper of 2Z. So a junction *is* a CEL without spring, with three
+//! coefficients like any MAT, and S = M − ¼T²K − ½TC of a network counts it with m: all rules for masses apply to it.
+//!
+//! Delays, loss and tuning are in [`ca_core::internal::tuning::wave`]. A waveguide is passive with any links that are
+//! stable with masses of m. Source: HSP v2 (`DWG-end~`, `ex-junct~`); the mass makes passive what `ex-junct~` is not.
+//! Test: G01 to G03.
 
 use crate::quantity::Plain;
 use alloc::format;
@@ -60,7 +62,7 @@ out = { from = "low[1]", gain = 200 }
     role: Role::Generator(&Generator { dims: &[1], derive, build }),
 };
 
-/// What is asked for, in SI.
+/// Returns the requested string in SI units.
 fn asked(a: &Args<'_>) -> Result<WaveguideSpec, Problem> {
     let problem = |param, title, help: &str| Err(Problem { title, param, help: help.into() });
     let (f, t60, high) = (a.or0("f"), a.num("t60"), a.num("t60_high"));
@@ -94,7 +96,7 @@ fn asked(a: &Args<'_>) -> Result<WaveguideSpec, Problem> {
     Ok(WaveguideSpec { f, t60, high: high.map(|t60| [top, t60]), z, at, m: a.num("m") })
 }
 
-/// Slots: the damper that both sides are to a junction, then for each junction what it is as a CEL.
+/// Slots: the damper that both sides form at a junction, then each junction as a CEL.
 fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     let asked = asked(a)?;
     let masses = alloc::vec![asked.mass(0.0, a.tick_dt); asked.at.len()];

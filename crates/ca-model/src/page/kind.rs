@@ -1,4 +1,4 @@
-//! The page of one kind.
+//! Page of a kind.
 
 use crate::quantity::show;
 use alloc::format;
@@ -8,10 +8,9 @@ use ca_core::{Dim, Kind, Need, Param, SOURCES, Type, Unit};
 use core::fmt::Write as _;
 use serde_json::{Value as Json, json};
 
-/// Width of the text.
+/// Width of the text in characters.
 const WIDTH: usize = 96;
 
-/// What a parameter accepts, in a few words.
 fn accepts(p: &Param) -> String {
     match p.ty {
         Type::Number { unit, min, max } => number(unit, min, max),
@@ -50,12 +49,10 @@ fn number(unit: Unit, min: f64, max: f64) -> String {
     format!("[{}]{above}{below}", symbol(unit))
 }
 
-/// Zero needs no unit.
 fn unit_for(v: f64, unit: Unit) -> Unit {
     if v == 0.0 { Unit::NONE } else { unit }
 }
 
-/// What holds where it is left out.
 fn default(p: &Param) -> String {
     match p.need {
         Need::Required => "required".into(),
@@ -71,7 +68,7 @@ fn default(p: &Param) -> String {
     }
 }
 
-/// Lines of at most [`WIDTH`] characters, each behind `indent` blanks.
+/// Breaks a text into lines of at most [`WIDTH`] characters, with `indent` blanks in front.
 fn wrap(text: &str, indent: usize) -> String {
     let (mut out, mut line) = (String::new(), String::new());
     let gap = " ".repeat(indent);
@@ -92,7 +89,7 @@ fn reference(key: &str) -> &'static str {
     SOURCES.iter().find(|s| s.0 == key).map_or("", |s| s.1)
 }
 
-/// The page as text.
+/// Returns the page as text.
 pub fn text(k: &Kind) -> String {
     let mut out = format!("{}  {}\n\n    {}\n\n{}", k.code, k.title, k.equation, wrap(k.doc, 0));
     if !k.params.is_empty() {
@@ -126,7 +123,7 @@ fn indent(text: &str) -> String {
         .join("\n")
 }
 
-/// The page for programs. Ranges are in SI; a limit that is missing is `null`.
+/// Returns the page as JSON. Ranges are in SI units; a missing limit is `null`.
 pub fn json(k: &Kind) -> Json {
     let params: Vec<Json> = k
         .params

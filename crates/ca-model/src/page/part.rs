@@ -1,6 +1,6 @@
-//! The parts that come with the program: a table, and the page of one.
+//! Pages of the bundled parts: a list, and the page of one part.
 //!
-//! Decides that a page is made of what the part declares and its author wrote above it, as that of a kind is of the catalog.
+//! A page is made from the declarations of the part and the comment above it, as the page of a kind from the catalog.
 
 use crate::part::Part;
 use crate::part::library::{LIBRARY, shipped};
@@ -12,7 +12,7 @@ use ca_core::Catalog;
 use core::fmt::Write as _;
 use serde_json::{Value as Json, json};
 
-/// A line about each part that comes with the program.
+/// Returns a line for each bundled part.
 pub fn all(catalog: &Catalog) -> String {
     let width = LIBRARY.iter().map(|p| p.0.len()).max().unwrap_or(0);
     let about = |name: &str| shipped(name, catalog).map(|p| p.0.doc).unwrap_or_default();
@@ -20,13 +20,13 @@ pub fn all(catalog: &Catalog) -> String {
     LIBRARY.iter().map(line).collect()
 }
 
-/// The same for programs.
+/// Returns name and line of each bundled part as JSON.
 pub fn all_json(catalog: &Catalog) -> Json {
     let one = |(name, _): &(&str, &str)| Some(json!({"name": name, "doc": shipped(name, catalog)?.0.doc}));
     Json::Array(LIBRARY.iter().filter_map(one).collect())
 }
 
-/// The page as text: purpose, parameters, ports and an example. `header` is the comment above the part.
+/// Returns the page as text: purpose, parameters, ports and an example. `header` is the comment above the part.
 pub fn text(part: &Part, header: &str) -> String {
     let mut out = format!("{}: {}\n\n{}\n\nParameters\n", part.name, part.doc, header);
     let width = part.body.params.iter().map(|p| p.key.chars().count()).max().unwrap_or(0);
@@ -53,7 +53,7 @@ pub fn text(part: &Part, header: &str) -> String {
     out
 }
 
-/// The page for programs.
+/// Returns the page as JSON.
 pub fn json(part: &Part, header: &str) -> Json {
     let param = |p: &Entry| {
         let told = |key: &str| field(p, key).map(|v| word(Some(v)));
@@ -67,12 +67,12 @@ pub fn json(part: &Part, header: &str) -> Json {
     json!({"name": part.name, "doc": part.doc, "about": header, "params": params, "ports": ports})
 }
 
-/// A port of a part, as its author wrote it; a number that follows a parameter is what that has if nothing is given.
+/// Port of a part as written. A number that is a parameter is replaced by the default of the parameter.
 struct Port {
     name: String,
     unit: &'static str,
     rest: String,
-    /// where MIDI moves it, from and to, by what, and whether that is notes
+    /// Movement by MIDI: from, to, description of the source, and whether the source is notes.
     way: Option<(String, String, String, bool)>,
 }
 
@@ -81,7 +81,7 @@ impl Port {
         self.way.as_ref().map(|(from, to, by, _)| format!("from {from} to {to} {by}"))
     }
 
-    /// A line of `[gesture]`: down and back, or the way of a controller; without one a few millimetres or newtons.
+    /// Returns a line of `[gesture]`: down and back, or the range of a controller; without MIDI 2 mm or 1 N.
     fn gesture(&self, part: &str) -> String {
         let some = if self.unit == "N" { "1 N" } else { "2 mm" };
         let points = match &self.way {
@@ -95,7 +95,7 @@ impl Port {
 
 fn ports(part: &Part) -> Vec<Port> {
     let of = |list: &[Entry], key: &str| list.iter().find(|e| e.key == key).map(|e| e.value.clone());
-    // what a parameter of the part has
+    // default of a parameter of the part
     let meant = |v: Value| match &v {
         Value::Text(t) => part.body.params.iter().find(|p| p.key == t.trim()).and_then(value).cloned().unwrap_or(v),
         _ => v,
@@ -138,7 +138,6 @@ fn is_needed(p: &Entry) -> bool {
     value(p).is_none() && field(p, "port").is_none()
 }
 
-/// What holds where nothing is given.
 fn value(p: &Entry) -> Option<&Value> {
     if matches!(p.value, Value::Table(_)) { field(p, "value") } else { Some(&p.value) }
 }

@@ -1,8 +1,8 @@
-//! Beside: what stands in the file of a part and does not come with it: its units, its `[param]`, its settings.
+//! Reports content of a file that its parts do not bring along: units, `[param]`, settings.
 //!
-//! Decides that nothing of it is left behind in silence. A part is read in the units of the model, so a file in other units is an
-//! error; a name that only the file gives a value is one too, even where the model has a parameter called so, which the author of
-//! the part did not mean; the settings of a file that is used whole are those of the model, which is a note.
+//! A part is read in the units of the model, so a file in other units is an error. A name that only the file defines is
+//! an error too, even if the model has a parameter of that name, which the author of the part did not mean. For a file
+//! that is used as a whole the settings of the model apply, with a note.
 
 use super::expander::{Expander, Home};
 use super::scope::Scope;
@@ -13,11 +13,11 @@ use alloc::format;
 use alloc::vec::Vec;
 use ca_core::{Kind, Type};
 
-/// Keys of `[model]` that change what is computed, beside the units.
+/// Keys of `[model]`, besides the units, that change the computation.
 const SETTINGS: &[&str] = &["gravity", "friction", "method", "theta", "start"];
 
 impl Expander<'_> {
-    /// The units of a file are those of the model.
+    /// Reports a file whose units differ from the model.
     pub fn same_units(&mut self, file: &str, of: &Model) {
         let Some(e) = of.meta("units") else { return };
         let (theirs, ours) = (word(Some(e)), word(self.model.meta("units")));
@@ -35,7 +35,7 @@ impl Expander<'_> {
         self.diags.push(d.at(e.span, "of this file alone").help(help));
     }
 
-    /// Says which settings of a file that is used whole are not those of the model.
+    /// Notes the settings of a wholly used file that differ from the model.
     pub fn settings(&mut self, u: &Use, at: Span, home: &Home) {
         let ours = |section: &[Entry], e: &Entry| section.iter().any(|o| o.key == e.key && o.value == e.value);
         let meta = home.model.meta.iter().filter(|e| SETTINGS.contains(&e.key.as_str()));
@@ -53,7 +53,7 @@ impl Expander<'_> {
         self.diags.push(d.help(help));
     }
 
-    /// Reports the names in a number of a part that only the file of the part gives a value; `owner` is whose number it is.
+    /// Reports names in a number of a part that only the file of the part defines; `owner` is the module of the number.
     pub fn of_file(&mut self, e: &Entry, kind: Option<&'static Kind>, owner: &str, home: &Home, scope: &Scope) {
         use Type::{Between, Choice, File, Flag, Midi, Module, Text};
         if home.file.is_empty() || home.model.params.is_empty() {
@@ -89,7 +89,6 @@ impl Expander<'_> {
     }
 }
 
-/// The units of a model.
 fn word(units: Option<&Entry>) -> &str {
     match units.map(|e| &e.value) {
         Some(Value::Text(t)) => t.trim(),

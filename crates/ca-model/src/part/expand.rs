@@ -1,4 +1,4 @@
-//! Expand: the modules of a model and those of the parts it uses, in the order in which the lines stand.
+//! Puts the parts into a model, in the order of the lines.
 
 use super::expander::{Expander, Home, Open};
 use super::fan::fan;
@@ -14,7 +14,7 @@ use ca_core::Catalog;
 use ca_core::internal::kind::cloud::Unread;
 use hashbrown::HashSet;
 
-/// Puts the parts in that `[use]` names. Nothing is done to a model without that section.
+/// Puts in the parts that `[use]` names. A model without that section is unchanged.
 pub(crate) fn expand(model: &mut Model, diags: &mut Diags, catalog: &Catalog, open: Open<'_>) {
     if model.uses.is_empty() {
         return;
@@ -25,7 +25,7 @@ pub(crate) fn expand(model: &mut Model, diags: &mut Diags, catalog: &Catalog, op
     into(model, diags, catalog, open, |e| e.lines(&items, &uses, None, &Rc::new(home), &Scope::default()));
 }
 
-/// Adds what `u` says of `part` to a model that a program builds; lists of many instances are made by [`super::lists`].
+/// Adds instances of `part`, as `u` specifies, to a model that a program builds. [`super::lists`] resolves `[*]` in it.
 ///
 /// ```
 /// use ca_model::part::{self, Part, Use};
@@ -46,12 +46,12 @@ pub fn add(model: &mut Model, part: &Part, u: &Use, catalog: &Catalog) -> Diags 
     add_from(model, &part.name, u, body, catalog)
 }
 
-/// Adds what `u` says of the part `name` that comes with the program, see [`super::library`].
+/// Adds instances of the bundled part `name`, as `u` specifies, see [`super::library`].
 pub fn add_shipped(model: &mut Model, name: &str, u: &Use, catalog: &Catalog) -> Diags {
     add_from(model, name, u, Model::default(), catalog)
 }
 
-/// The same of a part called `name` among those of `body`, or else of the program.
+/// Adds instances of a part called `name` in `body`, otherwise of a bundled one.
 fn add_from(model: &mut Model, name: &str, u: &Use, body: Model, catalog: &Catalog) -> Diags {
     let (mut diags, mut u) = (Diags::new(), u.clone());
     u.part = Some(Entry::new("part", name));
@@ -62,7 +62,6 @@ fn add_from(model: &mut Model, name: &str, u: &Use, body: Model, catalog: &Catal
     diags
 }
 
-/// Lets `put` add modules to `model`.
 fn into(model: &mut Model, diags: &mut Diags, catalog: &Catalog, open: Open<'_>, put: impl FnOnce(&mut Expander<'_>)) {
     let params = model.params.iter().map(|p| &p.key);
     let names = params.chain(model.items.iter().map(|i| &i.name)).chain(model.groups.iter().map(|g| &g.name));
@@ -82,7 +81,7 @@ fn into(model: &mut Model, diags: &mut Diags, catalog: &Catalog, open: Open<'_>,
     put(&mut e);
     let of_parts = core::mem::replace(&mut e.model.gestures, gestures);
     fan(&mut e.model, catalog, &mut e.diags);
-    // what is written in the model counts, not what its parts would play
+    // gestures of the model replace gestures of its parts
     let mut written: HashSet<String> = e.model.gestures.iter().map(|g| g.key.clone()).collect();
     for g in of_parts {
         if written.insert(g.key.clone()) {

@@ -1,7 +1,4 @@
-//! Expander: a model whose parts are being put in, and what is known of them meanwhile.
-//!
-//! Decides that this one record is what finding a part, measuring it and putting it in all work on, each in a file of its own
-//! above this one.
+//! State of a model while its parts are put in. `find`, `size` and `instance` work on it.
 
 use crate::diag::{Diag, Diags};
 use crate::model::{LARGEST, Model, Span};
@@ -13,47 +10,45 @@ use alloc::vec::Vec;
 use ca_core::Catalog;
 use ca_core::internal::kind::cloud::Unread;
 
-/// A file whose parts may be used.
 pub(super) struct Home {
-    /// its path from the folder of the model; of the model itself there is none
+    /// Path from the folder of the model; empty for the model itself.
     pub file: String,
-    /// its parts, and for another file its modules too
+    /// Its parts, and for another file its modules too.
     pub model: Model,
 }
 
 impl Home {
-    /// The folder of its file, with a slash.
+    /// Returns the folder of the file, with a slash.
     pub fn folder(&self) -> &str {
         self.file.rfind('/').map_or("", |i| &self.file[..=i])
     }
 }
 
-/// Modules, instances.
+/// Number of modules and of instances.
 pub(super) type Size = [usize; 2];
 
-/// What a file holds, by its path from the folder of the model.
+/// Returns the content of a file by its path from the folder of the model.
 pub(crate) type Open<'f> = &'f mut dyn FnMut(&str) -> Result<String, Unread>;
 
-/// A model whose parts are put in.
 pub(super) struct Expander<'e> {
     pub catalog: &'e Catalog,
     pub open: Open<'e>,
     pub model: Model,
     pub diags: Diags,
-    /// files that were asked for; what cannot be read has been reported
+    /// Requested files; `None` for one that could not be read, which has been reported.
     pub files: BTreeMap<String, Option<Rc<Home>>>,
-    /// parameters and modules at the root
+    /// Names at the root of the model.
     pub root: BTreeSet<String>,
-    /// what an instance of a part makes, by file and name
+    /// Size of one instance of a part, by file and name.
     pub sizes: BTreeMap<(String, String), Size>,
-    /// there are too many of them
+    /// True after too many modules.
     pub over: bool,
-    /// the parts that are being put in, each in the one before: file and name
+    /// Parts that are being put in, from the outermost to the innermost: file and name.
     pub within: Vec<(String, String)>,
 }
 
 impl Expander<'_> {
-    /// Whether nothing more is put in.
+    /// Returns true if no more modules are added.
     pub fn is_over(&self) -> bool {
         self.over || self.diags.is_full()
     }

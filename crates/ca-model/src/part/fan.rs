@@ -1,6 +1,4 @@
-//! Fans: `note[*].key` is a list of one module of each instance.
-//!
-//! Decides that lists are made before anything is compiled, and that one of them stands wherever a module may.
+//! Expands `note[*].key` to a list with one module of each instance, wherever a module may stand, before compilation.
 
 use super::instances::{Counts, Outside};
 use crate::diag::{Diag, Diags};
@@ -11,15 +9,14 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use ca_core::{Catalog, Type};
 
-/// How many instances there are of each name, and where to say what is wrong.
 pub(super) struct Fans<'f> {
     counts: Counts,
     diags: &'f mut Diags,
-    /// names that are none, which has been reported
+    /// Invalid names, which have been reported.
     lost: Vec<String>,
 }
 
-/// Makes lists of all names of many instances in `model`.
+/// Expands all names of several instances in `model`.
 pub(crate) fn fan(model: &mut Model, catalog: &Catalog, diags: &mut Diags) {
     let counts = Counts::of(model);
     if counts.is_empty() {
@@ -51,7 +48,7 @@ impl Fans<'_> {
                 let all = match self.names(&t.clone(), e, owner) {
                     Ok(Some(all)) => all,
                     Ok(None) => return,
-                    // goes on with an instance that there is, so that one mistake is one finding
+                    // continues with an existing instance, so that one mistake is one finding
                     Err(()) => Vec::from([first_instance(&e.value)]),
                 };
                 let one = |name: &String| Entry { value: Value::Text(name.clone()), ..e.clone() };
@@ -61,7 +58,7 @@ impl Fans<'_> {
         }
     }
 
-    /// A gesture of many ports is one for each.
+    /// Copies a gesture of several ports for each port.
     fn gestures(&mut self, gestures: &mut Vec<Entry>) {
         if !gestures.iter().any(|g| g.key.contains('[')) {
             return;
@@ -80,7 +77,7 @@ impl Fans<'_> {
         }
     }
 
-    /// The names that `text` means, or none where it means itself; nothing where that is reported.
+    /// Returns the names that `text` stands for, `None` if it stands for itself, or an error after a report.
     fn names(&mut self, text: &str, e: &Entry, owner: &str) -> Result<Option<Vec<String>>, ()> {
         let mut all = Vec::new();
         match self.counts.each(String::new(), text.trim(), &mut all) {
@@ -96,7 +93,7 @@ impl Fans<'_> {
     }
 }
 
-/// The name with the first instance in the place of each index but the last.
+/// Replaces each index of an instance by 0.
 fn first_instance(value: &Value) -> String {
     let Value::Text(t) = value else { return String::new() };
     let mut out = String::new();
@@ -111,7 +108,6 @@ fn first_instance(value: &Value) -> String {
     out + rest
 }
 
-/// Values in a gesture.
 fn size(e: &Entry) -> usize {
     match &e.value {
         Value::List(l) | Value::Table(l) => 1 + l.iter().map(size).sum::<usize>(),

@@ -1,24 +1,24 @@
-//! Files: which of the texts of a model a span points into.
+//! Files of a model: which text a span points into.
 //!
-//! Decides that the files a model takes parts from have their places behind those of its own text, one after the other, so
-//! that a span stays two numbers and a finding may point into several files.
+//! The files that a model takes parts from have their offsets behind its text, one after the other. So a span remains
+//! two numbers, and a finding may point into several files.
 
 pub use crate::model::SourceFile;
 use crate::model::{Model, Span};
 
-/// The text a span points into.
+/// Text that a span points into.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Source<'m> {
-    /// name of its file; that of the model may be empty
+    /// File name; may be empty for the model itself.
     pub file: &'m str,
-    /// all of it
+    /// Whole text.
     pub text: &'m str,
-    /// the place of its first byte among all spans of the model
+    /// Offset of its first byte among all spans of the model.
     pub start: usize,
 }
 
 impl Source<'_> {
-    /// The same place within its text alone.
+    /// Converts a span of the model to a span of this text.
     #[must_use]
     pub fn within(self, span: Span) -> Span {
         if !span.is_some() {
@@ -30,7 +30,7 @@ impl Source<'_> {
 }
 
 impl Model {
-    /// The text that `span` points into; that of the model itself where it points nowhere.
+    /// Returns the text that `span` points into; the text of the model for [`Span::NONE`].
     pub fn source(&self, span: Span) -> Source<'_> {
         let other = self.files.iter().rev().find(|f| span.is_some() && f.start <= span.start);
         match other {

@@ -1,7 +1,7 @@
-//! Find: the part that a line of `[use]` means, in its file or in another one.
+//! Finds the part that a line of `[use]` names, in its file or in another one.
 //!
-//! Decides that the reader opens no file itself: whoever reads a model says what the files hold, as the files of a take are
-//! in the take. Paths stay below the folder of the model, so that a model can be handed on with it.
+//! The reader does not open files. Its caller provides their content, so that a take can contain them. Paths stay below
+//! the folder of the model, so that the folder can be passed on as a whole.
 
 use super::expander::{Expander, Home};
 use super::files::SourceFile;
@@ -18,7 +18,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 
 impl Expander<'_> {
-    /// The part, and where it stands; `None` is reported.
+    /// Returns the part and its file, or `None` after a report.
     pub fn find(&mut self, u: &Use, home: &Rc<Home>) -> Option<(Part, Rc<Home>)> {
         let home = match &u.file {
             Some(e) => self.file(u, e, home)?,
@@ -65,7 +65,7 @@ impl Expander<'_> {
         None
     }
 
-    /// The file of a part that comes with the program, as the files at hand have it, else as this program ships it.
+    /// Returns the file of a bundled part: the text from `open` if available, otherwise the bundled text.
     fn shipped(&mut self, path: String, text: &str) -> Option<Rc<Home>> {
         if let Some(known) = self.files.get(&path) {
             return known.clone();
@@ -74,7 +74,7 @@ impl Expander<'_> {
         Some(self.read(path, text))
     }
 
-    /// The file that is named, read once.
+    /// Returns the named file, which is read once.
     fn file(&mut self, u: &Use, e: &Entry, home: &Home) -> Option<Rc<Home>> {
         let name = text(e);
         let Some(path) = below(home.folder(), name) else {
@@ -104,7 +104,6 @@ impl Expander<'_> {
         Some(self.read(path, text))
     }
 
-    /// Reads a file, which is one of those of the model from then on.
     fn read(&mut self, path: String, text: String) -> Rc<Home> {
         let (mut model, mut found) = one_file(&text, &path, self.catalog);
         let start = next_file(&self.model);
@@ -120,17 +119,15 @@ impl Expander<'_> {
     }
 }
 
-/// Where the file stands.
 fn first_place(u: &Use) -> Span {
     first(u.file.as_ref(), u.span)
 }
 
-/// A text that was found to be one.
 fn text(e: &Entry) -> &str {
     if let Value::Text(t) = &e.value { t.trim() } else { "" }
 }
 
-/// The path of a file that is named in `folder`; nothing where it leads elsewhere.
+/// Returns the path of a file that is named in `folder`, or `None` if it leads out of the folder of the model.
 pub(super) fn below(folder: &str, name: &str) -> Option<String> {
     let plain = |w: &str| !matches!(w, "" | "." | "..") && !w.contains(['\\', ':']) && !w.chars().any(char::is_control);
     let words: Vec<&str> = name.strip_prefix("./").unwrap_or(name).split('/').collect();

@@ -1,7 +1,6 @@
-//! Instance: one use of a part: its parameters get their values, its names the name of the instance.
+//! Puts in an instance of a part: resolves its parameters and prefixes its names.
 //!
-//! Decides that the lines of a model and of a part go in by the same steps, which stand here too: a line of a part may use
-//! another one, and so on.
+//! The lines of a model and of a part are handled by the same functions, since a line of a part may use another part.
 
 use super::expander::{Expander, Home};
 use super::find::below;
@@ -18,16 +17,15 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use ca_core::{Kind, Type};
 
-/// A part within a part, and so on, no deeper than this.
+/// Largest depth of parts within parts.
 const DEEP: usize = 16;
 
-/// A line that makes modules.
 enum Line<'m> {
     Module(&'m Item),
     Use(&'m Use),
 }
 
-/// Modules and uses in the order of the text.
+/// Returns modules and uses in the order of the text.
 fn lines<'m>(items: &'m [Item], uses: &'m [Use]) -> Vec<Line<'m>> {
     let place = |l: &Line| match l {
         Line::Module(i) => i.name_span.start,
@@ -39,8 +37,8 @@ fn lines<'m>(items: &'m [Item], uses: &'m [Use]) -> Vec<Line<'m>> {
 }
 
 impl Expander<'_> {
-    /// Adds modules as they are called in `scope`; `groups` are the numbers of their groups in the model, where these are not
-    /// what they say.
+    /// Adds modules with their names in `scope`. `groups` maps groups of a part to groups of the model; `None` at the
+    /// root.
     pub fn lines(&mut self, items: &[Item], uses: &[Use], groups: Option<&[usize]>, home: &Rc<Home>, scope: &Scope) {
         for line in lines(items, uses) {
             if self.is_over() {
@@ -62,7 +60,7 @@ impl Expander<'_> {
                     for e in &i.args {
                         self.of_file(e, kind, &name, home, scope);
                     }
-                    // the first is that of the instance
+                    // the first group is the instance itself
                     let group = groups.get(i.group.map_or(0, |g| g + 1)).copied();
                     self.model.items.push(Item { name, group, args, ..i.clone() });
                 }
@@ -70,7 +68,7 @@ impl Expander<'_> {
         }
     }
 
-    /// Puts in what a line of `[use]` says, in `outer`.
+    /// Puts in the instances of a line of `[use]` in `outer`.
     pub fn place(&mut self, u: &Use, home: &Rc<Home>, outer: &Scope) {
         let name = format!("{}{}", outer.prefix, u.name);
         for e in &u.with {
@@ -109,7 +107,7 @@ impl Expander<'_> {
             let full = if n.is_some() { format!("{name}[{i}]") } else { name.clone() };
             let with = u.with.iter().map(|e| (e.key.as_str(), of_instance(e, n.map(|_| i)))).collect();
             self.instance(&full, u, &with, &part, &home, outer);
-            // each instance is a group, however little stands in it
+            // each instance counts as a group, even an empty one
             if self.model.items.len().max(self.model.groups.len()) >= LARGEST {
                 self.too_many(u.span);
             }
@@ -120,7 +118,7 @@ impl Expander<'_> {
         self.within.pop();
     }
 
-    /// How many instances; without a number one, without an index. An error is reported.
+    /// Returns the number of instances, `None` for one without an index, or an error after a report.
     fn count(&mut self, u: &Use, name: &str, outer: &Scope) -> Result<Option<usize>, ()> {
         let Some(e) = &u.n else { return Ok(None) };
         let written = match &e.value {
@@ -165,7 +163,7 @@ impl Expander<'_> {
         }
     }
 
-    /// A list of many instances has a value for each.
+    /// Reports lists whose length differs from the number of instances.
     fn lengths(&mut self, u: &Use, name: &str, n: Option<usize>, part: &Part) {
         let Some(n) = n else { return };
         for e in &u.with {
@@ -200,7 +198,7 @@ impl Expander<'_> {
             scope.args.insert(p.key.clone(), arg);
             params.push(param);
         }
-        // the group of the instance, then those of the part, which have its properties where they say nothing else
+        // the group of the instance, then the groups of the part, which inherit its properties unless they have others
         let props: Vec<Entry> = part.props.iter().map(|e| scope.entry(e, None)).collect();
         let mut groups = alloc::vec![self.model.groups.len()];
         self.model.groups.push(Group { name: full.into(), span: u.span, props: props.clone() });
@@ -224,7 +222,7 @@ impl Expander<'_> {
                 outer.passed(of, named.contains(key));
             }
         }
-        // one that nothing refers to is said to be so once
+        // an unused parameter is reported for the first instance only
         let said = full.ends_with(']') && !full.ends_with("[0]");
         for (p, param) in body.params.iter().zip(params) {
             let keep = named.contains(&p.key) || !used.contains(&p.key) && !said;
@@ -232,7 +230,7 @@ impl Expander<'_> {
         }
     }
 
-    /// A list that stands where one number belongs was meant for as many instances.
+    /// Reports a list given for one number, which was meant for several instances.
     fn one_of_many(&mut self, full: &str, u: &Use, scope: &Scope) {
         for (key, n) in scope.lists.take() {
             let Some(e) = u.with.iter().find(|e| e.key == key && u.n.is_none()) else { continue };
@@ -242,7 +240,7 @@ impl Expander<'_> {
         }
     }
 
-    /// The value of a parameter, and the `[param]` it becomes where it is a number.
+    /// Returns the value of a parameter, and its `[param]` if it is a number.
     fn param(
         &mut self,
         full: &str,
@@ -313,7 +311,7 @@ impl Expander<'_> {
     }
 }
 
-/// A file that a part names is looked for beside the file of the part.
+/// Resolves a file that a part names from the folder of the part's file.
 fn of_part(mut e: Entry, kind: Option<&'static Kind>, home: &Home) -> Entry {
     let file = kind.and_then(|k| k.param(&e.key).map(|i| k.params[i].ty)).is_some_and(|t| matches!(t, Type::File));
     if let (true, Value::Text(name)) = (file && !home.folder().is_empty(), &e.value) {
@@ -324,8 +322,8 @@ fn of_part(mut e: Entry, kind: Option<&'static Kind>, home: &Home) -> Entry {
     e
 }
 
-/// Of what is written for all, what is meant for instance `i`; where the list is too short, which has been reported, its last
-/// value, so that nothing else is found to be missing.
+/// Returns the value for instance `i`. A list that is too short, which has been reported, gives its last value, so that
+/// nothing else is reported as missing.
 fn of_instance(e: &Entry, i: Option<usize>) -> Option<Entry> {
     match (&e.value, i) {
         (Value::List(l), Some(i)) => {
@@ -336,7 +334,7 @@ fn of_instance(e: &Entry, i: Option<usize>) -> Option<Entry> {
     }
 }
 
-/// The first word of a name, without the number of an instance.
+/// Returns the first word of a name, without an index.
 fn head(name: &str) -> &str {
     name.split(['.', '[']).next().unwrap_or(name)
 }

@@ -1,4 +1,4 @@
-//! Instances: which of them a name means, as `note[*].key` does one module of each.
+//! Resolves names of several instances: `note[*].key` names one module of each.
 
 use crate::model::{LARGEST, Model};
 use alloc::collections::BTreeMap;
@@ -6,11 +6,10 @@ use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
-/// How many instances there are of each name.
 pub(super) struct Counts(BTreeMap<String, usize>);
 
-/// The names that one of many instances means, such as `key[*].hammer` or `key[1..3].f`; nothing where it means itself, or
-/// an instance that there is not.
+/// Returns the names that a name of several instances stands for, such as `key[*].hammer` or `key[1..3].f`. Returns
+/// `None` for a name that stands for itself, or for an instance that does not exist.
 pub fn instances(model: &Model, name: &str) -> Option<Vec<String>> {
     let mut all = Vec::new();
     Counts::of(model).each(String::new(), name.trim(), &mut all).ok().filter(|many| *many)?;
@@ -29,12 +28,11 @@ impl Counts {
         Counts(counts)
     }
 
-    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Adds all names that begin with `done`, where `rest` is still to be read; true where an index means other than itself.
+    /// Adds all names for `done` followed by `rest`. Returns true if an index is not literal, such as `*` or `-1`.
     pub fn each(&self, mut done: String, rest: &str, all: &mut Vec<String>) -> Result<bool, Outside> {
         let index =
             rest.split_once('[').and_then(|(word, r)| r.split_once(']').map(|(index, rest)| (word, index, rest)));
@@ -57,14 +55,14 @@ impl Counts {
     }
 }
 
-/// An index that no instance has.
+/// Index without an instance.
 pub(super) struct Outside {
     pub name: String,
     pub index: String,
     pub n: usize,
 }
 
-/// Which instances an index means; nothing where there are none such.
+/// Returns the instances that an index selects; `None` if it is invalid or out of range.
 fn indices(index: &str, n: usize) -> Option<Vec<usize>> {
     let one = |t: &str| -> Option<usize> {
         let i: i64 = t.trim().parse().ok()?;

@@ -1,8 +1,8 @@
-//! Library: the parts that come with the program, which any model may use.
+//! The bundled parts, which any model may use.
 //!
-//! Decides that a part which a model names and does not have is looked for here, so that a bow is `{ part = "bow" }`, and that
-//! its text is then one of the files of the model, called `ca:bow.ca.toml`: findings point into it, and a take that holds it is
-//! replayed with it, whatever a later version of the program ships. The colon keeps the names of files on disk apart.
+//! A part that the model does not have is looked up here, so a bow is `{ part = "bow" }`. Its text becomes a file of
+//! the model, `ca:bow.ca.toml`. Findings point into it, and a take that contains it replays with it, whatever a later
+//! version of the program bundles. The colon distinguishes it from files on disk.
 
 use crate::model::Part;
 use crate::text::file::one_file;
@@ -10,7 +10,7 @@ use alloc::format;
 use alloc::string::String;
 use ca_core::Catalog;
 
-/// What the file of a shipped part begins with.
+/// Start of the file name of a bundled part.
 const PREFIX: &str = "ca:";
 
 macro_rules! parts {
@@ -19,21 +19,20 @@ macro_rules! parts {
     };
 }
 
-/// Their names, in order, and texts: each is a file of `parts/` that holds a part of its own name.
+/// Names, in order, and texts. Each is a file of `parts/` that contains a part of the same name.
 pub static LIBRARY: &[(&str, &str)] = parts!["bow", "mallet", "piano_action", "piano_key", "piano_strings", "plectrum"];
 
-/// The file that the text of a shipped part is called, and that text.
 pub(super) fn file(name: &str) -> Option<(String, &'static str)> {
     let (_, text) = LIBRARY.iter().find(|p| p.0 == name)?;
     Some((format!("{PREFIX}{name}.ca.toml"), text))
 }
 
-/// Whether a file that a model was read from came with the program, so that there is none on disk.
+/// Returns true for the file name of a bundled part, which is not a file on disk.
 pub fn is_shipped(file: &str) -> bool {
     file.starts_with(PREFIX)
 }
 
-/// A shipped part as it is written, and what its author says of it above it; nothing where there is none of that name.
+/// Returns a bundled part as written and the comment above it; `None` for an unknown name.
 pub fn shipped(name: &str, catalog: &Catalog) -> Option<(Part, String)> {
     let (file, text) = file(name)?;
     let model = one_file(text, &file, catalog).0;

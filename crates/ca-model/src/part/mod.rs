@@ -1,10 +1,11 @@
-//! Parts: a piece of an instrument that is written once, with parameters, and used many times.
+//! Parts: pieces of an instrument that are written once, with parameters, and used many times.
 //!
-//! Decides that a part is read as a small model and that its instances are modules like all others, called `key[3].hammer`:
-//! nobody behind the reader knows of parts, so whatever works for a module works for one of an instance. A number that
-//! stands for a parameter of the part becomes a `[param]` of the model, called `key[3].f`, so that units, limits, live changes
-//! and findings are those of any other; anything else (a module, a word, a file) is put in its place. A name is looked
-//! for in the part first, then at the root of the model. Against templates of text: a finding could not point into them.
+//! A part is read as a small model, and its instances become ordinary modules such as `key[3].hammer`. Later stages do
+//! not see parts, so all that works for a module works for one in an instance.
+//!
+//! A parameter of a part that is a number becomes a `[param]` of the model, `key[3].f`, with the usual units, limits,
+//! live changes and findings. Other parameters (a module, a word, a file) are substituted. A name is looked up in the
+//! part first, then at the root of the model. Text templates were rejected because a finding could not point into them.
 
 #[cfg(feature = "parse")]
 mod beside;
@@ -45,8 +46,8 @@ pub(super) use expand::expand;
 pub use expand::{add, add_shipped};
 pub use instances::instances;
 
-/// Makes lists of names of many instances, `key[*].hammer`, in a model that a program built; where there are no such
-/// instances it says so.
+/// Expands names of many instances, `key[*].hammer`, to lists in a model that a program built. Reports missing
+/// instances.
 #[cfg(feature = "parse")]
 pub fn lists(model: &mut Model, catalog: &Catalog) -> Diags {
     let mut diags = Diags::new();

@@ -1,4 +1,4 @@
-//! `[part.NAME]` and `[use]`, as written.
+//! Reads `[part.NAME]` and `[use]`.
 
 use crate::diag::Diag;
 use crate::model::{Entry, Part, Span, Use, Value};
@@ -29,7 +29,6 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// A part is read as a model of its own.
     fn part(&mut self, key: &Key, table: &DeTable) -> Part {
         let name: String = key.get_ref().as_ref().into();
         let outer = core::mem::take(&mut self.model);
@@ -119,7 +118,7 @@ impl Reader<'_, '_> {
     }
 }
 
-/// Where something stands, for findings about what was left out.
+/// Returns the place of an entry, otherwise `or`.
 pub(super) fn first(of: Option<&Entry>, or: Span) -> Span {
     of.map_or(or, |e| e.span)
 }

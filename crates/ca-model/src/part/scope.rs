@@ -1,7 +1,7 @@
-//! Scope: what a name within a part means in one of its instances.
+//! Resolves names of a part in one of its instances.
 //!
-//! Decides by the type of the place a name stands in: a number refers to a `[param]` of the instance, a selector to a module,
-//! anything else gets what is written for the parameter.
+//! The type of its place decides. A number refers to a `[param]` of the instance, a selector to a module, and anything
+//! else gets the value of the parameter.
 
 use crate::model::{Entry, Span, Value};
 use crate::quantity::{is_quantity, note, product};
@@ -13,40 +13,40 @@ use alloc::vec::Vec;
 use ca_core::{Kind, Type};
 use core::cell::RefCell;
 
-/// What stands for a parameter of a part, and where that is written.
+/// Value of a parameter of a part, with its place.
 pub(super) enum Arg {
-    /// a number: a `[param]` of the instance
+    /// Number: a `[param]` of the instance.
     Number(Value, Span),
-    /// a number of the part around: the name of its `[param]`, and the number for where no reference can stand
+    /// Number of the part around: the name of its `[param]`, and the number for places that cannot have a reference.
     Outer(Value, Value, Span),
-    /// the name of something, a list, a flag
+    /// Name, list or flag.
     Other(Value, Span),
-    /// nothing, which has been reported
+    /// Missing value, which has been reported.
     Missing,
 }
 
-/// What a text means, and where that is written if not where the text stands.
+/// Meaning of a text, and its place if that is not the place of the text.
 type Meaning = (Value, Option<Span>);
 
-/// The names of one instance; at the root of the model there are none.
+/// Names of one instance; empty at the root of the model.
 #[derive(Default)]
 pub(super) struct Scope {
-    /// full name of the instance, with a dot
+    /// Full name of the instance, with a dot.
     pub prefix: String,
-    /// its modules, groups and instances
+    /// Modules, groups and instances in it.
     pub own: BTreeSet<String>,
-    /// its parameters
+    /// Parameters.
     pub args: BTreeMap<String, Arg>,
-    /// those that something refers to
+    /// Parameters that are used.
     pub used: RefCell<BTreeSet<String>>,
-    /// those of them that a number refers to by name
+    /// Parameters among these that a number refers to by name.
     pub named: RefCell<BTreeSet<String>>,
-    /// lists that stand for one number, and their lengths
+    /// Lists given for one number, with their lengths.
     pub lists: RefCell<BTreeMap<String, usize>>,
 }
 
 impl Scope {
-    /// A value whose names mean what they mean here.
+    /// Resolves the names in a value.
     pub fn entry(&self, e: &Entry, kind: Option<&'static Kind>) -> Entry {
         let ty = kind.and_then(|k| k.param(&e.key).map(|i| k.params[i].ty));
         match ty {
@@ -55,7 +55,7 @@ impl Scope {
                 Value::Text(t) if words.contains(&t.as_str()) => e.clone(),
                 _ => each(e, &|t| self.word(t)),
             },
-            // words and numbers
+            // `midi` contains words and numbers
             Some(Type::Midi) => each(e, &|t| self.word(t).or_else(|| self.scaled(t))),
             Some(Type::Flag | Type::Text | Type::File) => each(e, &|t| self.word(t)),
             Some(Type::Number { .. } | Type::PowerStiffness { .. } | Type::Count { .. }) => {
@@ -71,7 +71,7 @@ impl Scope {
         }
     }
 
-    /// A value written for a part within this scope: whatever it names is meant here.
+    /// Resolves the names in a value that is given to a part within this scope.
     pub fn given(&self, e: &Entry) -> Entry {
         each(e, &|t| self.number(t).or_else(|| self.selector(t)))
     }
@@ -82,7 +82,6 @@ impl Scope {
         Some(arg)
     }
 
-    /// Where a number belongs.
     fn number(&self, text: &str) -> Option<Meaning> {
         if let Some(scaled) = self.scaled(text) {
             return Some(scaled);
@@ -100,7 +99,7 @@ impl Scope {
         }
     }
 
-    /// A number times a parameter, which stays a product, of the `[param]` that the parameter is here.
+    /// Resolves a number times a parameter, which remains a product.
     fn scaled(&self, text: &str) -> Option<Meaning> {
         let (factor, name) = product(text)?;
         let arg = self.arg(name)?;
@@ -113,14 +112,14 @@ impl Scope {
                 Some((more, name)) => (factor * more, name.into()),
                 None => (factor, t.clone()),
             },
-            // a list or a flag: what is said of it is said of this
+            // a list or a flag: the finding about it applies to this value
             Arg::Outer(v, _, span) | Arg::Other(v, span) => return Some((v.clone(), Some(*span))),
         };
         Some((Value::Text(format!("{factor} {name}")), None))
     }
 
-    /// A parameter of this name that is a number, as the `[param]` it is and as the number. It is not used yet: that is known
-    /// once the part is in that it is written for ([`Scope::passed`]).
+    /// Returns a parameter that is a number, as its `[param]` and as the number. It is marked as used later, once the
+    /// part that it is given to is put in ([`Scope::passed`]).
     pub fn reference(&self, name: &str) -> Option<(Value, &Value)> {
         let name = name.trim();
         match self.args.get(name)? {
@@ -130,7 +129,7 @@ impl Scope {
         }
     }
 
-    /// The parameter `name` was written for one of a part within, which something refers to, by name or not.
+    /// Marks a parameter as used, because it is given to a part within that uses it, by name or not.
     pub fn passed(&self, name: &str, by_name: bool) {
         self.used.borrow_mut().insert(name.trim().into());
         if by_name {
@@ -138,7 +137,7 @@ impl Scope {
         }
     }
 
-    /// The number that a parameter of this name stands for.
+    /// Returns the number that a parameter stands for.
     pub fn plain(&self, name: &str) -> Option<&Value> {
         match self.args.get(name.trim())? {
             Arg::Number(v, _) | Arg::Outer(_, v, _) => Some(v),
@@ -146,7 +145,6 @@ impl Scope {
         }
     }
 
-    /// Where a word belongs.
     fn word(&self, text: &str) -> Option<Meaning> {
         match self.arg(text)? {
             Arg::Number(v, span) | Arg::Outer(_, v, span) | Arg::Other(v, span) => Some((v.clone(), Some(*span))),
@@ -154,7 +152,7 @@ impl Scope {
         }
     }
 
-    /// Where a module belongs: its own, one that a parameter names, or else one of the model.
+    /// Resolves a text where a module belongs: a module of the instance, of a parameter, or else of the model.
     fn selector(&self, text: &str) -> Option<Meaning> {
         let text = text.trim();
         let (of, places) = match text.split_once('@') {
@@ -191,7 +189,7 @@ impl Scope {
         }
     }
 
-    /// The full name of what a key of `[gesture]` or a `port` means.
+    /// Returns the full name for a key of `[gesture]` or a `port`.
     pub fn name(&self, text: &str) -> String {
         match self.arg(text) {
             Some(Arg::Other(Value::Text(t), _)) => return t.clone(),
@@ -212,7 +210,7 @@ impl Scope {
     }
 }
 
-/// As `e`, where every text that means something else is replaced.
+/// Copies an entry and replaces every text that `means` resolves.
 fn each(e: &Entry, means: &dyn Fn(&str) -> Option<Meaning>) -> Entry {
     let list = |l: &[Entry]| -> Vec<Entry> { l.iter().map(|x| each(x, means)).collect() };
     let (value, span) = match &e.value {
@@ -227,7 +225,7 @@ fn each(e: &Entry, means: &dyn Fn(&str) -> Option<Meaning>) -> Entry {
     Entry { key: e.key.clone(), key_span: e.key_span, value, span }
 }
 
-/// Whether a value is a number; a text is one unless it names something in the model.
+/// Returns true if a value is a number. A text is one unless it names something in the model.
 pub(super) fn is_number(value: &Value, known: &dyn Fn(&str) -> bool) -> bool {
     match value {
         Value::Num(_) | Value::Table(_) => true,

@@ -1,15 +1,14 @@
-//! Shift: a file that was read by itself gets its place behind the others.
+//! Shifts the spans of a separately read file behind the other files.
 
 use crate::diag::{Diags, Fix};
 use crate::model::{Entry, Item, Model, Span, Value};
 
-/// The place of the first byte of the next file of a model.
+/// Returns the offset of the first byte of the next file of a model.
 pub(super) fn next_file(model: &Model) -> usize {
-    // one more than the last byte, where a finding may point at the end of a text
+    // a finding may point at the end of a text, one past its last byte
     model.files.last().map_or(model.text.len(), |f| f.start + f.text.len()) + 1
 }
 
-/// Moves all places of findings.
 pub(super) fn shift_diags(diags: &mut Diags, by: usize) {
     for d in &mut diags.list {
         for (span, _) in &mut d.labels {
@@ -21,7 +20,6 @@ pub(super) fn shift_diags(diags: &mut Diags, by: usize) {
     }
 }
 
-/// Moves all places of a model, and of its parts.
 pub(super) fn shift_model(model: &mut Model, by: usize) {
     let sections = [&mut model.meta, &mut model.rate, &mut model.params, &mut model.gestures, &mut model.equivalence];
     for s in sections {

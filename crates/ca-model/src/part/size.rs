@@ -1,7 +1,7 @@
-//! Size: how many modules and instances a line of `[use]` makes at the least, known before any is made.
+//! Computes how many modules and instances a line of `[use]` makes at least, before any is made.
 //!
-//! Decides for a lower bound from the text alone: what stands in another file, and a part whose number of instances is a
-//! parameter, count once. A bound that is too large is a refusal at once; what it misses is stopped while it is put in.
+//! The lower bound comes from the text alone. A part in another file, and a part whose number of instances is a
+//! parameter, count once. A bound above the limit is refused at once; insertion stops the cases that it misses.
 
 use super::expander::{Expander, Home, Size};
 use crate::diag::Diag;
@@ -9,7 +9,7 @@ use crate::model::{LARGEST, Part, Use, Value};
 use alloc::format;
 
 impl Expander<'_> {
-    /// Whether `n` instances of `part` have room in the model; where they have none, that is reported.
+    /// Returns true if `n` instances of `part` fit into the model; otherwise reports it.
     pub fn fits(&mut self, u: &Use, name: &str, n: Option<usize>, part: &Part, home: &Home) -> bool {
         let [modules, instances] = self.size(part, home).map(|one| one.saturating_mul(n.unwrap_or(1)));
         let there = self.model.items.len().max(self.model.groups.len());
@@ -23,13 +23,12 @@ impl Expander<'_> {
         false
     }
 
-    /// What one instance of a part makes.
     fn size(&mut self, part: &Part, home: &Home) -> Size {
         let key = (home.file.clone(), part.name.clone());
         if let Some(known) = self.sizes.get(&key) {
             return *known;
         }
-        // a part that uses itself is refused elsewhere
+        // ends the recursion of a part that uses itself, which is refused elsewhere
         self.sizes.insert(key.clone(), [0, 0]);
         let mut all: Size = [part.body.items.len(), 1 + part.body.groups.len()];
         for u in &part.body.uses {

@@ -1,10 +1,9 @@
 //! Quantities: `"20 g"`, `"0.2 N s/m"`, `"1e8 N/m^1.5"`.
 //!
-//! Decides that a string that starts with a digit, a sign or a dot is a quantity and any other is not, so that one
-//! look tells a number from the name of a `[param]`. Decides that the number is correctly rounded: the prefixes move
-//! the decimal point in the text before it becomes a float, so `"20 g"` is the very `f64` 0.02. The alternative,
-//! multiplying by 1e-3, is one bit off for every third number and would make a model's bits depend on how its author
-//! likes to write. No units library: three exponents and six symbols are all that mechanics needs here.
+//! A string that starts with a digit, a sign or a dot is a quantity; any other string may be the name of a `[param]`.
+//! The number is correctly rounded: a prefix moves the decimal point in the text before it becomes a float, so `"20 g"`
+//! is exactly the `f64` 0.02. Multiplication by 1e-3 would be one bit off for every third number, and the bits of a
+//! model would depend on notation. Mechanics needs three exponents and six symbols, so no units library is used.
 
 mod note;
 mod read;

@@ -1,20 +1,21 @@
 //! Notes: `"A4"` is 440 Hz, `"C#3"`, `"Bb2"`, `"A2 +5 c"` with cents.
 //!
-//! Decides for equal temperament with A4 at 440 Hz, and for scientific pitch notation, in which C4 is note 60 of MIDI. Other
-//! temperaments are written as frequencies, or as cents.
+//! The temperament is equal with A4 at 440 Hz, in scientific pitch notation, where C4 is MIDI note 60. Other
+//! temperaments are written as frequencies or cents.
 
 use alloc::borrow::ToOwned;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
 
-/// Number of a note of MIDI: `C4` is 60, and so is `C4 +5 c`, since a key has no cents.
+/// Returns the MIDI number of a note: 60 for `C4`, and for `C4 +5 c`, since keys ignore cents.
 pub fn note_number(text: &str) -> Option<u8> {
     u8::try_from(number(parts(text)?.0)?).ok().filter(|n| *n < 128)
 }
 
-/// The note nearest to a frequency \[Hz\], with its cents where it is off by more than 1e-6: `A4`, `C#4 -13.7 c`; nothing for what
-/// has no name, below C-1 or above B12. [`note`] gives the frequency back, true to 1e-6 cents.
+/// Returns the note nearest to a frequency \[Hz\], with cents if it is off by more than 1e-6: `A4`, `C#4 -13.7 c`.
+///
+/// Returns `None` outside the named notes, below C-1 or above B12. [`note`] gives the frequency back to 1e-6 cents.
 ///
 /// ```
 /// use ca_model::quantity::note_of;
@@ -32,7 +33,7 @@ pub fn note_of(f: f64) -> Option<String> {
     Some(if cents == 0.0 { name } else { format!("{name} {cents:+} c") })
 }
 
-/// The name of a note of MIDI, with a sharp where it needs one.
+/// Returns the name of a MIDI note, with a sharp if necessary.
 ///
 /// ```
 /// use ca_model::quantity::{note_name, note_number};
@@ -45,7 +46,7 @@ pub fn note_name(number: u8) -> String {
     format!("{step}{}", i32::from(number / 12) - 1)
 }
 
-/// The frequency of a note with its cents, if any \[Hz\]; `None` where `text` is none.
+/// Returns the frequency of a note with optional cents \[Hz\]; `None` if `text` is not a note.
 ///
 /// ```
 /// use ca_model::quantity::note;
@@ -59,17 +60,17 @@ pub fn note(text: &str) -> Option<f64> {
     Some(440.0 * libm::exp2(steps / 12.0))
 }
 
-/// A name with its octave, and the cents behind it.
+/// Splits a note into its name with octave and its cents.
 fn parts(text: &str) -> Option<(&str, f64)> {
     let text = text.trim();
-    // a sign behind the digits of the octave begins the cents
+    // a sign after the digits of the octave begins the cents
     let digit = text.find(|c: char| c.is_ascii_digit())?;
     let end = text[digit..].find(|c: char| !c.is_ascii_digit()).map_or(text.len(), |i| digit + i);
     let (name, cents) = text.split_at(end);
     Some((name, if cents.is_empty() { 0.0 } else { cents_of(cents)? }))
 }
 
-/// `+5 c`, `-12.5 c`, `+5`
+/// Parses cents: `+5 c`, `-12.5 c`, `+5`.
 fn cents_of(text: &str) -> Option<f64> {
     let value = text.trim();
     let value = value.strip_suffix('c').unwrap_or(value).trim_end();
@@ -78,7 +79,7 @@ fn cents_of(text: &str) -> Option<f64> {
     digits.parse().ok().filter(|v: &f64| signed && v.abs() <= 10_000.0)
 }
 
-/// What `text` was probably meant to be, where it is no note: of a German name, one without an octave, a name in words.
+/// Returns the note that `text` probably means: a German name, one without an octave, one in words.
 pub fn near_note(text: &str) -> Option<String> {
     let t = text.trim();
     let german = |t: &str| {
@@ -100,7 +101,7 @@ pub fn near_note(text: &str) -> Option<String> {
     all.into_iter().find(|c| c.starts_with(|c: char| c.is_ascii_uppercase()) && note(c).is_some())
 }
 
-/// Semitones above C-1.
+/// Returns the number of semitones above C-1.
 fn number(text: &str) -> Option<i32> {
     let mut chars = text.chars();
     let step = match chars.next()?.to_ascii_uppercase() {
@@ -119,7 +120,7 @@ fn number(text: &str) -> Option<i32> {
         'b' | '♭' => Some(-1),
         _ => None,
     };
-    // two signs at most: a double sharp, a double flat
+    // at most two signs: a double sharp or a double flat
     let signs: Vec<char> = rest.chars().take(2).take_while(|c| bent(*c).is_some()).collect();
     let sharp: i32 = signs.iter().filter_map(|c| bent(*c)).sum();
     let octave = rest.get(signs.iter().map(|c| c.len_utf8()).sum()..)?;

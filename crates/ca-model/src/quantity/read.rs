@@ -1,6 +1,4 @@
-//! From text to a quantity: number, blank, unit.
-//!
-//! Decides that a unit moves the decimal point in the text of the number before that becomes a float.
+//! Parses a quantity: number, blank, unit. A prefix moves the decimal point before the number becomes a float.
 
 use super::units::{near, symbol};
 use super::value::{Quantity, QuantityError};
@@ -8,13 +6,13 @@ use alloc::format;
 use alloc::string::String;
 use ca_core::{Dim, Unit};
 
-/// Whether a string is meant as a quantity: it starts with a digit, a sign or a dot.
+/// Returns true if a string is meant as a quantity: it starts with a digit, a sign or a dot.
 pub fn is_quantity(text: &str) -> bool {
     text.trim_start().starts_with(|c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '−' | '.'))
 }
 
-/// Reads a number and its unit. A blank, `*` or `·` multiplies, `/` divides by the next factor only, `^` raises to a
-/// decimal power (`N/m^1.5`), `²` and `³` are accepted.
+/// Parses a number and its unit. A blank, `*` or `·` multiplies, `/` divides by the next factor only, `^` raises to a
+/// decimal power (`N/m^1.5`), and `²` and `³` are accepted.
 ///
 /// ```
 /// use ca_core::Unit;
@@ -26,7 +24,7 @@ pub fn is_quantity(text: &str) -> bool {
 /// ```
 ///
 /// # Errors
-/// Where the text is not a number with a unit, with the characters at fault.
+/// Fails if the text is not a number with a unit; the error has the wrong characters.
 pub fn parse(text: &str) -> Result<Quantity, QuantityError> {
     let mut s = Scan { text, at: 0 };
     s.blanks();
@@ -46,8 +44,8 @@ pub fn parse(text: &str) -> Result<Quantity, QuantityError> {
     Ok(Quantity { value, dim: unit.dim, has_unit: unit.written })
 }
 
-/// The two factors of a number times a name, `"6.27 f"`; `None` where the text is a quantity, so that a unit comes before a
-/// name: `"4 m"` is four metres whatever is called `m`.
+/// Splits a number times a name, `"6.27 f"`, into its factors. Returns `None` for a quantity, since units have priority
+/// over names: `"4 m"` is four metres even if there is a parameter `m`.
 ///
 /// ```
 /// use ca_model::quantity::product;
@@ -76,7 +74,7 @@ struct Scan<'a> {
     at: usize,
 }
 
-/// The text of a number: mantissa with its sign, decimal exponent.
+/// Number as text: mantissa with its sign, and decimal exponent.
 struct Number<'a> {
     start: usize,
     negative: bool,
@@ -85,7 +83,7 @@ struct Number<'a> {
 }
 
 impl Number<'_> {
-    /// Its value times 10^`by`, correctly rounded.
+    /// Returns its value times 10^`by`, correctly rounded.
     fn shifted(&self, by: i64) -> f64 {
         let sign = if self.negative { "-" } else { "" };
         let ten = self.ten.saturating_add(by);
@@ -106,7 +104,7 @@ impl<'a> Scan<'a> {
     fn peek(&self) -> Option<char> {
         self.rest().chars().next()
     }
-    /// Steps over the characters `accept` takes and returns them.
+    /// Steps over the characters that `accept` takes and returns them.
     fn take(&mut self, accept: impl Fn(char) -> bool) -> &'a str {
         let rest = self.rest();
         let taken = &rest[..rest.find(|c| !accept(c)).unwrap_or(rest.len())];
@@ -151,7 +149,7 @@ impl<'a> Scan<'a> {
         Ok(Number { start, negative, mantissa, ten: self.exponent() })
     }
 
-    /// The decimal exponent, or 0 where no digits follow the `e`, which then belongs to a unit.
+    /// Parses a decimal exponent; 0 if the `e` is not followed by digits and thus belongs to a unit.
     fn exponent(&mut self) -> i64 {
         let back = self.at;
         if self.eat('e') || self.eat('E') {
@@ -221,7 +219,7 @@ impl<'a> Scan<'a> {
         })
     }
 
-    /// The power after a symbol; 1 if none is written.
+    /// Parses the power after a symbol; 1 if none is written.
     fn power(&mut self) -> Result<f64, QuantityError> {
         for (c, power) in [('²', 2.0), ('³', 3.0)] {
             if self.eat(c) {

@@ -1,7 +1,4 @@
-//! From a number to the text an author would write.
-//!
-//! Decides that the shortest text that reads back to the identical bits is the best, with a prefix only where people
-//! use it.
+//! Formats a number as an author would: the shortest text that reads back to the same bits, with usual prefixes.
 
 use super::units::PREFIXES;
 use alloc::format;
@@ -9,18 +6,17 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use ca_core::{Dim, Unit};
 
-/// `value` to six digits: as many as a number that was computed needs to be read by people. [`show`] and
-/// [`Plain`](super::Plain) write all digits that a value has.
+/// Rounds to six digits, which suffice for a computed number. [`show`] and [`Plain`](super::Plain) write all digits.
 pub fn six(value: f64) -> f64 {
     rounded(value, 6)
 }
 
-/// `value` to so many digits, at least one.
+/// Rounds to `digits` digits, at least one.
 pub fn rounded(value: f64, digits: usize) -> f64 {
     format!("{value:.0$e}", digits.max(1) - 1).parse().unwrap_or(value)
 }
 
-/// `value` to three digits, as text; with an exponent where it is large or small.
+/// Formats a number with three digits, with an exponent if it is large or small.
 ///
 /// ```
 /// use ca_model::quantity::short;
@@ -34,8 +30,9 @@ pub fn short(value: f64) -> String {
     if (0..=4).contains(&digits) { format!("{value:.*}", digits as usize) } else { format!("{value:.2e}") }
 }
 
-/// The shortest text for `value` (in SI) in `unit`, with a prefix where that is shorter: 0.02 kg is `20 g`, 8000 N/m is
-/// `8 kN/m`. [`parse`](super::parse) gives the identical bits back. What is not finite has no such text and is written `inf`, `nan`.
+/// Formats `value` (SI units) in `unit` with the shortest text: 0.02 kg is `20 g`, 8000 N/m is `8 kN/m`.
+///
+/// [`parse`](super::parse) gives identical bits back. Non-finite values are written `inf` and `nan`.
 pub fn show(value: f64, unit: Unit) -> String {
     if !value.is_finite() {
         return value.to_string();
@@ -69,7 +66,7 @@ pub fn show(value: f64, unit: Unit) -> String {
     best
 }
 
-/// Whether people write this prefix before this unit: no kiloseconds, no millihertz, no tonnes as megagrams.
+/// Returns true if a prefix is usual with a unit; kiloseconds, millihertz and megagrams are not.
 fn usual(stem: &str, ten: i32) -> bool {
     match (stem.split([' ', '/', '^']).next(), ten) {
         (_, -2) => false,
@@ -80,7 +77,7 @@ fn usual(stem: &str, ten: i32) -> bool {
     }
 }
 
-/// Digits d.ddd · 10^`point` without an exponent.
+/// Formats d.ddd · 10^`point` without an exponent.
 fn decimal(digits: &str, point: i32) -> String {
     let n = digits.len() as i32;
     if point < 0 {
@@ -93,7 +90,7 @@ fn decimal(digits: &str, point: i32) -> String {
     }
 }
 
-/// A unit of dimension `dim` as authors read it, e.g. `N/m`; empty for a plain number.
+/// Returns a unit of dimension `dim`, e.g. `N/m`; empty for a plain number.
 pub fn unit_of(dim: Dim) -> String {
     const NAMED: &[Unit] = &[
         Unit::NONE,

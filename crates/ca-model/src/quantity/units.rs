@@ -1,4 +1,4 @@
-//! Symbols and prefixes, and the one probably meant by a word that is neither.
+//! Symbols and prefixes of units, and suggestions for unknown words.
 
 use crate::suggest::nearest;
 use alloc::format;
@@ -6,7 +6,7 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 use ca_core::{Dim, Unit};
 
-/// symbol, dimension, decimal exponent
+/// Symbol, dimension, decimal exponent.
 pub(super) const UNITS: &[(&str, Dim, i32)] = &[
     ("m", Unit::METRE.dim, 0),
     ("g", Unit::KILOGRAM.dim, -3),
@@ -18,7 +18,7 @@ pub(super) const UNITS: &[(&str, Dim, i32)] = &[
     ("%", Unit::NONE.dim, -2),
 ];
 
-/// The first spelling of an exponent is the one we write. `μ` is the Greek letter, `µ` the micro sign.
+/// Prefixes; the first of an exponent is used for output. `μ` is the Greek letter, `µ` the micro sign.
 pub(super) const PREFIXES: &[(&str, i32)] = &[
     ("k", 3),
     ("m", -3),
@@ -33,7 +33,7 @@ pub(super) const PREFIXES: &[(&str, i32)] = &[
     ("T", 12),
 ];
 
-/// Words people write for a unit, and ours.
+/// Usual words for a unit, with its symbol.
 const SPELLINGS: &[(&str, &str)] = &[
     ("kilo", "kg"),
     ("gr", "g"),
@@ -58,7 +58,7 @@ const SPELLINGS: &[(&str, &str)] = &[
     ("micron", "µm"),
 ];
 
-/// A symbol as it stands first, then a prefix and a symbol: `m` is the metre, `mm` the millimetre.
+/// Parses a symbol, or a prefix and a symbol: `m` is the metre, `mm` the millimetre.
 pub(super) fn symbol(word: &str) -> Option<(Dim, i32)> {
     let plain = |w: &str| UNITS.iter().find(|u| u.0 == w).map(|u| (u.1, u.2));
     plain(word).or_else(|| {
@@ -68,7 +68,6 @@ pub(super) fn symbol(word: &str) -> Option<(Dim, i32)> {
     })
 }
 
-/// The unit probably meant by `word`.
 pub(super) fn near(word: &str) -> Option<String> {
     if let Some((_, ours)) = SPELLINGS.iter().find(|(theirs, _)| theirs.eq_ignore_ascii_case(word)) {
         return Some((*ours).into());

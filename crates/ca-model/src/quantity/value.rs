@@ -1,29 +1,29 @@
-//! A number with its dimension, and what is wrong in a text that should be one.
+//! Quantity and parse error.
 
 use alloc::string::String;
 use ca_core::Dim;
 
-/// A number with its dimension.
+/// Number with its dimension.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantity {
-    /// in SI base units
+    /// Value in SI base units.
     pub value: f64,
-    /// its dimension; without a unit, the dimension of [`Unit::NONE`](ca_core::Unit::NONE)
+    /// Dimension; [`Unit::NONE`](ca_core::Unit::NONE) if no unit is written.
     pub dim: Dim,
-    /// whether a unit is written; without one the number is in the model's units
+    /// True if a unit is written; otherwise the number is in the units of the model.
     pub has_unit: bool,
 }
 
-/// What is wrong in the text of a quantity, and where.
+/// Error in the text of a quantity.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct QuantityError {
-    /// first byte of the part that is wrong
+    /// First byte of the wrong part.
     pub at: usize,
-    /// one past its last byte; equal to `at` where something is missing
+    /// One past its last byte; equal to `at` if something is missing.
     pub end: usize,
-    /// what is wrong
+    /// Description of the error.
     pub message: String,
-    /// what could be written there instead
+    /// Suggested text for this part.
     pub hint: Option<String>,
 }
 

@@ -1,11 +1,9 @@
-//! A long text in parts that are parsed one by one.
+//! Cuts a long text into parts that are parsed one by one.
 //!
-//! Decides against parsing the whole at once: the parser keeps some 50 bytes for each byte of the text (tokens, events, a
-//! table of fixed room for each module) until the last module is read. A section of a kind that is longer than [`BLOCK`]
-//! is therefore cut between modules. What is cut off is parsed under its header again; the rest of the document stays
-//! one, so that a section that is written twice is found as ever. Shorter texts are not cut at all.
-//!
-//! Counts modules too: more than a model holds are refused before any of them is parsed.
+//! The parser keeps some 50 bytes for each byte of the text (tokens, events, a table of fixed size for each module)
+//! until the last module is read. So a section of a kind that is longer than [`BLOCK`] is cut between modules, and each
+//! piece is parsed under a copy of its header. The rest of the document stays in one piece, so that duplicate sections
+//! are still found. Shorter texts are not cut. Modules are counted too, to refuse an oversized model before parsing.
 
 use crate::select::is_word;
 use alloc::vec::Vec;
@@ -15,27 +13,26 @@ use core::ops::Range;
 /// Bytes of a section that are parsed at once.
 pub(super) const BLOCK: usize = 1 << 18;
 
-/// What is cut off: where its header stands, and its modules.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Cut {
     pub header: Range<usize>,
     pub body: Range<usize>,
 }
 
-/// Finds the cuts, given every section and every module in the order of the text.
+/// Finds the cuts from every section and module, in the order of the text.
 #[derive(Default)]
 pub(super) struct Cutter {
     pub cuts: Vec<Cut>,
-    /// the header that may stand above a part of its modules, and where the part it is in begins
+    /// Header of the current section if it can be cut; `from` is the start of the current piece.
     section: Option<Range<usize>>,
     from: usize,
-    /// whether its modules are masses or links
+    /// True if its modules are masses or links.
     counts: bool,
     modules: usize,
 }
 
 impl Cutter {
-    /// A section begins, or the text ends.
+    /// Marks the start of a section, or the end of the text.
     pub fn section(&mut self, at: usize, line: &str, catalog: &Catalog) {
         self.end(at);
         let name = line.strip_prefix('[').and_then(|l| l.split_once(']')).map_or("", |l| l.0.trim());
@@ -46,7 +43,7 @@ impl Cutter {
         self.from = at;
     }
 
-    /// A module begins; how many masses and links there are with it.
+    /// Marks the start of a module and returns the number of masses and links so far.
     pub fn module(&mut self, at: usize) -> usize {
         if let Some(header) = self.section.clone()
             && at - self.from > BLOCK

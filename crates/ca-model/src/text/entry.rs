@@ -1,8 +1,7 @@
-//! From TOML values to [`Entry`] and [`Value`]: the part of the reader that knows no sections.
+//! Converts TOML values to [`Entry`] and [`Value`], without regard to sections.
 //!
-//! Decides that whole numbers and floats are one thing, a float, as everywhere behind the reader, and that `inf` and
-//! `nan` pass: whether a number is in range is for the compiler, which knows the parameter. Dates are refused here,
-//! because a [`Value`] has no place for them.
+//! Integers become floats, as in all later stages, and `inf` and `nan` pass: the compiler knows the parameter and
+//! checks ranges. Dates are refused here, because [`Value`] cannot hold them.
 
 use super::reader::Reader;
 use crate::diag::Diag;
@@ -16,14 +15,14 @@ use toml::de::{DeString, DeTable, DeValue};
 pub(crate) type Key<'i> = Spanned<DeString<'i>>;
 pub(crate) type Val<'i> = Spanned<DeValue<'i>>;
 
-/// Entries in document order; the parser's map is sorted by key.
+/// Returns entries in document order; the map of the parser is sorted by key.
 pub(crate) fn ordered<'t, 'i>(table: &'t DeTable<'i>) -> Vec<(&'t Key<'i>, &'t Val<'i>)> {
     let mut list: Vec<_> = table.iter().collect();
     list.sort_by_key(|(k, _)| k.span().start);
     list
 }
 
-/// The type of a value, in words.
+/// Returns the type of a value in words.
 pub(crate) fn article(value: &DeValue) -> &'static str {
     match value {
         DeValue::String(_) => "a string",
@@ -37,7 +36,7 @@ pub(crate) fn article(value: &DeValue) -> &'static str {
 
 impl Reader<'_, '_> {
     pub(crate) fn entries(&mut self, table: &DeTable) -> Vec<Entry> {
-        // as much room as is needed: there may be a million of these
+        // exact capacity: there may be a million of these
         let mut all = Vec::with_capacity(table.len());
         all.extend(ordered(table).into_iter().filter_map(|(k, v)| self.entry(k.get_ref().as_ref().into(), k, v)));
         all
@@ -48,7 +47,7 @@ impl Reader<'_, '_> {
         Some(Entry { key, key_span: self.span(k), value, span: self.span(v) })
     }
 
-    /// The value as written, or nothing where it has been reported.
+    /// Returns the value as written, or `None` after a report.
     fn value(&mut self, key: &str, v: &Val) -> Option<Value> {
         let span = self.span(v);
         Some(match v.get_ref() {
@@ -89,7 +88,7 @@ fn integer(digits: &str, radix: u32) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-/// `None` where the digits are beyond every float; `inf` and `nan` are values, judged by the compiler.
+/// Parses a float; `None` if the digits exceed its range. `inf` and `nan` are checked by the compiler.
 fn float(text: &str) -> Option<f64> {
     let value: f64 = text.parse().ok()?;
     (!value.is_infinite() || text.contains("inf")).then_some(value)

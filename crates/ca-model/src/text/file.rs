@@ -1,10 +1,9 @@
-//! One file of a model: from TOML text to [`Model`], with its parts as written.
+//! Reads one file: from TOML text to [`Model`], with its parts as written.
 //!
-//! Decides that the document is walked by hand, span by span, and never through derived deserialisation: a derive
-//! stops at its first error and knows no places, and the point of a text format is to report everything that is wrong
-//! with it at once. Decides also that the reader *goes on with what was probably meant*: a misspelt kind or parameter
-//! is reported and then read as the one suggested, so that one slip does not make ten complaints further down. Only
-//! names and shapes are judged here; numbers, units and references are for the compiler.
+//! The document is walked by hand, span by span. Derived deserialisation stops at its first error and lacks places, but
+//! a text format should report all errors at once. The reader *continues with what was probably meant*: a misspelt kind
+//! or parameter is reported and read as the suggested one, so that one mistake does not cause ten reports. Only names
+//! and forms are checked here; the compiler checks numbers, units and references.
 
 use super::entry::{Key, Val, article, ordered};
 use super::reader::{Reader, is_code, unique};
@@ -20,7 +19,7 @@ use alloc::vec::Vec;
 use ca_core::Catalog;
 use toml::de::{DeTable, DeValue};
 
-/// One file, whose parts are as written.
+/// Reads one file; its parts stay as written.
 pub(crate) fn one_file(text: &str, file: &str, catalog: &Catalog) -> (Model, Diags) {
     let mut diags = Diags::new();
     let source = Source::mend(text, catalog, &mut diags);
@@ -39,10 +38,10 @@ pub(crate) fn one_file(text: &str, file: &str, catalog: &Catalog) -> (Model, Dia
     if source.cuts.is_empty() {
         one(&source);
     } else {
-        // the rest of a file that has more errors than are kept is not looked at
+        // the rest of a file with too many errors is not read
         _ = source.parts().any(|part| one(&part));
     }
-    // not for a text with syntax errors
+    // a text with syntax errors gets these alone
     if let Some(newer) = source.newer.filter(|_| !diags.list.iter().any(|d| d.code == "E001")) {
         diags.push(newer.note(text));
     }
@@ -51,7 +50,7 @@ pub(crate) fn one_file(text: &str, file: &str, catalog: &Catalog) -> (Model, Dia
     (model, diags)
 }
 
-/// Names of lines that are not TOML are lost, so far as nothing was read of them.
+/// Marks names on lines with syntax errors as lost, unless a module of that name was read.
 fn broken_lines(model: &mut Model, diags: &Diags) {
     for d in diags.list.iter().filter(|d| d.code == "E001") {
         let at = d.span().start.min(model.text.len());
@@ -65,7 +64,7 @@ fn broken_lines(model: &mut Model, diags: &Diags) {
     }
 }
 
-/// The comment lines at the head of the file, without those that speak to editors (`#:schema …`).
+/// Returns the comment lines at the head of the file, without those for editors (`#:schema …`).
 fn header(text: &str) -> String {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let lines = text.lines().skip_while(|l| l.trim().is_empty()).map_while(|l| l.trim_start().strip_prefix('#'));
@@ -137,7 +136,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// What stands before the first section, or a section that is not a table.
+    /// Reports a value before the first section, or a section that is not a table.
     fn root_value(&mut self, key: &Key, value: &Val) {
         let name = key.get_ref().as_ref();
         let what = article(value.get_ref());
@@ -176,12 +175,12 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// `[gesture]`: the keys are full names, so `ball.hand` and a nested table are the same.
+    /// Reads `[gesture]`. Keys are full names, so `ball.hand` and a nested table are equal.
     fn paths(&mut self, prefix: &str, table: &DeTable, out: &mut Vec<Entry>) {
         for (key, value) in ordered(table) {
             let path = format!("{prefix}{}", key.get_ref());
             match value.get_ref() {
-                // a table with such a key makes a gesture; any other holds gestures
+                // a table with such a key is a gesture; other tables contain gestures
                 DeValue::Table(inner) if !inner.keys().any(|k| CURVES.iter().any(|c| c.0 == k.get_ref().as_ref())) => {
                     self.paths(&format!("{path}."), inner, out);
                 }
@@ -190,7 +189,7 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// Entries of a section with a closed list of keys.
+    /// Returns the entries of a section with a fixed list of keys.
     fn known(&mut self, section: &str, table: &DeTable, keys: &[&'static str]) -> Vec<Entry> {
         let list = self.entries(table);
         let title = |key: &str| format!("unknown key in `[{section}]`: `{key}`");

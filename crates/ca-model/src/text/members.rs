@@ -1,6 +1,6 @@
-//! Sections that hold modules: kinds, and groups of kinds.
+//! Reads sections with modules: kinds, and groups of kinds.
 //!
-//! Decides that a group whose name is no name takes its modules with it, since they would have none either.
+//! Modules of a group with an invalid name are left out, since their names would be invalid too.
 
 use super::entry::{Key, article, ordered};
 use super::reader::{Reader, is_code};
@@ -51,7 +51,7 @@ impl Reader<'_, '_> {
             group.props = props;
         }
         if !valid {
-            // its modules have no usable name either, and its place in the list is taken by nobody
+            // the names of its modules are unusable too, and no module keeps its index
             let members = self.model.items.iter().filter(|i| i.group == Some(index)).map(|i| i.name.clone());
             self.model.lost.extend(members.collect::<Vec<_>>());
             self.model.items.retain(|i| i.group != Some(index));
@@ -73,7 +73,7 @@ impl Reader<'_, '_> {
         meant.and_then(|m| self.catalog.get(m))
     }
 
-    /// The members of one kind; `group` is its index and name.
+    /// Reads the modules of one kind. `group` is its index and name.
     pub(super) fn modules(
         &mut self,
         code: &str,
@@ -88,7 +88,7 @@ impl Reader<'_, '_> {
             }
             let word = key.get_ref().as_ref();
             let name = group.map_or_else(|| word.to_owned(), |(_, g)| format!("{g}.{word}"));
-            // the value is not TOML, which has been reported: the parser then gives it no place of its own
+            // the value is not TOML, which has been reported; the parser leaves its span empty
             if value.span() == (0..0) {
                 self.model.lost.push(name);
                 continue;

@@ -1,4 +1,4 @@
-//! From the text of one file to a model, with its parts as written; nothing here opens a file.
+//! Converts the text of one file to a model, with its parts as written. It does not open files.
 
 mod blocks;
 pub(crate) mod entry;

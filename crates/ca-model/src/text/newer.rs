@@ -1,4 +1,4 @@
-//! Finds the first place of a file that TOML 1.1 allows and TOML 1.0 does not.
+//! Finds the first place in a file that requires TOML 1.1.
 //!
 //! It gets a note, not an error: `ca` reads such a file, but Python's `tomllib` and most editors do not.
 
@@ -6,19 +6,19 @@ use crate::diag::Diag;
 use crate::model::Span;
 use alloc::format;
 
-/// A place that TOML 1.0 refuses, as its offset.
+/// Construct that TOML 1.0 refuses, by its offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Newer {
-    /// a table `{ … }` that begins here and goes on below
+    /// Table `{ … }` that begins here and continues on other lines.
     Lines(usize),
-    /// the comma before a `}`
+    /// Comma before a `}`.
     Comma(usize),
-    /// an escape sequence of two letters
+    /// Escape sequence `\\e` or `\\x`.
     Escape(usize),
 }
 
 impl Newer {
-    /// The first of `\\e` and `\\x` in a string that begins and ends there.
+    /// Finds the first of `\\e` and `\\x` in the string from `start` to `end`.
     pub(super) fn escape(text: &str, start: usize, end: usize) -> Option<Newer> {
         let bytes = text.as_bytes();
         let mut at = start + 1;
@@ -32,7 +32,6 @@ impl Newer {
         None
     }
 
-    /// The note about it.
     pub(super) fn note(self, text: &str) -> Diag {
         let span = |at, n| Span { start: at, end: at + n };
         let note = |title: &str, span, label: &str| Diag::note("N205", format!("TOML 1.1: {title}")).at(span, label);

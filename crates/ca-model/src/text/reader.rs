@@ -1,7 +1,7 @@
-//! The reader at work: what it has of the text and of the model, and the questions all sections ask.
+//! State of the reader, and the checks that all sections share.
 //!
-//! Decides what is a name, what is nearly a known key, that what cannot be read is remembered by name, and that of two modules
-//! of one name the first is kept.
+//! It decides what is a valid name and which known key a word resembles, records unreadable names, and keeps the first
+//! of two modules with the same name.
 
 use super::syntax::Source;
 use crate::diag::{Diag, Diags};
@@ -17,7 +17,7 @@ use ca_core::Catalog;
 use toml::Spanned;
 use toml::de::DeTable;
 
-/// What other programs and textbooks call a parameter.
+/// Names of parameters in other programs and textbooks.
 const OTHER_NAMES: &[(&str, &str)] = &[
     ("mass", "m"),
     ("inertia", "m"),
@@ -41,7 +41,6 @@ pub(crate) fn is_code(key: &str) -> bool {
     key.starts_with(|c: char| c.is_ascii_uppercase())
 }
 
-/// A model being read.
 pub(crate) struct Reader<'a, 's> {
     pub(crate) catalog: &'a Catalog,
     pub(crate) source: &'a Source<'s>,
@@ -55,7 +54,7 @@ impl Reader<'_, '_> {
         self.source.span(s.span())
     }
 
-    /// Keeps entries whose key is known, and those whose key is nearly so under the key that was meant.
+    /// Keeps entries with a known key, and reports others; a similar key is replaced by the known one.
     pub(crate) fn admit(
         &mut self,
         list: Vec<Entry>,
@@ -86,18 +85,17 @@ impl Reader<'_, '_> {
         kept
     }
 
-    /// Remembers the names in a table that is not read.
+    /// Records the names in a table that is not read.
     pub(crate) fn lose(&mut self, table: &DeTable) {
         self.model.lost.extend(table.keys().map(|k| String::from(k.get_ref().as_ref())));
     }
 
-    /// A name of a module or a parameter. One with dots stood in quotes: it is of an instance, as a model is written whose parts
-    /// are put in.
+    /// Checks the name of a module or a parameter. A quoted name with dots belongs to an instance in a written model.
     pub(crate) fn check_name(&mut self, word: &str, span: Span) -> bool {
         is_name(word) || self.check_word(word, span)
     }
 
-    /// A name of one word.
+    /// Checks a name of one word.
     pub(crate) fn check_word(&mut self, word: &str, span: Span) -> bool {
         if is_word(word) {
             return true;
@@ -108,14 +106,14 @@ impl Reader<'_, '_> {
         }
         let d = Diag::error("E014", format!("not a name: `{}`", word.escape_debug())).at(span, "not a name");
         let d = d.help("a name is made of the letters a to z and A to Z, digits and `_`, and starts with a letter");
-        // of a word in other letters nothing that means anything is left
+        // a name in other letters would become meaningless underscores
         self.diags.push(if word.is_ascii() && is_word(&mended) { d.fix(span, mended) } else { d });
         self.model.lost.push(word.into());
         false
     }
 }
 
-/// Sorts modules by place and leaves out those whose name is taken.
+/// Sorts modules by place and removes those with a duplicate name.
 pub(crate) fn unique(model: &mut Model, diags: &mut Diags) {
     model.items.sort_by_key(|i| i.name_span);
     model.items.shrink_to_fit();

@@ -1,15 +1,13 @@
-//! Where the text is not TOML: say so, mend the usual slips, go on.
+//! Reports text that is not TOML, repairs usual slips and continues.
 //!
-//! Decides that a missing `"`, `}`, `]` is mended before the parser sees the text. Inline tables may run over lines
-//! since TOML 1.1, so to the parser one missing `}` takes in the whole rest of the file, and every link to a module
-//! below would then be "unknown". A model has one module a line: a new `name =` or `[SECTION]` after a line that does
-//! not end in a comma tells where the table should have ended. What was inserted is taken out of the spans again, so
-//! reports point into the text as written. What is TOML passes unchanged.
+//! A missing `"`, `}` or `]` is inserted before parsing. Since TOML 1.1 inline tables may span lines, so otherwise one
+//! missing `}` would swallow the rest of the file, and every link to a module below would be "unknown". A model has one
+//! module on a line: a new `name =` or `[SECTION]` after a line that does not end in a comma shows where the table
+//! should have ended. Spans are corrected, so reports point into the text as written. Valid TOML is not changed.
 //!
-//! The pass also counts brackets: after errors the parser's own guard against deep nesting can be led astray, and a
-//! hostile file would overflow the stack. A text nested deeper than [`DEEP`] is not parsed at all.
-//!
-//! It notes the first place that TOML 1.0 refuses (`newer.rs`).
+//! The pass also counts brackets. After errors the parser's protection against deep nesting can fail, and a hostile
+//! file would overflow the stack. A text nested deeper than [`DEEP`] is not parsed. The first place that TOML 1.0
+//! refuses is recorded too (`newer.rs`).
 
 use super::blocks::{Cut, Cutter};
 use super::newer::Newer;
@@ -26,21 +24,21 @@ use ca_core::Catalog;
 use core::ops::Range;
 use toml::de::{DeTable, DeValue, Error};
 
-/// The text the parser reads, and the way back to the text as written.
+/// Text for the parser, with the mapping to the text as written.
 pub(crate) struct Source<'s> {
     text: Cow<'s, str>,
-    /// offset in the mended text of each byte inserted, rising
+    /// Offset of each inserted byte in the repaired text, ascending.
     inserted: Vec<usize>,
-    /// of a part: where each of its pieces begins, and where that stands in the mended text
+    /// For a part of a text: start of each piece, and its offset in the repaired text.
     pieces: Vec<(usize, usize)>,
-    /// where a long text is cut, in the mended text
+    /// Cuts of a long text, as offsets in the repaired text.
     pub(super) cuts: Vec<Cut>,
-    /// the first place that is TOML 1.1 alone
+    /// First construct that requires TOML 1.1.
     pub(super) newer: Option<Newer>,
 }
 
 impl<'s> Source<'s> {
-    /// The text itself where brackets and quotes pair, else a mended copy; what was mended is reported.
+    /// Returns the text itself if brackets and quotes pair, otherwise a repaired copy, and reports the repairs.
     pub(crate) fn mend(text: &'s str, catalog: &Catalog, diags: &mut Diags) -> Source<'s> {
         let mut brackets = Brackets {
             text,
@@ -76,7 +74,7 @@ impl<'s> Source<'s> {
         }
         mended.push_str(&text[from..]);
         let places: Vec<usize> = inserted.iter().enumerate().map(|(i, at)| at - i).collect();
-        // what is inserted at a place stands before it
+        // a character inserted at a place stands before it
         let moved = |at: usize| at + places.partition_point(|&p| p <= at);
         for c in &mut cuts {
             c.header = moved(c.header.start)..moved(c.header.end);
@@ -85,7 +83,7 @@ impl<'s> Source<'s> {
         Source { text: Cow::Owned(mended), inserted, pieces: Vec::new(), cuts, newer: None }
     }
 
-    /// The parts of a text that is cut: what is left of it, then one for each cut.
+    /// Returns the parts of a cut text: the remainder, then one for each cut.
     pub(crate) fn parts(&self) -> impl Iterator<Item = Source<'static>> + '_ {
         let text = self.text();
         let whole = core::iter::once_with(move || {
@@ -106,7 +104,6 @@ impl<'s> Source<'s> {
         whole.chain(self.cuts.iter().map(of_cut))
     }
 
-    /// A part of the text, from these pieces of it.
     fn part(&self, text: String, pieces: Vec<(usize, usize)>) -> Source<'static> {
         Source { text: Cow::Owned(text), inserted: self.inserted.clone(), pieces, cuts: Vec::new(), newer: None }
     }
@@ -115,27 +112,26 @@ impl<'s> Source<'s> {
         &self.text
     }
 
-    /// A range of the mended text as a span of the text as written.
+    /// Converts a range of the repaired text to a span of the text as written.
     pub(crate) fn span(&self, r: Range<usize>) -> Span {
         let whole = |at: usize| {
             let piece = self.pieces.partition_point(|p| p.0 <= at).checked_sub(1).and_then(|i| self.pieces.get(i));
             piece.map_or(at, |p| at - p.0 + p.1)
         };
         let back = |at: usize| at - self.inserted.partition_point(|&i| i < at);
-        // the end of a piece is not the beginning of the next
+        // the end of a piece is not the start of the next
         let end = if r.end > r.start { whole(r.end - 1) + 1 } else { whole(r.start) };
         Span { start: back(whole(r.start)), end: back(end) }
     }
 }
 
-/// Brackets within brackets: far more than a model needs, far less than a stack holds.
+/// Largest nesting of brackets: far more than a model needs, and safe for the stack.
 const DEEP: usize = 64;
 
-/// More broken lines than this are not worth a word each: the file is something else.
+/// Largest number of broken lines that are reported. With more, the file is probably not a model.
 const BROKEN: usize = 100;
 
-/// Turns the parser's errors into findings. Of several on one line the first counts; the rest of a broken line is
-/// guesswork.
+/// Converts parser errors to findings: only the first on each line, since the others are often its consequences.
 pub(crate) fn report(source: &Source, text: &str, doc: &DeTable, errors: &[Error], diags: &mut Diags) {
     if errors.is_empty() {
         return;
@@ -163,7 +159,7 @@ pub(crate) fn report(source: &Source, text: &str, doc: &DeTable, errors: &[Error
             diags.push(d.help("a value with a unit is a string").fix(span, format!("\"{written}\"")));
             continue;
         }
-        // a name in other letters is read on, and found to be none there
+        // a name in other letters is read, and refused as a name later
         if e.message().starts_with("invalid unquoted key") && written.chars().all(char::is_alphabetic) {
             continue;
         }
@@ -207,7 +203,7 @@ fn duplicate(source: &Source, text: &str, doc: &DeTable, span: Span, written: &s
     d.help("the first one counts: remove or rename the second")
 }
 
-/// The nearest key of that name before `before`: the one that was repeated, since both stand in one table.
+/// Finds the last key of that name before `before`, which is the repeated one, since both are in the same table.
 fn last_key_before(source: &Source, table: &DeTable, name: &str, before: Span, best: &mut Option<Span>) {
     for (k, v) in table {
         let span = source.span(k.span());
@@ -220,22 +216,21 @@ fn last_key_before(source: &Source, table: &DeTable, name: &str, before: Span, b
     }
 }
 
-/// One pass over the text with a stack of open brackets.
 struct Brackets<'s> {
     text: &'s str,
     catalog: &'s Catalog,
     at: usize,
-    /// open brackets: place and the character that closes them
+    /// Open brackets: place and closing character.
     open: Vec<(usize, char)>,
     edits: Vec<(usize, char)>,
-    /// end of the last thing that is neither blank nor comment
+    /// End of the last character that is neither blank nor comment.
     solid: usize,
     cutter: Cutter,
     newer: Option<Newer>,
 }
 
 impl<'s> Brackets<'s> {
-    /// Finds the characters to insert; false where the text is nested too deep or holds too many modules.
+    /// Finds the characters to insert. Returns false for a text that is nested too deep or has too many modules.
     fn run(&mut self, diags: &mut Diags) -> bool {
         // the byte before `solid`, and whether the line is blank so far
         let (mut last, mut fresh) = (b'\n', true);
@@ -298,7 +293,7 @@ impl<'s> Brackets<'s> {
         self.text.get(self.at..self.line_end()).unwrap_or("")
     }
 
-    /// Whether a module or a section starts here.
+    /// Returns true if a module or a section starts here.
     fn is_statement(&self) -> bool {
         let line = self.line();
         if let Some(rest) = line.strip_prefix('[') {
@@ -308,7 +303,7 @@ impl<'s> Brackets<'s> {
         line.split_once('=').is_some_and(|(key, _)| is_name(key.trim()))
     }
 
-    /// Closes all brackets above the first `keep`, after the last thing written.
+    /// Closes all brackets above the first `keep`, behind the last character written.
     fn close(&mut self, keep: usize, diags: &mut Diags) {
         let end = self.solid.min(self.text.len());
         let last = self.open.get(keep..).and_then(<[_]>::last).copied();
@@ -323,7 +318,7 @@ impl<'s> Brackets<'s> {
         self.edits.extend(closers.chars().map(|c| (end, c)));
     }
 
-    /// `[SECTION]`, with its bracket or without. The name and the bracket are then looked at like anything else.
+    /// Adds a missing `]` to `[SECTION]`. The line is then read as usual.
     fn header(&mut self, diags: &mut Diags) {
         let line = self.line().split('#').next().unwrap_or("").trim_end();
         let (start, end) = (self.at, self.at + line.len());
@@ -335,7 +330,7 @@ impl<'s> Brackets<'s> {
         }
     }
 
-    /// `name { … }`, without its `=`.
+    /// Adds a missing `=` to `name { … }`.
     fn equals(&mut self, diags: &mut Diags) {
         let Some((key, _)) = self.line().split_once('{') else { return };
         let name = key.trim_end();
@@ -359,7 +354,7 @@ impl<'s> Brackets<'s> {
                     self.newer.get_or_insert(Newer::Comma(before));
                 }
             }
-            // `[1, 2 }`: what is still open inside ends here
+            // `[1, 2 }`: brackets opened inside end here
             b'}' | b']' => {
                 if let Some(keep) = self.open.iter().rposition(|o| o.1 == char::from(b)) {
                     self.close(keep + 1, diags);
@@ -377,7 +372,7 @@ impl<'s> Brackets<'s> {
         }
     }
 
-    /// Steps to the closing quote.
+    /// Steps to the closing quote, or adds a missing one.
     fn string(&mut self, quote: u8, diags: &mut Diags) {
         let bytes = self.text.as_bytes();
         let start = self.at;
@@ -400,7 +395,7 @@ impl<'s> Brackets<'s> {
             return;
         }
         let end = i.min(bytes.len());
-        // not closed on its line: it ended before the brackets that end the line
+        // not closed on its line: it ends before the closing brackets of the line
         let body = self.text.get(start + 1..end).unwrap_or("");
         let keep = body.trim_end_matches(|c: char| c.is_whitespace() || matches!(c, '}' | ']' | ',' | '\\'));
         let at = start + 1 + keep.len();

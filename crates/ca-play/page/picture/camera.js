@@ -1,6 +1,6 @@
-// Where the picture is seen from: a point that is looked at, a distance and two angles about an upright direction. It
-// decides the view at load: strings from the front, sheets from above their edge, bodies in space a little from the side,
-// and as near as all of it fits. No roll: an instrument that stands stays upright.
+// Camera: a target point, a distance, and two angles about the upright direction. The view at load shows strings from
+// the front, sheets from above their edge, and bodies in space slightly from the side, as close as everything fits. The
+// camera does not roll, so that a standing instrument stays upright.
 
 const FIELD = 26 * Math.PI / 180;
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -22,7 +22,7 @@ export class Camera {
     this.aimed = null;
   }
 
-  // the upright direction and the side that faces the viewer, from how the drawing lies
+  // sets the upright direction and the side towards the viewer from the orientation of the drawing
   aim(scene) {
     const { rest, axis, space, n } = scene;
     let up = [0, 0, 0];
@@ -33,7 +33,7 @@ export class Camera {
     }
     const onLine = scene.lines > n / 2 && Math.hypot(...up) > 0;
     up = scene.up ? unit(scene.up) : onLine ? unit(up) : [0, 1, 0];
-    // the two directions across it, the wider one drawn from left to right
+    // the two directions across it, with the wider one drawn from left to right
     const any = Math.abs(up[0]) < 0.9 ? [1, 0, 0] : [0, 0, 1];
     const p = unit(sum([1, any], [-dot(any, up), up])), q = cross(p, up);
     let pp = 0, qq = 0, pq = 0;
@@ -61,7 +61,7 @@ export class Camera {
     else this.home = { yaw: 0, pitch: deep > 0.01 * wide ? 0.2 : 0 };
   }
 
-  // what has to be seen: four numbers each, place and radius; masses on a line with room for their motion
+  // points that must be visible, four numbers each: position and radius; masses on a line have margin for their motion
   outline(scene, pair) {
     const { rest, axis, space, fixed, n, spheres, middle } = scene, out = new Float64Array(4 * (2 * n + spheres.length + 1));
     const swing = 0.13 * scene.extent;
@@ -70,7 +70,7 @@ export class Camera {
       const s = space[i] || fixed[i] ? 0 : swing;
       for (const sign of s ? [1, -1] : [1]) {
         for (let j = 0; j < 3; j++) out[k + j] = rest[3 * i + j] + sign * s * axis[3 * i + j];
-        // what flies is where it is
+        // masses in space are at their present position
         if (pair && space[i]) scene.place(i, pair, out, k);
         k += 4;
       }
@@ -84,7 +84,7 @@ export class Camera {
     return out.subarray(0, k);
   }
 
-  // the nearest distance from which all of it is seen: at rest, or where it is now
+  // sets the smallest distance that shows everything, at rest or at the present positions
   fit(scene, pair = null) {
     if (this.aimed !== scene) this.aim(scene);
     if (this.aimed !== scene || pair) this.points = this.outline(scene, pair);
@@ -95,7 +95,7 @@ export class Camera {
     const tall = Math.tan(FIELD / 2), wide = tall * this.width / this.height;
     this.target = [0, 0, 0];
     let distance = 0;
-    // the middle of what is seen depends on the distance by perspective: three rounds are enough
+    // the centre of the view depends on the distance through perspective: three rounds are enough
     for (let round = 0; round < 3; round++) {
       const [tx, ty, tz] = this.target;
       let l = Infinity, r = -Infinity, b = Infinity, t = -Infinity, best = 0;
@@ -116,7 +116,7 @@ export class Camera {
     this.distance = Math.max(distance * margin, 0.02 * scene.extent);
     this.homeDistance = this.distance;
     this.update();
-    // what is drawn nearer than it is stays within the picture
+    // compressed displacements must stay within the picture
     const half = this.distance * this.height / 2 / this.scale;
     scene.reach = Math.min(0.42 * scene.extent, Math.max(0.15 * scene.extent, 0.72 * half));
   }
@@ -139,7 +139,7 @@ export class Camera {
     p.fill(0);
     p[0] = f * this.height / this.width; p[5] = f;
     p[10] = (far + near) / (near - far); p[11] = -1; p[14] = 2 * far * near / (near - far);
-    this.scale = f * this.height / 2;   // pixels of a metre at a distance of one
+    this.scale = f * this.height / 2;   // pixels per metre at unit distance
   }
 
   resize(width, height) {
@@ -161,7 +161,7 @@ export class Camera {
     this.update();
   }
 
-  // nearer by a factor, with what is under (x, y) staying there
+  // zooms by a factor and keeps the point under (x, y) in place
   zoom(factor, x = this.width / 2, y = this.height / 2) {
     const old = this.distance;
     this.distance = Math.min(40 * this.homeDistance, Math.max(0.01 * this.homeDistance, old * factor));
@@ -171,7 +171,7 @@ export class Camera {
     this.update();
   }
 
-  // place on the screen [px] and depth [m] of a point, into out[at..at+3]
+  // projects a point to the screen [px] and its depth [m], into out[to..to+3]
   project(p, at, out, to) {
     const v = this.view, x = p[at], y = p[at + 1], z = p[at + 2];
     const depth = -(v[2] * x + v[6] * y + v[10] * z + v[14]), s = this.scale / depth;

@@ -1,6 +1,6 @@
-// The colours of the picture, computed in OKLCH so that equal steps look equal, for a dark and a light ground: a row for
-// amounts (speed), a row for signed displacements, a row of kinds. What rests has a quiet colour that is still seen on the
-// ground; what moves stands out from it, to bright on dark and to deep on light.
+// Colours of the picture for a dark and a light background, in OKLCH so that equal steps look equal. There is a row for
+// amounts (speed), one for signed displacements, and one for kinds. Resting parts have a quiet but visible colour.
+// Moving parts stand out: bright on dark, and deep on light.
 
 function srgb(l, c, h) {
   const r = h * Math.PI / 180, a = c * Math.cos(r), b = c * Math.sin(r);
@@ -12,7 +12,7 @@ function srgb(l, c, h) {
   });
 }
 
-// through points [place, lightness, chroma, hue]
+// interpolates between points [place, lightness, chroma, hue]
 function ramp(points, t) {
   let k = 1;
   while (k < points.length - 1 && points[k][0] < t) k++;
@@ -49,7 +49,7 @@ export function maps(theme) {
   return out;
 }
 
-// the same as a picture for the legend
+// draws one row as an image for the legend
 export function legend(canvas, theme, row) {
   const texels = maps(theme), image = new ImageData(256, 1);
   image.data.set(texels.subarray(1024 * row, 1024 * (row + 1)));

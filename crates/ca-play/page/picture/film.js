@@ -1,6 +1,6 @@
-// A performance without a server: the moving instrument of a report. It decides that sound leads where there is some: the picture
-// is where the player is, a place that is chosen is chosen in both; where there is none, the picture has a clock of its
-// own. It draws only while it is seen and something changed.
+// Moving instrument of a report, without a server. If there is sound, the picture follows the player, and a new
+// position applies to both. Without sound, the picture has a separate clock. It draws only while it is visible and
+// something changed.
 
 import { Scene } from "./scene.js";
 import { Camera } from "./camera.js";
@@ -15,7 +15,7 @@ class Film {
     this.measure();
   }
 
-  // pictures as displacements [m], from differences of 16 bits
+  // decodes pictures to displacements [m], from 16-bit differences
   decode(about, bytes) {
     const n = about.numbers, count = n * about.frames, scales = new Float32Array(n), now = new Int16Array(n), views = [];
     for (let i = 0, at = 0; i < this.scene.n; i++) {
@@ -33,7 +33,7 @@ class Film {
     return views;
   }
 
-  // what is the most in a film decides how much motion is exaggerated, and what is fast
+  // the largest values in the film set the exaggeration and the speed scale
   measure() {
     const { scene, views } = this, { offset, space, counted } = scene;
     let line = 0;

@@ -1,5 +1,6 @@
-// Draws a scene with WebGL2. A frame costs the script a few uniforms and calls; the work that grows with the number of
-// masses is one upload for each view. All edges are made smooth by the shaders, so no samples are multiplied. After a loss of the context everything is made anew from the scene.
+// Draws a scene with WebGL2. A frame costs the script only a few uniforms and calls. The only work that grows with the
+// number of masses is one upload per view. The shaders smooth all edges, so multisampling is off. After a loss of the
+// context, everything is rebuilt from the scene.
 
 import { MASS, LINK, WIRE, SKIN } from "./shaders.js";
 import { maps, kindColour } from "./colour.js";
@@ -143,7 +144,7 @@ export class Picture {
     this.count = this.lines.reduce((s, l) => s + (l.contact ? 0 : l.count), 0);
   }
 
-  // a view into one of the two textures, where it is not there already
+  // uploads a view to one of the two textures, unless it is there already
   upload(view, spare) {
     const gl = this.gl;
     let k = this.loaded.indexOf(view);

@@ -1,6 +1,7 @@
-// The drawing of a scene as flat arrays, and where each mass is drawn: rest + displacement × factor, for masses on a line
-// along their axis. What lies beyond `reach` is drawn nearer, smoothly, so that a hammer that flew off stays in the
-// picture; masses in space are drawn where they are. The vertex shaders of gl.js compute the same, from the same numbers.
+// Drawing of a scene as flat arrays, and the drawn position of each mass. The position is rest + displacement × factor;
+// masses on a line move along their axis. Displacements beyond `reach` are compressed smoothly, so that a hammer that
+// flew off stays visible. Masses in space are drawn at their true position. The vertex shaders of gl.js compute the
+// same from the same numbers.
 
 export class Scene {
   /** @param {Pick<import("../protocol.js").SceneMessage, "drawing"|"generation"|"ports">} message */
@@ -36,14 +37,14 @@ export class Scene {
     this.count();
     this.radius = this.size();
     this.reach = 0.42 * this.extent;
-    // before anything moved, 5 mm are taken for the most motion there will be, so that a first pull is no blow
+    // before any motion, assumes a largest motion of 5 mm, so that a first pull is not violent
     this.line = Math.max(1, 0.1 * this.extent / 5e-3);
     this.true = 1;
     this.port = new Uint8Array(n);
     for (const p of message.ports || []) if (p.mass != null && p.mass >= 0 && p.mass < n) this.port[p.mass] = 1;
   }
 
-  // rest positions about the middle of the drawing, and its size [m]
+  // rest positions relative to the centre of the drawing, and its size [m]
   measure(rest) {
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
     const take = (k, v) => {
@@ -61,7 +62,7 @@ export class Scene {
     for (let i = 0; i < 3 * this.n; i++) this.rest[i] = (Number.isFinite(rest[i]) ? rest[i] : 0) - this.middle[i % 3];
   }
 
-  // which masses tell how large the motion is: those that a link which is no contact holds, or all where none is held
+  // masses that count for the size of the motion: those with a link other than a contact, or all if few have one
   count() {
     this.counted = new Uint8Array(this.n);
     let held = 0;
@@ -72,7 +73,7 @@ export class Scene {
     if (held < this.n / 4) this.counted.fill(1);
   }
 
-  // radius of a mass in the drawing [m]: a part of what lies between neighbours
+  // radius of a mass in the drawing [m], from the distance between neighbours
   size() {
     const lengths = [];
     for (const l of this.links) {
@@ -91,7 +92,7 @@ export class Scene {
     return Math.min(0.3 * lengths[lengths.length >> 1], 0.022 * this.extent);
   }
 
-  // one view into four numbers per mass: displacement in the drawing [m] and, signed on a line, its amount
+  // expands a view to four numbers per mass: displacement in the drawing [m], and its amount, signed on a line
   expand(u, out) {
     const { n, space, axis } = this;
     let at = 0;
@@ -109,7 +110,7 @@ export class Scene {
     }
   }
 
-  // where mass i is drawn, from two views and the share of the second, into out[at..at+3]
+  // drawn position of mass i from two views and the weight of the second, into out[at..at+3]
   place(i, pair, out, at = 0) {
     const { a, b, mix } = pair, r = 3 * i, o = this.offset[i];
     if (this.space[i]) {
@@ -120,7 +121,7 @@ export class Scene {
     }
   }
 
-  // a drawn displacement, kept in reach
+  // compresses a drawn displacement to stay within reach
   near(drawn) {
     const size = Math.abs(drawn), knee = 0.7 * this.reach;
     if (size <= knee) return drawn;

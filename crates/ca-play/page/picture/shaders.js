@@ -1,6 +1,6 @@
-// The programs of the picture. Positions lie in textures, four numbers per mass and 1024 masses a row, and each vertex
-// fetches what it needs; so a view is uploaded once, for masses and links alike, and a frame between two views uploads
-// nothing. Masses are discs that are shaded as spheres; links are strips with edges made smooth by coverage.
+// Shaders of the picture. Positions are in textures, with four numbers per mass and 1024 masses per row, and each
+// vertex fetches the data it needs. So each view is uploaded once for masses and links, and a frame between two views
+// uploads nothing. Masses are discs shaded as spheres. Links are strips with edges smoothed by coverage.
 
 const COMMON = `#version 300 es
 precision highp float; precision highp int; precision highp sampler2D;
@@ -128,7 +128,7 @@ void main() {${SMOOTH}
   result = vec4(paint * a, a);
 }`];
 
-// the wires of a sphere of radius one, by pairs of points
+// wire frame of a unit sphere, as pairs of points
 export const WIRE = [COMMON + STRIP + `
 in vec3 from, to;
 uniform vec4 ball;                // centre, radius
@@ -150,7 +150,7 @@ void main() {${SMOOTH}
   result = vec4(ink.rgb * a, a);
 }`];
 
-// its skin: a disc whose rim is denser, as of thin glass
+// surface of the sphere: a disc with a denser rim, like thin glass
 export const SKIN = [COMMON + `
 uniform vec4 ball;
 uniform float scale;

@@ -5,8 +5,8 @@
 >>> r.audio.shape, r.sr
 ((96000, 2), 48000)
 
-Sound is always ``(frames, channels)``, in float32, as `soundfile` and `sounddevice` want it, unless `dtype` says otherwise;
-values are in SI units; what is wrong with a model is raised as `ModelError`, shown where it stands.
+Sound arrays have the shape ``(frames, channels)``, in float32 as `soundfile` and `sounddevice` expect, or as `dtype`
+says. Values are in SI units. Errors in a model are raised as `ModelError`, which shows their place in the text.
 """
 
 from __future__ import annotations
@@ -97,20 +97,20 @@ __all__ = [
 class Kind(NamedTuple):
     """A kind of module."""
 
-    #: the section it stands in, e.g. ``MAS``
+    #: section of a model file, e.g. ``MAS``
     code: str
-    #: a few words
+    #: short title
     title: str
-    #: its law in one line
+    #: law in one line
     equation: str
     #: ``MAT``, ``LIA``, ``port`` or ``generator``
     family: str
-    #: its parameters: name, unit and document
+    #: parameters: name, unit and documentation
     params: tuple[tuple[str, str, str], ...]
 
 
 def kinds() -> dict[str, Kind]:
-    """All kinds of modules, by code.
+    """Returns all kinds of modules, by code.
 
     >>> import cordis_anima as ca
     >>> ca.kinds()["RES"].equation
@@ -122,17 +122,17 @@ def kinds() -> dict[str, Kind]:
 def load(
     source: str | os.PathLike[str], changes: Mapping[str, object] | None = None, *, rate: float | str | None = None
 ) -> Scene:
-    """A scene from a file ``*.ca.toml``, a MIMS file ``*.mdl``, or a bundled model by its name.
+    """Compiles a scene from a file ``*.ca.toml``, a MIMS file ``*.mdl``, or a bundled model.
 
     Args:
-        source: the file or the name; ``examples.names()`` has the names.
-        changes: values set before it is compiled, e.g. ``{"hammer.m": "30 g"}``.
-        rate: sound rate [Hz], or text such as ``"96 kHz"``; that of the model if none.
+        source: path of the file, or name of a bundled model; ``examples.names()`` lists the names.
+        changes: values set before compilation, e.g. ``{"hammer.m": "30 g"}``.
+        rate: sound rate [Hz], or text such as ``"96 kHz"``; default: the rate of the model.
 
     Raises:
-        UsageError: no such model, with the nearest name.
-        FailedError: the file cannot be read.
-        ModelError: it has errors.
+        UsageError: if the model does not exist; the message suggests the nearest name.
+        FailedError: if the file cannot be read.
+        ModelError: if the model has errors.
 
     >>> import cordis_anima as ca
     >>> ca.load("rattle").title
@@ -145,7 +145,7 @@ def load(
 
 
 def parse(text: str, *, file: str = "model.ca.toml", rate: float | str | None = None) -> Scene:
-    """A scene from the text of a model.
+    """Compiles a scene from the text of a model.
 
     >>> import cordis_anima as ca
     >>> ca.parse('[CEL]\\nbar = { m = "2 g", f = "440 Hz", dx0 = "1 mm" }\\n[SOX]\\nout = { from = "bar" }\\n').n_mat

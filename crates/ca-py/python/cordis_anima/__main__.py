@@ -7,8 +7,8 @@ from ._core import command
 
 
 def main() -> int:
-    """Runs the command with the arguments of this process, and returns its exit code."""
-    # the handler of Python would wait until the command returns
+    """Runs the command with the arguments of this process and returns its exit code."""
+    # Python's handler would only run after the command has returned
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     return command(["ca", *sys.argv[1:]])
 

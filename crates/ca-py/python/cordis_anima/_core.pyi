@@ -1,4 +1,4 @@
-"""The compiled half; see the classes of the package for what these mean."""
+"""Compiled half of the package; its Python classes document these members."""
 
 import os
 from collections.abc import Callable, Sequence

@@ -1,4 +1,4 @@
-"""What can go wrong, as one tree of exceptions: ``CaError`` catches all of them."""
+"""Exceptions of the package: all of them derive from ``CaError``."""
 
 from __future__ import annotations
 
@@ -9,26 +9,26 @@ from typing import Any
 
 
 class CaError(Exception):
-    """Anything this package raises of its own accord."""
+    """Base class of all exceptions raised by this package."""
 
 
 class UsageError(CaError, ValueError):
-    """The request makes no sense: an unknown name, a value out of its range, an array of the wrong shape."""
+    """The request is invalid: an unknown name, a value out of range, an array of the wrong shape."""
 
 
 class FailedError(CaError, RuntimeError):
-    """The request makes sense, but cannot be done."""
+    """The request is valid but failed."""
 
 
 class MissingError(CaError, ImportError):
-    """A package is missing that this needs and all else does not; the text says how to install it."""
+    """An optional package is missing; the message says how to install it."""
 
 
 def needed(name: str, extra: str) -> Any:
-    """A package that few need.
+    """Imports an optional package.
 
     Raises:
-        MissingError: it is not there.
+        MissingError: if it is not installed.
     """
     try:
         return importlib.import_module(name)
@@ -37,11 +37,11 @@ def needed(name: str, extra: str) -> Any:
 
 
 class FileError(CaError, OSError):
-    """A file cannot be read, or what it holds cannot drive a model.
+    """A file cannot be read, or its contents cannot drive a model.
 
     Attributes:
-        file: as it was named; empty where it came from memory.
-        place: where in it, e.g. ``line 3, column 2``; empty where it is all of it.
+        file: path as given; empty for data in memory.
+        place: position in the file, e.g. ``line 3, column 2``; empty if not known.
     """
 
     def __init__(self, message: str, file: str = "", place: str = "") -> None:
@@ -62,13 +62,13 @@ class Diagnostic:
     """One finding about a model.
 
     Attributes:
-        code: e.g. ``E013``; ``ca explain`` prints its page.
+        code: e.g. ``E013``; ``ca explain`` prints its documentation.
         severity: ``error``, ``warning`` or ``note``.
-        message: one line that stands by itself.
-        file: the name of the model's file.
-        line: where it stands, from 1 on; ``None`` where it stands in no text.
-        column: the same, in characters.
-        help: what to do, if that is known.
+        message: one self-contained line.
+        file: name of the model's file.
+        line: line number from 1; ``None`` if the finding is not about the text.
+        column: column number from 1, in characters; ``None`` likewise.
+        help: how to fix it, if known.
     """
 
     code: str
@@ -81,7 +81,7 @@ class Diagnostic:
 
     @property
     def location(self) -> str:
-        """``file:line:column``, or the file alone.
+        """``file:line:column``, or the file alone if the line is unknown.
 
         >>> Diagnostic("E013", "error", "no module `bop`", "a.ca.toml", 3, 9, None).location
         'a.ca.toml:3:9'
@@ -90,7 +90,7 @@ class Diagnostic:
 
 
 def diagnostics(text: str) -> tuple[Diagnostic, ...]:
-    """Findings from their JSON."""
+    """Parses findings from JSON."""
     return tuple(
         Diagnostic(d["code"], d["severity"], d["title"], d["file"], d["line"], d["column"], d["help"])
         for d in json.loads(text)
@@ -98,10 +98,10 @@ def diagnostics(text: str) -> tuple[Diagnostic, ...]:
 
 
 class ModelError(CaError, ValueError):
-    """A model has errors. The text shows each where it stands.
+    """A model has errors. The text of the exception shows each error with its source lines.
 
     Attributes:
-        diagnostics: all findings, errors and others, in order of place.
+        diagnostics: all findings, including warnings and notes, in order of place.
 
     >>> import cordis_anima as ca
     >>> try:
@@ -130,26 +130,26 @@ class ModelError(CaError, ValueError):
 
     @property
     def message(self) -> str:
-        """The first error in one line."""
+        """Message of the first error."""
         return self._first.message
 
     @property
     def location(self) -> str:
-        """Where the first error stands."""
+        """Place of the first error."""
         return self._first.location
 
     @property
     def help(self) -> str | None:
-        """What to do about the first error."""
+        """How to fix the first error, if known."""
         return self._first.help
 
 
 class UnstableError(CaError, ArithmeticError):
-    """A model diverged and ``on_unstable="raise"`` was asked for.
+    """A model diverged in a call with ``on_unstable="raise"``.
 
     Attributes:
-        time: when [s].
-        module: which one is to blame.
+        time: time of divergence [s].
+        module: module that caused it.
     """
 
     def __init__(self, message: str, time: float, module: str) -> None:

@@ -1,4 +1,4 @@
-"""What drives a scene: curves by name, and files of them."""
+"""Gestures: curves by name of the port or parameter they drive, and gesture files."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Path = Union[str, "os.PathLike[str]"]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Points:
-    """Breakpoints as two arrays: what is driven goes from value to value in straight lines.
+    """Breakpoints as two arrays, with linear interpolation between them.
 
     >>> import cordis_anima as ca, numpy as np
     >>> t = np.linspace(0, 0.1, 50)
@@ -29,28 +29,29 @@ class Points:
     'ok'
     """
 
-    #: times (n,) [s], which do not go back
+    #: times (n,) [s], non-decreasing
     times: npt.ArrayLike
-    #: values (n,), in the unit of what is driven
+    #: values (n,), in the unit of the port or parameter
     values: npt.ArrayLike
 
     def __repr__(self) -> str:
         return f"<Points: {np.size(self.times)} values>"
 
 
-#: what drives one port or live parameter: a number that stays; breakpoints, a list of pairs of time [s] and value or `Points`;
-#: samples (n,) at the sound rate; samples and their rate [Hz]; a file with one track; an array in a file, and its rate [Hz]
+#: drives one port or live parameter: a constant number; breakpoints, as a list of (time [s], value) pairs or as
+#: `Points`; samples (n,) at the sound rate; samples and their rate [Hz]; a file with one track; an array file and its
+#: rate [Hz]
 Curve = Union[float, npt.ArrayLike, Points, "tuple[npt.ArrayLike, float]", Path, "tuple[Path, float]"]
-#: curves by what they drive, or a file whose tracks are called by it; or one that was made before
+#: curves by name of what they drive; a file whose tracks have these names; or a compiled gesture
 Gesture = Union[Mapping[str, Curve], str, "os.PathLike[str]", _core.Gesture, None]
 
 
 def made(scene: _core.Scene, gesture: Gesture) -> _core.Gesture | None:
-    """A gesture as the engine takes it.
+    """Converts a gesture to the engine's form.
 
     Raises:
-        UsageError: values or a shape that make no sense.
-        FileError: a file that cannot be read.
+        UsageError: if values or shapes are invalid.
+        FileError: if a file cannot be read.
     """
     if gesture is None or isinstance(gesture, _core.Gesture):
         return gesture
@@ -90,7 +91,7 @@ def _joined(name: str, points: Points) -> Floats:
 
 
 def _no_curve(values: Floats) -> str:
-    """Why this array drives nothing. Two columns may be times and values, or the channels of a sound."""
+    """Explains why an array is not a curve. Two columns may be times and values, or two channels of a sound."""
     if values.ndim == 2 and values.shape[1] == 2:
         return (
             f"is an array {values.shape}, which may be breakpoints or two channels: write `Points(a[:, 0], a[:, 1])` for times "
@@ -102,7 +103,7 @@ def _no_curve(values: Floats) -> str:
 
 
 def _file(scene: _core.Scene, path: Path, port: str | None, rate: float | None) -> _core.Gesture:
-    """A gesture from a file; remarks on it are warnings."""
+    """Reads a gesture from a file; remarks on the file become warnings."""
     gesture = scene.gesture(os.fspath(path), port, rate)
     for remark in gesture.remarks:
         warnings.warn(f"`{os.fspath(path)}`: {remark}", stacklevel=4)
@@ -110,7 +111,7 @@ def _file(scene: _core.Scene, path: Path, port: str | None, rate: float | None) 
 
 
 def _ndim(given: object) -> int | None:
-    """Dimensions of an array; none where its rows are of several lengths."""
+    """Number of dimensions of an array; ``None`` if its rows differ in length."""
     try:
         return np.ndim(given)  # type: ignore[arg-type]
     except ValueError:

@@ -1,4 +1,4 @@
-"""Models: what an author writes, in a file or by calls."""
+"""Models as written by an author, in a file or by calls."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from ._scene import Scene
 
 @dataclass(frozen=True, repr=False)
 class Check:
-    """What the compiler says of a model.
+    """Result of checking a model.
 
     Attributes:
-        ok: whether it compiles.
+        ok: true if it compiles.
         diagnostics: all findings, in order of place.
-        text: the same as a compiler shows them, with the lines they stand in.
+        text: the findings as text, with their source lines.
     """
 
     ok: bool
@@ -37,9 +37,9 @@ class Check:
 
 
 class Model:
-    """A model under construction: kinds, names and values as written; meaning comes with `compile`.
+    """A model under construction: kinds, names and values as written. `compile` interprets them.
 
-    It writes the same files as an author would. Calls return the model, so they can be chained.
+    It writes the same files as an author would. Most methods return the model, so calls can be chained.
 
     >>> import cordis_anima as ca
     >>> m = ca.Model(title="A bob on a spring")
@@ -71,7 +71,7 @@ class Model:
 
     @classmethod
     def of(cls, scene: Scene) -> Model:
-        """The model a scene was compiled from, to be changed and compiled anew.
+        """Returns a copy of the model that a scene was compiled from, to change and compile again.
 
         >>> import cordis_anima as ca
         >>> ca.Model.of(ca.load("rattle")).title
@@ -81,17 +81,17 @@ class Model:
 
     @classmethod
     def load(cls, source: str | os.PathLike[str]) -> Model:
-        """A file ``*.ca.toml``, a MIMS file ``*.mdl``, or a bundled model by its name."""
+        """Reads a file ``*.ca.toml``, a MIMS file ``*.mdl``, or a bundled model by its name."""
         return cls._of(_core.Model.open(os.fspath(source)))
 
     @classmethod
     def parse(cls, text: str, file: str = "model.ca.toml") -> Model:
-        """From text; `file` is its name in findings, and where files it names are looked for."""
+        """Reads the text of a model; `file` is its name in findings, and the base of files it refers to."""
         return cls._of(_core.Model.read(text, file))
 
     @classmethod
     def from_mims(cls, text: str, file: str = "model.mdl") -> Model:
-        """From the text of a MIMS model.
+        """Imports the text of a MIMS model.
 
         >>> import cordis_anima as ca
         >>> m = ca.Model.from_mims("@m1 mass 1. 0. 0.\\n@g ground 0.\\n@s spring @m1 @g 0.01 0.001\\n@o posOutput @m1\\n")
@@ -101,13 +101,17 @@ class Model:
         return cls._of(_core.Model.mims(text, file))
 
     def add(self, kind: str, name: str, **values: object) -> Model:
-        """Adds a module: a kind such as ``"MAS"`` (see `kinds`), a name, and its parameters as numbers in SI units,
-        quantities, names, lists. A name ``"a.b"`` stands in the group ``a``. A last underscore is taken away, for words
-        that Python keeps for itself, such as ``from_``.
+        """Adds a module.
+
+        Args:
+            kind: code of the kind, such as ``"MAS"``; see `kinds`.
+            name: unique name; ``"a.b"`` is in the group ``a``.
+            values: parameters as numbers in SI units, quantities, names or lists. A trailing underscore is removed, so
+                that ``from_`` can stand for the reserved word ``from``.
 
         Raises:
-            UsageError: no such kind or parameter, with the nearest one; a name that is taken, or that is not made of
-                letters from a to z, digits and underscores; a value that is none.
+            UsageError: if the kind or a parameter does not exist (the message suggests the nearest), if the name is in
+                use or has characters other than letters from a to z, digits and underscores, or if a value is invalid.
 
         >>> import cordis_anima as ca
         >>> ca.Model().add("MAS", "bob", m="1 g").add("SOX", "out", from_="bob").items
@@ -117,7 +121,7 @@ class Model:
         return self
 
     def group(self, name: str, **values: object) -> Model:
-        """Adds a group, once: modules that share a medium or a space.
+        """Adds a group of modules that share a medium or a space. Give all of its properties at once.
 
         >>> import cordis_anima as ca
         >>> m = ca.Model().group("hall", dim=3, gravity=9.81).add("MAS", "hall.ball", m="10 g")
@@ -130,12 +134,19 @@ class Model:
     def use(
         self, name: str, part: str | Model, *, n: int | None = None, of: Model | None = None, **values: object
     ) -> Model:
-        """Adds instances of a part: one of this model, of the model ``of`` or of those that come with the program
-        (``examples.parts()``), by its name, or another model whole. With ``n`` there are so many, ``name[0]`` to
-        ``name[n - 1]``, and a list among the values has one for each.
+        """Adds instances of a part.
+
+        Args:
+            name: name of the instance, or of each as ``name[0]`` to ``name[n - 1]`` with `n`.
+            part: name of a part of this model, of the model `of`, or of the shipped parts (``examples.parts()``); or
+                another model, used as a whole.
+            n: number of instances; a list among the values then has one entry for each.
+            of: model that has the part.
+            values: parameters of the part.
 
         Raises:
-            UsageError: no such part, a value that is missing, unknown, or not one for each; a name that is taken.
+            UsageError: if the part does not exist, a value is missing or unknown, a list has the wrong length, or the
+                name is in use.
 
         >>> import cordis_anima as ca
         >>> tine = ca.Model().param("f", unit="Hz").add("CEL", "bar", m="1 g", f="f", t60="2 s", dx0="1 mm")
@@ -153,8 +164,10 @@ class Model:
         return self
 
     def param(self, name: str, value: object = None, **about: object) -> Model:
-        """Adds a parameter, or writes it anew. The ends of its range are quantities as its value is, or plain numbers in
-        its ``unit``. One that a port drives has no value, but ``port``, ``span``, ``min`` and ``max``.
+        """Adds or replaces a parameter.
+
+        The ends of its range are quantities like its value, or numbers in its ``unit``. A parameter driven by a port
+        has ``port``, ``span``, ``min`` and ``max`` instead of a value.
 
         >>> import cordis_anima as ca
         >>> m = ca.Model().param("k", "3 kN/m", live=True, min="100 N/m", max="9 kN/m", doc="stiffness")
@@ -170,7 +183,7 @@ class Model:
         return self.put("param", name, full if about else value)
 
     def gesture(self, name: str, points: object) -> Model:
-        """What drives a port or a live parameter by itself: a list of times [s] and values.
+        """Sets the built-in gesture of a port or a live parameter: a list of times [s] and values.
 
         >>> import cordis_anima as ca
         >>> m = ca.Model().add("ENF", "push", to="bar").add("CEL", "bar", m="1 g", f="440 Hz").add("SOX", "out", from_="bar")
@@ -185,7 +198,7 @@ class Model:
         return self
 
     def set(self, name: str, value: object) -> Model:
-        """Sets a parameter that exists, as ``ca render --set`` does.
+        """Sets an existing parameter, as ``ca render --set`` does.
 
         >>> import cordis_anima as ca
         >>> ca.Model.load("hammered_string").set("hammer.m", "30 g").check().ok
@@ -196,17 +209,17 @@ class Model:
 
     @property
     def title(self) -> str:
-        """Its title."""
+        """Title of the model."""
         return self._core.title
 
     @property
     def name(self) -> str:
-        """Name of its file, without folder and extension."""
+        """Name of its file without folder and extension."""
         return self._core.name
 
     @property
     def file(self) -> str:
-        """The file it was read from; empty for one that was built."""
+        """File it was read from; empty if it was built by calls."""
         return self._core.file
 
     @property
@@ -215,7 +228,7 @@ class Model:
         return tuple(self._core.items)
 
     def check(self, *, rate: float | str | None = None) -> Check:
-        """Compiles it without playing, and says everything that was found.
+        """Compiles without playing and returns all findings.
 
         >>> import cordis_anima as ca
         >>> c = ca.Model().add("MAS", "bob", m="20 gr").check()
@@ -226,19 +239,19 @@ class Model:
         return Check(ok, diagnostics(found), text)
 
     def compile(self, *, rate: float | str | None = None, exact: bool = False) -> Scene:
-        """Compiles it.
+        """Compiles a scene.
 
         Args:
-            rate: sound rate [Hz]; that of the model if none.
-            exact: narrow down the largest eigenvalue for the certificate.
+            rate: sound rate [Hz]; default: the rate of the model.
+            exact: compute the largest eigenvalue for the certificate.
 
         Raises:
-            ModelError: it has errors.
+            ModelError: if the model has errors.
         """
         return Scene._of(self._core.copy(), rate, exact)
 
     def to_toml(self) -> str:
-        """As a file an author would be glad to read; comments are kept at its head only."""
+        """Returns the text of a readable model file; of the comments only those at its head are kept."""
         return self._core.toml()
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -246,11 +259,11 @@ class Model:
         Path(path).write_text(self.to_toml(), encoding="utf-8")
 
     def copy(self) -> Model:
-        """An equal model."""
+        """Returns an equal model."""
         return Model._of(self._core.copy())
 
     def __eq__(self, other: object) -> bool:
-        """Whether the same values are written in the same order; a model with errors equals none but itself."""
+        """Returns true if the same values are written in the same order. A model with errors equals only itself."""
         if self is other or not isinstance(other, Model):
             return self is other
         try:
@@ -272,11 +285,11 @@ class Model:
 
 
 def _entries(name: str, values: Mapping[str, object]) -> list[tuple[str, Any]]:
-    """Parameters of what has this name, by the words that models have for them."""
+    """Parameters of a module or part, under the names used in models."""
     keys = ((k.rstrip("_"), v) for k, v in values.items())
     return [(k, _value(f"{name}.{k}", v)) for k, v in keys]
 
 
 def _again(data: bytes, name: str) -> Model:
-    """A model from a pickle."""
+    """Restores a pickled model."""
     return Model._of(_core.Model.from_bytes(data, name))

@@ -1,4 +1,4 @@
-"""Which columns a selector chose, and what they heard."""
+"""Columns of probes by selector."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from ._results import Floats
 
 
 def columns(of: Sequence[int], asked: Sequence[str]) -> dict[str, list[int]]:
-    """The columns of each selector; `of` has for each column the place of its selector in `asked`."""
+    """Returns the column numbers of each selector. `of` has for each column the index of its selector in `asked`."""
     return {selector: [c for c, k in enumerate(of) if k == i] for i, selector in enumerate(asked)}
 
 
 def chosen(rows: Floats, places: Mapping[str, Sequence[int]]) -> dict[str, Floats]:
-    """What each selector heard: (n,), or (n, columns) where it chose several."""
+    """Returns the data of each selector: (n,), or (n, columns) if it chose several."""
     return {s: rows[:, c[0]] if len(c) == 1 else rows[:, list(c)] for s, c in places.items()}

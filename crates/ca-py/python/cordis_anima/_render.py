@@ -1,4 +1,4 @@
-"""What is heard of a scene."""
+"""Results of a render, and live parameters."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ._page.view import View
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Render:
-    """What was heard of a scene.
+    """Result of rendering a scene.
 
     >>> import cordis_anima as ca
     >>> r = ca.examples.string().render(0.5, probes=["low[8]", "low[*]"])
@@ -24,7 +24,7 @@ class Render:
     ((24000,), (24000, 40), 'low[0]', 'm')
     """
 
-    #: sound (frames, channels), within ±1; what was louder is counted in `clipped`
+    #: sound (frames, channels), within ±1; louder samples are clipped and counted in `clipped`
     audio: Sound
     #: sound rate [Hz]
     sr: int
@@ -32,41 +32,43 @@ class Render:
     seconds: float
     #: names of the channels
     channels: tuple[str, ...]
-    #: what was listened to besides, by its selector: displacement [m] of a mass, force [N] of a link; (frames,), or
-    #: (frames, n) where a selector chose several
+    #: displacement [m] of masses or force [N] of links, by selector; (frames,), or (frames, n) if a selector chose
+    #: several
     probes: Mapping[str, Floats]
     #: names of the columns of each probe
     columns: Mapping[str, tuple[str, ...]]
     #: unit of each probe: ``m`` or ``N``
     units: Mapping[str, str]
-    #: the energy ledger, where `energy=True` asked for it
+    #: energy ledger, with `energy=True`
     energy: Energy | None
-    #: ``ok``; ``unstable``, it diverged; ``clipped``, louder than full scale; ``refused``, an input had no value; ``mute``,
-    #: neither outputs nor probes; ``gained``, with `energy=True`: the scheme made more energy than it received
+    #: ``ok``; ``unstable``: it diverged; ``clipped``: louder than full scale; ``refused``: an input was not finite;
+    #: ``mute``: neither outputs nor probes; ``gained``, with `energy=True`: the scheme made more energy than it
+    #: received
     status: Status
-    #: what is wrong and what to do; empty where nothing is
+    #: what is wrong and how to fix it; empty if nothing is
     message: str
-    #: when it diverged [s], and the module to blame
+    #: time of divergence [s], and the module that caused it
     failed: tuple[float, str] | None
-    #: greatest |sample| of each channel before the ceiling
+    #: largest |sample| of each channel before clipping
     peak: Floats
-    #: samples cut off at ±1
+    #: number of samples clipped at ±1
     clipped: int
-    #: samples without a value, which became silence
+    #: number of non-finite samples, which became silence
     non_finite: int
-    #: time it took [s]
+    #: computation time [s]
     run_time: float
-    #: plays the same once more and keeps how it moves
+    #: replays the same and records its motion
     _view: Callable[[], View]
 
     @property
     def rtf(self) -> float:
-        """Run time over length: below 1 is faster than real time."""
+        """Computation time divided by length; below 1 is faster than real time."""
         return self.run_time / self.seconds
 
     def view(self) -> View:
-        """The moving instrument in step with what is heard: the scene is played once more by the same gesture, since positions
-        are not kept. See `Scene.view`.
+        """Shows the moving instrument in step with the sound. See `Scene.view`.
+
+        The scene is played again with the same gesture, because a render does not store positions.
 
         >>> import cordis_anima as ca
         >>> ca.load("rattle").render(0.2).view().html.startswith("<!DOCTYPE html>")
@@ -85,7 +87,7 @@ class Render:
 
 
 class Params(Mapping[str, Param]):
-    """Live parameters by name, read only; those of a running scene are changed at `Sim.params`.
+    """Live parameters by name, read only. To change them in a running scene, use `Sim.params`.
 
     >>> import cordis_anima as ca
     >>> bow = ca.examples.bowed_string().params

@@ -1,4 +1,4 @@
-"""What is measured of a scene, as plain records of numbers and arrays."""
+"""Records of measurements, and checks of arguments."""
 
 from __future__ import annotations
 
@@ -14,100 +14,98 @@ from . import _core
 from ._errors import UsageError
 
 Floats = npt.NDArray[np.float64]
-#: sound: float32, unless float64 was asked for
+#: sound: float32, or float64 on request
 Sound = npt.NDArray[np.floating[Any]]
-#: how samples are kept: ``"float32"``, ``"float64"`` or the types of NumPy
+#: type of samples: ``"float32"``, ``"float64"`` or the NumPy types
 DType = npt.DTypeLike
 Status = Literal["ok", "clipped", "unstable", "refused", "mute", "gained"]
 
 
 class Param(NamedTuple):
-    """A live parameter: one that may change while a scene runs."""
+    """A live parameter, which may change while a scene runs."""
 
-    #: its name
     name: str
-    #: its value at load, in SI units
+    #: value at load, in SI units
     value: float
-    #: least value, in SI units
+    #: smallest value, in SI units
     min: float
-    #: greatest value, in SI units
+    #: largest value, in SI units
     max: float
-    #: its unit; empty for a plain number
+    #: unit; empty for a plain number
     unit: str
-    #: one line for people
+    #: one line of documentation
     doc: str
 
 
 class Port(NamedTuple):
     """A port that a gesture can drive."""
 
-    #: its name
     name: str
     #: ``position`` [m], ``force`` [N] or ``device`` [m], a key of a device
     role: str
-    #: its value before anybody moves it [m] or [N]
+    #: value at rest [m] or [N]
     rest: float
 
 
 class Certificate(NamedTuple):
-    """What is proven of a scene's stability before anything moves."""
+    """Stability certificate of a scene, computed before it plays."""
 
     #: ``proven``, ``linearised``, ``rule of thumb``, ``not proven`` or ``unstable``
     level: str
     #: upper bound of the largest eigenvalue of T²K + 2TC against M; the limit is 4
     bound: float
-    #: lower bound of the same
+    #: lower bound of that eigenvalue
     lower: float
-    #: how many times stiffer everything could be
+    #: factor by which all stiffness could grow
     margin: float
-    #: whether a factorisation decided
+    #: true if a factorisation decided
     exact: bool
-    #: the largest eigenvalue, from … to, where ``exact=True`` asked for it
+    #: range of the largest eigenvalue, with ``exact=True``
     largest: tuple[float, float] | None
-    #: share by which energy may rise in a linearised scene
+    #: largest relative rise of energy in a linearised scene
     ripple: float | None
-    #: the module nearest to the limit; empty where nothing has one
+    #: module nearest to the limit; empty if there is none
     worst: str
-    #: largest kT²/m of an explicit contact; a rule of thumb keeps it below 1, and no value is without growth
+    #: largest kT²/m of an explicit contact; a rule of thumb keeps it below 1, but any value may let energy grow
     contact: float
-    #: the contact it belongs to
+    #: contact with that value
     stiffest: str
-    #: of contacts by a power of their depth, the one whose slope·T²/m reaches 1 first, and the depth [m] at which it does
+    #: power-law contact whose slope·T²/m is the first to reach 1, and the depth [m] at which it does
     depth: tuple[str, float] | None
-    #: steepest friction against the masses, slope·T/m; above 1.5 what should stick rings
+    #: steepest friction relative to the masses, slope·T/m; above 1.5 it oscillates instead of sticking
     friction: float
-    #: largest T²k/m + 2Tz/m of a contact while it presses; from 4 on it is unstable by itself
+    #: largest T²k/m + 2Tz/m of a closed contact; from 4 on it is unstable by itself
     closed: float
-    #: the link that decides where the level is ``rule of thumb``; else empty
+    #: link that decides if the level is ``rule of thumb``; else empty
     decides: str
-    #: hardening links with an unknown largest elongation: judged at rest
+    #: hardening links without a known largest elongation, judged at rest
     open: list[str]
-    #: items with masses that nothing hears: they are left out, and nothing is said of them
+    #: items with masses that reach no output: they are left out and not judged
     not_judged: list[str]
 
 
 class Energy(NamedTuple):
-    """The energy ledger [J]: ``stored = start + work − lost + made + changed + residual``."""
+    """Energy ledger [J]: ``stored = start + work − lost + made + changed + residual``."""
 
     #: energy at load
     start: float
     #: energy at the end
     stored: float
-    #: its part in motion
+    #: kinetic part of `stored`
     kinetic: float
     #: heat
     lost: float
-    #: error of the scheme in non-linear links; 0 where all is linear
+    #: error of the scheme in non-linear links; 0 if all links are linear
     made: float
     #: received from ports
     work: float
     #: received by changes of parameters
     changed: float
-    #: residual, what the ledger does not explain: rounding
+    #: energy that the ledger does not explain: rounding
     residual: float
-    #: the scale of the residual
+    #: scale for the residual
     peak: float
-    #: how much time the ledger covers [s]; less than the render where it diverged
+    #: time covered by the ledger [s]; less than the render if it diverged
     seconds: float
     #: heat of each link
     lost_by: Mapping[str, float]
@@ -118,7 +116,7 @@ class Energy(NamedTuple):
 
 
 def energy(raw: Mapping[str, Any]) -> Energy:
-    """An energy ledger from what the engine says."""
+    """Converts the ledger of the engine."""
     plain: dict[str, Any] = {k: dict(v) if k.endswith("_by") else v for k, v in raw.items()}
     return Energy(**plain)
 
@@ -127,38 +125,38 @@ def energy(raw: Mapping[str, Any]) -> Energy:
 class Modes:
     """Modes of the linear part of a scene; arrays over modes, lowest first."""
 
-    #: frequency without the scheme [Hz]; 0 where it does not swing
+    #: frequency in continuous time [Hz]; 0 if it does not oscillate
     f: Floats
-    #: frequency as it is heard [Hz]
+    #: frequency of the scheme, as heard [Hz]
     heard: Floats
-    #: how far the scheme moves the pitch [cents]
+    #: pitch error of the scheme [cents]
     cents: Floats
-    #: time to fall by 60 dB [s]; infinite without damping
+    #: decay time by 60 dB [s]; infinite without damping
     t60: Floats
-    #: whether the scheme makes it grow
+    #: true if the scheme makes it grow
     grows: npt.NDArray[np.bool_]
     #: displacement of each place (modes, places) [1/√kg]
     shapes: Floats
-    #: how much each mode moves each port (modes, ports) [1/√kg]
+    #: motion of each port in each mode (modes, ports) [1/√kg]
     levels: Floats
     #: names of the ports
     ports: tuple[str, ...]
     #: names of the places
     places: tuple[str, ...]
-    #: links that are not linear, and so not part of it
+    #: non-linear links, which are not included
     left_out: tuple[str, ...]
-    #: whether damping that couples modes was left out
+    #: true if damping that couples modes was neglected
     approximate: bool
     _derivative: Callable[[Sequence[str]], ModeDerivatives] = field(repr=False)
 
     def derivative(self, wrt: Sequence[str]) -> ModeDerivatives:
-        """How frequencies and decays change with parameters, by the derivatives of the poles of the tick. Needs SciPy.
+        """Computes derivatives of frequencies and decays by parameters, from the poles of the tick. Needs SciPy.
 
         Args:
-            wrt: names as for `Scene.tangents`.
+            wrt: names, as for `Scene.tangents`.
 
         Raises:
-            UsageError: as `Scene.tangents`; also where a part of the scene is not computed by masses and springs.
+            UsageError: as for `Scene.tangents`; also if part of the scene is not computed with masses and springs.
 
         >>> import cordis_anima as ca
         >>> m = ca.examples.string().modes()
@@ -178,20 +176,20 @@ class Modes:
 
 @dataclass(frozen=True, eq=False)
 class ModeDerivatives:
-    """How modes change with parameters: arrays (modes, parameters), per unit of the parameter.
+    """Derivatives of modes by parameters: arrays (modes, parameters), per unit of the parameter.
 
-    Not a number where a mode does not swing, or has the frequency and decay of another one.
+    NaN for modes that do not oscillate, or that share frequency and decay with another mode.
     """
 
-    #: of the frequency as it is heard [Hz]
+    #: derivative of the frequency of the scheme [Hz]
     heard: Floats
-    #: of the time to fall by 60 dB [s]; 0 of a mode that does not decay
+    #: derivative of the decay time by 60 dB [s]; 0 for a mode that does not decay
     t60: Floats
     #: names of the parameters
     wrt: tuple[str, ...]
     #: their values
     values: Floats
-    #: their units, of SI; empty for plain numbers
+    #: their SI units; empty for plain numbers
     units: tuple[str, ...]
 
     def __repr__(self) -> str:
@@ -200,7 +198,7 @@ class ModeDerivatives:
 
 @dataclass(frozen=True, eq=False)
 class Accuracy:
-    """Error against run time; arrays over ways to compute the scene."""
+    """Error and run time; arrays over methods of computing the scene."""
 
     #: name of the method
     method: tuple[str, ...]
@@ -208,29 +206,29 @@ class Accuracy:
     times: npt.NDArray[np.uint32]
     #: ‖x − reference‖ / ‖reference‖ of the worst probe
     error: Floats
-    #: the same of the spectrum
+    #: the same for the spectrum
     spectrum: Floats
-    #: pitch error [cents]; NaN of silence
+    #: pitch error [cents]; NaN for silence
     cents: Floats
-    #: how much more the second half is than it should be [dB]
+    #: excess level of the second half [dB]
     decay: Floats
-    #: energy made, as a share of what there was; NaN where no ledger is kept
+    #: energy made, relative to the energy present; NaN without a ledger
     made: Floats
     #: time of one sample on this machine [ns]
     ns: Floats
-    #: what is certified
+    #: stability level of the certificate
     stability: tuple[str, ...]
-    #: whether nothing is both more exact and quicker
+    #: true if no other method is both more accurate and faster
     front: npt.NDArray[np.bool_]
     #: sound rate [Hz]
     rate: float
-    #: how long it was played [s]
+    #: length played [s]
     seconds: float
-    #: the error of the reference itself
+    #: error of the reference itself
     known: float
-    #: what the reference is, in words
+    #: description of the reference
     against: str
-    #: methods the scene cannot take, and why
+    #: methods that the scene does not support, and the reasons
     refused: tuple[tuple[str, str], ...]
 
     def __len__(self) -> int:
@@ -240,9 +238,9 @@ class Accuracy:
         return f"<Accuracy: {len(self)} ways, {self.seconds:g} s at {self.rate:g} Hz against {self.against}>"
 
     def cheapest(self, error: float) -> tuple[str, int] | None:
-        """The quickest method and multiple of the rate with at most this error; ``None`` where there is none.
+        """Returns the fastest method and multiple of the rate with at most this error, or ``None`` if there is none.
 
-        There is none either where the reference is not known as well as that: a higher ``reference`` is.
+        Also returns ``None`` if the error of the reference is larger; a higher ``reference`` reduces it.
         """
         good = [k for k in range(len(self)) if self.error[k] <= error and self.stability[k] != "unstable"]
         if self.known > error or not good:
@@ -252,8 +250,8 @@ class Accuracy:
 
 
 def plain(value: object) -> Any:
-    """Numbers of NumPy, tuples and the like as the engine takes them."""
-    # numbers of NumPy are floats too, and not the same to a hash
+    """Converts NumPy numbers, tuples and mappings to plain Python values."""
+    # NumPy numbers are floats too, but hash differently
     if hasattr(value, "tolist"):
         return value.tolist()
     if isinstance(value, (bool, float, int, str)):
@@ -266,10 +264,10 @@ def plain(value: object) -> Any:
 
 
 def value(name: str, given: object) -> Any:
-    """A value that a model can have.
+    """Checks a value of a model.
 
     Raises:
-        UsageError: it is none, anywhere in it.
+        UsageError: if any part of it is not a value.
     """
     return _value(name, plain(given))
 
@@ -291,10 +289,10 @@ def _value(name: str, given: Any) -> Any:
 
 
 def number(name: str, given: object, unit: str) -> float:
-    """A number in `unit`, which may be none, or a quantity as text, e.g. ``"1.5 s"``.
+    """Converts a number in `unit`, which may be empty, or a quantity as text, e.g. ``"1.5 s"``.
 
     Raises:
-        UsageError: it is neither.
+        UsageError: if it is neither.
     """
     if isinstance(given, str):
         return _core.quantity(name, given, unit)
@@ -306,7 +304,7 @@ def number(name: str, given: object, unit: str) -> float:
 
 
 def whole(name: str, value: object, low: int, high: int) -> int:
-    """A whole number, of Python, NumPy or whoever has some."""
+    """Converts a whole number of any integer type, between `low` and `high`."""
     try:
         number = operator.index(value)  # type: ignore[arg-type]
     except TypeError:
@@ -316,15 +314,15 @@ def whole(name: str, value: object, low: int, high: int) -> int:
     return number
 
 
-#: more channels than these in fewer frames than channels are a sound that lies on its side
+#: an array with more channels than this and fewer frames than channels is probably transposed
 _CHANNELS = 64
 
 
 def transposed(sound: Floats) -> None:
-    """Refuses a sound (channels, frames), as others have it.
+    """Refuses a sound of shape (channels, frames), as other libraries have it.
 
     Raises:
-        UsageError: it has more channels than a sound can have, and fewer frames.
+        UsageError: if it has more channels than plausible, and fewer frames.
     """
     if sound.ndim == 2 and sound.shape[1] > max(_CHANNELS, sound.shape[0]):
         frames, channels = sound.shape
@@ -333,10 +331,10 @@ def transposed(sound: Floats) -> None:
 
 
 def is_double(dtype: DType) -> bool:
-    """Whether samples are kept in double precision.
+    """Returns true if samples are stored in double precision.
 
     Raises:
-        UsageError: they are kept as something else.
+        UsageError: if the type is neither float32 nor float64.
     """
     try:
         asked = np.dtype(dtype)
@@ -348,7 +346,7 @@ def is_double(dtype: DType) -> bool:
 
 
 def length(given: object) -> float:
-    """How long something is played [s]."""
+    """Checks a length to play [s]."""
     seconds = number("seconds", given, "s")
     if not 0 < seconds < 1e9:
         raise UsageError(f"seconds = {given}: a length above 0, below 1e9")
@@ -356,10 +354,10 @@ def length(given: object) -> float:
 
 
 def reals(name: str, given: object, *, dense: bool = False) -> Floats:
-    """Real numbers as an array; `dense`, one behind the other.
+    """Converts real numbers to an array; `dense` makes it contiguous.
 
     Raises:
-        UsageError: it holds anything else, or its rows are of several lengths.
+        UsageError: if it has other contents, or rows of different lengths.
     """
     try:
         array = np.asarray(given)
@@ -371,5 +369,5 @@ def reals(name: str, given: object, *, dense: bool = False) -> Floats:
     return made
 
 
-#: what arrays can hold that is no number
+#: array contents other than real numbers
 _KINDS = {"c": "complex numbers", "U": "text", "S": "bytes", "O": "something that is no number", "V": "records"}

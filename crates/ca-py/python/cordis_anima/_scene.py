@@ -1,4 +1,4 @@
-"""Scenes: compiled models, and what is heard of them."""
+"""Compiled scenes: rendering, playing and measuring."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ from ._page.play import Playing
 from ._sim import Sim
 from ._page.view import View
 
-#: kinds that are heard as a force
+#: kinds whose probe is a force
 _FORCES = {"SOF", *(code for code, _, _, family, _ in _core.kinds() if family == "LIA")}
 
 
 class Scene(Measured, Derivatives):
-    """A compiled model, ready to be played. It never changes: `replace` makes another.
+    """A compiled model, ready to play. Scenes are immutable: `replace` returns another one.
 
-    Scenes are equal where the same values are written in the same order, whatever comments, blanks and names of files;
-    they can be pickled, copied and used as keys. Threads may share one.
+    Two scenes are equal if the same values are written in the same order; comments, whitespace and file names do not
+    matter. Scenes can be pickled, copied, used as dictionary keys, and shared between threads.
 
     >>> import cordis_anima as ca
     >>> a = ca.load("hammered_string")
@@ -57,7 +57,7 @@ class Scene(Measured, Derivatives):
         made._compiled = model.compile(rate=rate, exact=exact)
         return made
 
-    # what it is
+    # properties
 
     @property
     def name(self) -> str:
@@ -66,12 +66,12 @@ class Scene(Measured, Derivatives):
 
     @property
     def title(self) -> str:
-        """The title its author gave it."""
+        """Title given by its author."""
         return self._model.title
 
     @property
     def sr(self) -> int:
-        """Sound rate [Hz], as sound files have it: a whole number."""
+        """Sound rate [Hz], rounded to a whole number as in sound files."""
         return round(self.rate)
 
     @property
@@ -96,27 +96,27 @@ class Scene(Measured, Derivatives):
 
     @property
     def params(self) -> Params:
-        """Live parameters, with unit, range and document."""
+        """Live parameters with unit, range and documentation."""
         return Params([Param(*p) for p in self._compiled.params])
 
     @property
     def n_mat(self) -> int:
-        """How many masses, cells and fixed points it has."""
+        """Number of masses, cells and fixed points."""
         return int(self._compiled.about()["n_mat"])
 
     @property
     def n_lia(self) -> int:
-        """How many links it has."""
+        """Number of links."""
         return int(self._compiled.about()["n_lia"])
 
     @property
     def passes(self) -> tuple[tuple[str, int], ...]:
-        """What runs in a tick: names of passes and how many modules each has."""
+        """Passes of a tick: names and numbers of modules."""
         return tuple(self._compiled.about()["passes"])
 
     @property
     def left_out(self) -> tuple[str, ...]:
-        """What the compiler left out since nobody hears it, in words."""
+        """Modules left out by the compiler because they reach no output, as text."""
         return tuple(self._compiled.about()["left_out"])
 
     @property
@@ -126,7 +126,7 @@ class Scene(Measured, Derivatives):
 
     @property
     def certificate(self) -> Certificate:
-        """What is proven of its stability.
+        """Stability certificate.
 
         >>> import cordis_anima as ca
         >>> ca.load("harmonic_chain").certificate.level
@@ -136,7 +136,7 @@ class Scene(Measured, Derivatives):
 
     @property
     def hash(self) -> str:
-        """BLAKE3 of the values written, in their order, and of the sound rate: 64 digits, the same on every machine."""
+        """BLAKE3 hash of the values in their order and of the sound rate: 64 hex digits, equal on every machine."""
         if self._hash is None:
             self._hash = self._compiled.digest()
         return self._hash
@@ -161,14 +161,16 @@ class Scene(Measured, Derivatives):
     def _repr_html_(self) -> str:
         return _html.scene(repr(self)[1:-1], self.inputs, list(self.params.values()))
 
-    # others like it
+    # variants
 
     def replace(self, changes: Mapping[str, object] | None = None, *, rate: float | str | None = None) -> Scene:
-        """The same scene with other values, as ``ca render --set`` takes them: numbers in the model's units, or quantities.
+        """Returns the same scene with other values.
+
+        Values are numbers in the model's units or quantities, as for ``ca render --set``.
 
         Raises:
-            UsageError: no such name, with the nearest one.
-            ModelError: a value that cannot be.
+            UsageError: if a name does not exist; the message suggests the nearest.
+            ModelError: if a value is invalid.
 
         >>> import cordis_anima as ca
         >>> ca.load("hammered_string").replace({"hammer.m": "30 g", "model.title": "heavy"}).title
@@ -180,7 +182,7 @@ class Scene(Measured, Derivatives):
         asked, exact = self._asked
         return Scene._of(model, asked if rate is None else rate, exact)
 
-    # what is heard
+    # rendering and running
 
     def render(
         self,
@@ -193,25 +195,26 @@ class Scene(Measured, Derivatives):
         dtype: DType = "float32",
         progress: Progress | None = None,
     ) -> Render:
-        """Plays the scene to its end. Other threads run meanwhile; Ctrl-C ends it.
+        """Plays the scene to its end. Other threads run meanwhile, and Ctrl-C ends it.
 
         Args:
-            seconds: how long, a number or text such as ``"1.5 s"``; without, until a MIDI file in the gesture is over and its sound has
-                died away, 10 s after its last event at most; else as the model says, or until its gestures have died away.
-            gesture: what drives ports and live parameters; takes the place of the built-in gesture of the same name.
-                A mapping of names to numbers, breakpoints ``[(t, value), …]``, arrays at the sound rate, arrays and
-                their rate, or files; or a file (CSV, NPY, WAV, MIDI, a take) whose tracks are called by them.
-            probes: selectors to listen to besides: ``"low[3]"``, ``"strike"``, ``"low[*]"``.
-            energy: keep the energy ledger; a little slower.
-            on_unstable: ``"raise"`` for an `UnstableError` where it diverges; else silence from there on.
-            dtype: ``"float32"`` or, with all that the engine computes, ``"float64"``: how samples of the sound are kept.
-            progress: called now and then with how many frames of how many are done.
+            seconds: length, as a number or text such as ``"1.5 s"``. Default: with a MIDI file in the gesture, until
+                the file has ended and its sound has decayed, at most 10 s after its last event; otherwise the length
+                given by the model, or until its gestures have decayed.
+            gesture: drives ports and live parameters, instead of the built-in gestures of the same names. Either a
+                mapping from names to numbers, breakpoints ``[(t, value), …]``, arrays at the sound rate, arrays with
+                their rate, or files; or a file (CSV, NPY, WAV, MIDI, a take) whose tracks have these names.
+            probes: selectors to record in addition: ``"low[3]"``, ``"strike"``, ``"low[*]"``.
+            energy: record the energy ledger; slightly slower.
+            on_unstable: ``"raise"`` raises `UnstableError` if it diverges; ``"keep"`` returns silence from then on.
+            dtype: type of sound samples, ``"float32"`` or, with the full precision of the engine, ``"float64"``.
+            progress: called regularly with the numbers of frames done and in total.
 
         Raises:
-            UsageError: nothing is driven by such a name, values that are none, a length or an option that makes no sense.
-            FileError: a file of a gesture cannot be read.
-            ModelError: a probe that chooses nothing.
-            UnstableError: it diverged, where that was asked for.
+            UsageError: if a name is neither a port nor a live parameter, or if values, length or options are invalid.
+            FileError: if a gesture file cannot be read.
+            ModelError: if a probe matches no module.
+            UnstableError: if it diverges, with ``on_unstable="raise"``.
 
         >>> import cordis_anima as ca
         >>> key = ca.load("hammered_string")
@@ -231,7 +234,7 @@ class Scene(Measured, Derivatives):
         if failed is not None and on_unstable == "raise":
             raise UnstableError(message, *failed)
         if status == "clipped":
-            # a render also has the gain that fits
+            # a render also suggests a gain
             reported = []
             if raw["clipped"]:
                 reported.append(f"{raw['clipped']} samples beyond full scale; multiply the gain by {raw['gain']:g} or less")
@@ -259,7 +262,7 @@ class Scene(Measured, Derivatives):
         )
 
     def _unit(self, selector: str) -> str:
-        """What a probe is counted in: links are forces, and so are outputs of force; all else are places."""
+        """Unit of a probe: N for links and outputs of force, m for all else."""
         name, index, _ = selector.partition("@")[0].partition("[")
         name = name.strip()
         inner = bool(index) and name.endswith(".link")
@@ -268,16 +271,16 @@ class Scene(Measured, Derivatives):
     def open(
         self, *, block: int = 512, energy: bool = False, probes: Sequence[str] = (), dtype: DType = "float32"
     ) -> Sim:
-        """A running scene: block by block, or frame by frame with `block=1`. See `Sim`.
+        """Opens a running scene, to play block by block, or frame by frame with `block=1`. See `Sim`.
 
         Args:
-            block: samples of a block where nothing says how many.
-            energy: keep the energy ledger, to be read from `Sim.energy` at any time.
-            probes: selectors to listen to besides, as for `render`; each block has them as `Block.probes`.
-            dtype: ``"float32"`` or ``"float64"``: how samples of the sound are kept.
+            block: default number of samples in a block.
+            energy: keep the energy ledger, readable from `Sim.energy` at any time.
+            probes: selectors to record in addition, as for `render`; each block has them in `Block.probes`.
+            dtype: type of sound samples, ``"float32"`` or ``"float64"``.
 
         Raises:
-            ModelError: a probe that chooses nothing.
+            ModelError: if a probe matches no module.
 
         >>> import cordis_anima as ca
         >>> with ca.load("hammered_string").open(block=64) as sim:
@@ -289,18 +292,20 @@ class Scene(Measured, Derivatives):
         return Sim(self._listening(probes, energy), block, probes, is_double(dtype))
 
     def _listening(self, probes: Sequence[str], energy: bool) -> _core.Scene:
-        """The compiled scene, with probes and the ledger where somebody asks for them."""
+        """The compiled scene, with probes and energy ledger if requested."""
         if not probes and not energy:
             return self._compiled
         return self._model.compile(rate=self._asked[0], energy=energy, probes=list(probes))
 
-    # seen and touched
+    # pictures and pages
 
     def view(
         self, seconds: float | str | None = None, *, gesture: Gesture = None, progress: Progress | None = None
     ) -> View:
-        """Plays it once more and keeps how it moves: a page with the moving instrument, as at the head of ``ca report``. Modules
-        that nothing hears are drawn, too. Large scenes and long ones have fewer pictures or masses, which the page tells.
+        """Plays it and records its motion: a page with the moving instrument, as at the top of ``ca report``.
+
+        Modules that reach no output are drawn too. Large or long scenes are shown with fewer pictures or masses; the
+        page says so.
 
         Args:
             seconds: as for `render`.
@@ -308,7 +313,7 @@ class Scene(Measured, Derivatives):
             progress: as for `render`.
 
         Raises:
-            UsageError: nothing is driven by such a name, or a length that makes no sense.
+            UsageError: if a name is neither a port nor a live parameter, or the length is invalid.
 
         >>> import cordis_anima as ca
         >>> ca.load("rattle").view(0.2)._repr_html_().startswith("<iframe srcdoc=")
@@ -317,17 +322,18 @@ class Scene(Measured, Derivatives):
         return View(self._compiled.view(None if seconds is None else length(seconds), made(self._compiled, gesture), progress))
 
     def play(self, *args: str, ca: Path | None = None) -> Playing:
-        """Plays it by hand in a page, which a notebook shows inline. The model names files by whole paths.
+        """Plays it interactively in a page, which a notebook shows inline.
 
-        It plays in this process. A model with force devices is played by the program ``ca``.
+        Files that the model refers to need absolute paths. The scene plays in this process; a model with force devices
+        is played by the program ``ca``.
 
         Args:
             args: options of ``ca play``, e.g. ``"--log", "take.mcap"`` or ``"--audio", "page"``.
-            ca: plays by this program ``ca``; the environment variable ``CA`` names one too.
+            ca: path of a program ``ca`` to play it; default: the environment variable ``CA``.
 
         Raises:
-            UsageError: there is no such program.
-            FailedError: it does not play, with the reason.
+            UsageError: if the program does not exist.
+            FailedError: if it fails to play; the message has the reason.
 
         >>> import cordis_anima as ca
         >>> with ca.load("plucked_string").play("--audio", "page") as playing:
@@ -338,7 +344,7 @@ class Scene(Measured, Derivatives):
         devices = any(i.role == "device" for i in self.inputs)
         return Playing._of(self._model, ca, devices, [*rate, *args])
 
-    # what is known of it
+    # measurements
 
     def rollout(
         self,
@@ -348,7 +354,7 @@ class Scene(Measured, Derivatives):
         gesture: Gesture = None,
         progress: Progress | None = None,
     ) -> Rollout:
-        """Plays it and keeps where masses are at each sample, whether anything hears them or not.
+        """Plays it and records the positions of masses at each sample, whether or not they reach an output.
 
         Args:
             masses: selectors of masses, e.g. ``"low[*]"`` or ``["hammer", "low[3]"]``.
@@ -357,7 +363,7 @@ class Scene(Measured, Derivatives):
             progress: as for `render`.
 
         Raises:
-            UsageError, FileError, ModelError: as for `render`; also where a selector chooses a link.
+            UsageError, FileError, ModelError: as for `render`; UsageError also if a selector chooses a link.
 
         >>> import cordis_anima as ca
         >>> moved = ca.load("hammered_string").rollout(["hammer", "low[*]"], 0.01)
@@ -376,5 +382,5 @@ class Scene(Measured, Derivatives):
 
 
 def _again(data: bytes, name: str, rate: float | None, exact: bool) -> Scene:
-    """A scene from a pickle."""
+    """Restores a pickled scene."""
     return Scene._of(_core.Model.from_bytes(data, name), rate, exact)

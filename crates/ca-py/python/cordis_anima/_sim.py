@@ -1,4 +1,4 @@
-"""A scene that runs under the hands of a program."""
+"""A running scene, controlled by the program."""
 
 from __future__ import annotations
 
@@ -14,21 +14,22 @@ from ._errors import UsageError
 from ._probes import chosen, columns
 from ._results import Energy, Floats, Sound, energy, number, reals
 
-#: what drives ports in a block: numbers or arrays (n,) by name, or an array (n, inputs) in the order of `Scene.inputs`
+#: drives ports in a block: numbers or arrays (n,) by name, or an array (n, inputs) in the order of `Scene.inputs`
 Inputs = Union[Mapping[str, "float | npt.ArrayLike"], npt.ArrayLike, None]
 
 
 class Block(NamedTuple):
-    """What a block gives."""
+    """Result of a block."""
 
     #: sound (n, channels), within ±1
     audio: Sound
-    #: force on each port that is moved, at each sample (n, ports) [N]; of a device port, that of the last whole frame
+    #: force on each port with feedback, at each sample (n, ports) [N]; for a device port, the force of the last
+    #: complete frame
     force: Floats
 
     @property
     def probes(self) -> Mapping[str, Floats]:
-        """What `open(probes=…)` asked for, by selector: (n,), or (n, columns) where it chose several; positions [m], forces [N]."""
+        """Probes of `open(probes=…)` by selector: (n,), or (n, columns) for several; positions [m], forces [N]."""
         return {}
 
 
@@ -44,16 +45,16 @@ class _Probed(Block):
 
 @dataclass(frozen=True)
 class Snapshot:
-    """How a running scene stands between two samples, see `Sim.state`. It can be pickled, compared and used as a key."""
+    """State of a running scene between two samples, see `Sim.state`. It can be pickled, compared and used as a key."""
 
-    #: time that had passed in the scene [s]
+    #: time in the scene [s]
     time: float
-    #: all that decides the future, live parameters and the energy ledger with it
+    #: complete state, including live parameters and the energy ledger
     data: bytes = field(repr=False)
 
 
 class Live(MutableMapping[str, float]):
-    """Live parameters of a running scene: setting one moves it there within a gesture frame."""
+    """Live parameters of a running scene. Setting one ramps it to the value within a gesture frame."""
 
     def __init__(self, sim: Sim) -> None:
         self._sim = sim
@@ -82,10 +83,10 @@ class Live(MutableMapping[str, float]):
 class Sim:
     """A running scene: gestures in, sound and forces out, block by block.
 
-    However the blocks are cut, they are the same sound to the bit, and that of `Scene.render` where the same goes into
-    position and force ports at each sample. What differs by intent: nothing plays by itself here, so the built-in gestures
-    of a model are silent; a device port holds what it is given at the first sample of a gesture frame, while a gesture of
-    a render is read for the frame's end. Threads that share one wait for each other.
+    The sound does not depend on how it is cut into blocks, to the bit. It equals `Scene.render` if position and force
+    ports get the same values at each sample. Two things differ on purpose: the built-in gestures of a model are not
+    played, and a device port takes its input at the first sample of a gesture frame, while a render reads a gesture at
+    the end of the frame. Threads that share a running scene wait for each other.
 
     >>> import cordis_anima as ca, numpy as np
     >>> scene = ca.examples.string()
@@ -110,12 +111,12 @@ class Sim:
         self._rest = np.array([[rest for _, _, rest in core.inputs]], dtype=np.float64)
         # names of live parameters, and their units
         self._live = {p[0]: p[4] for p in core.params}
-        #: samples of a block where nothing says how many
+        #: default number of samples in a block
         self.block = block
         self._core = core.sim()
         self._ports = tuple(self._core.ports)
         self._names = [name for name, _, _ in core.inputs]
-        # the inputs as they stand; what is not given keeps its value
+        # current inputs; inputs that are not given keep their values
         self._held = self._rest.copy()
         #: live parameters
         self.params = Live(self)
@@ -127,30 +128,32 @@ class Sim:
 
     @property
     def ports(self) -> tuple[str, ...]:
-        """Ports that feel a force: the columns of `Block.force`."""
+        """Ports that receive a force: the columns of `Block.force`."""
         return self._ports
 
     @property
     def time(self) -> float:
-        """Time that has passed in the scene [s]."""
+        """Time in the scene [s]."""
         return self._core.tick / self._rate
 
     @property
     def status(self) -> str:
-        """``ok``, ``unstable``, ``clipped`` or ``refused``, of all that was played."""
+        """Status of everything played: ``ok``, ``unstable``, ``clipped`` or ``refused``."""
         return self._core.status
 
     @property
     def energy(self) -> Energy | None:
-        """The energy ledger, where `open(energy=True)` asked for it."""
+        """The energy ledger, with `open(energy=True)`."""
         raw = self._core.energy()
         return None if raw is None else energy(raw)
 
     def set(self, name: str, value: float | str, *, over: float | str | None = None) -> None:
-        """Moves a live parameter to `value`, in SI units or a quantity, within `over` seconds; a gesture frame if none.
+        """Ramps a live parameter to `value`, in SI units or as a quantity, within `over` seconds.
+
+        Without `over` it takes a gesture frame.
 
         Raises:
-            UsageError: no such parameter, or out of its range.
+            UsageError: if the parameter does not exist or the value is out of its range.
         """
         over = self._frame if over is None else number("over", over, "s")
         if not 0 <= over <= 3600:
@@ -168,15 +171,15 @@ class Sim:
         """Plays the next samples.
 
         Args:
-            inputs: what drives ports: by name, a number for all samples or an array (n,); or an array (n, inputs) in the
-                order of `Scene.inputs`. What is not given keeps its last value. Positions are absolute [m]; those of
-                device ports are read at the first sample of a gesture frame.
-            n: how many samples; without, as many as `out` or `inputs` have, or a block.
-            out: float32 or float64 (n, channels), to be written into; no array is made then.
-            force: float64 (n, ports), the same for forces.
+            inputs: drives ports: by name, a number for all samples or an array (n,); or an array (n, inputs) in the
+                order of `Scene.inputs`. Ports that are not given keep their last value. Positions are absolute [m];
+                inputs of device ports are read at the first sample of a gesture frame.
+            n: number of samples; default: the length of `out` or `inputs`, or a block.
+            out: float32 or float64 array (n, channels) for the sound; no new array is allocated then.
+            force: float64 array (n, ports) for the forces, likewise.
 
         Raises:
-            UsageError: an unknown port, an array of the wrong shape.
+            UsageError: if a port is unknown or an array has the wrong shape.
         """
         if out is not None:
             _writable("out", out, np.float32, np.float64)
@@ -190,7 +193,7 @@ class Sim:
         heard = np.empty((n, self._columns), dtype=np.float64) if self._probes else None
         self._core.step(given, audio, forces, heard)
         if len(given):
-            # what had no value was reported once; what holds is the last that had one
+            # non-finite inputs are reported once; the last finite value stays
             last = given[-1:]
             self._held = np.where(np.isfinite(last), last, self._held)
         if heard is None:
@@ -229,12 +232,12 @@ class Sim:
         return rows, n
 
     def reset(self) -> None:
-        """Back to the beginning."""
+        """Returns to the beginning."""
         self._core.reset()
         self._held = self._rest.copy()
 
     def state(self) -> Snapshot:
-        """How it stands: masses, motion, memory of laws, inputs, live parameters on their way, the energy ledger.
+        """Returns the state: positions, motion, memory of laws, inputs, ramps of live parameters, the energy ledger.
 
         >>> import cordis_anima as ca, numpy as np, pickle
         >>> scene = ca.load("hammered_string")
@@ -250,11 +253,13 @@ class Sim:
         return Snapshot(self.time, self._core.state())
 
     def restore(self, state: Snapshot) -> None:
-        """Goes back, or on, to a snapshot of the same scene: what follows is what followed there, to the bit. The scene may have been
-        opened in another process or on another machine.
+        """Continues from a snapshot of the same scene, with the same results to the bit.
+
+        The snapshot may come from another process or machine.
 
         Raises:
-            UsageError: it is of another scene (another model, values, rate, probes or ``energy``), or damaged; nothing has changed.
+            UsageError: if the snapshot is damaged or of another scene (another model, values, rate, probes or
+                ``energy``); nothing changes then.
         """
         if not isinstance(state, Snapshot):
             raise UsageError(f"a snapshot is what `Sim.state()` gives, not {type(state).__name__}")
@@ -262,7 +267,7 @@ class Sim:
         self._held = np.array([self._core.inputs], dtype=np.float64).reshape(self._rest.shape)
 
     def __iter__(self) -> Iterator[Block]:
-        """Blocks without end, with the inputs as they stand."""
+        """Yields blocks without end, with the current inputs."""
         while True:
             yield self.step()
 
@@ -280,7 +285,7 @@ class Sim:
 
 
 def _writable(name: str, array: object, *dtypes: type[np.floating[Any]]) -> None:
-    """Refuses what samples cannot be written into one by one."""
+    """Checks that samples can be written into an array one by one."""
     good = isinstance(array, np.ndarray) and array.ndim == 2 and array.dtype in dtypes
     good = good and array.flags.aligned and array.flags.writeable and array.dtype.isnative  # type: ignore[attr-defined]
     if good and array.size:  # type: ignore[attr-defined]

@@ -1,4 +1,4 @@
-"""Takes: performances with devices, in one MCAP file each."""
+"""Takes: recorded performances with devices, one MCAP file each."""
 
 from __future__ import annotations
 
@@ -19,80 +19,80 @@ from ._scene import Scene
 from ._page.view import View
 
 Texts = npt.NDArray[np.object_]
-#: how much of a take a page plays [s]: takes are long, and what is played is in the page
+#: longest part of a take that a notebook page plays [s]; the sound is embedded in the page
 _PLAYED = 60.0
 
 
 class Fault(NamedTuple):
-    """Forces that ended."""
+    """A fault: forces ended."""
 
     #: name of the device
     device: str
-    #: when [s]
+    #: time [s]
     time: float
-    #: why, e.g. ``WATCHDOG_IN``
+    #: cause, e.g. ``WATCHDOG_IN``
     cause: str
 
 
 class Verdict(NamedTuple):
-    """What a replay found."""
+    """Result of a replay."""
 
-    #: whether all that was compared is as it was, and nothing is missing
+    #: true if everything compared is identical and nothing is missing
     identical: bool
     #: force frames compared
     forces: int
-    #: sound samples compared, of all channels
+    #: sound samples compared, in all channels
     samples: int
-    #: hashes of the state compared
+    #: state hashes compared
     hashes: int
     #: length [s]
     seconds: float
-    #: the first thing that is not as it was
+    #: first difference
     difference: str | None
-    #: where something is missing [s], so that nothing after it was compared
+    #: time of the first gap [s], after which nothing could be compared
     hole: float | None
-    #: how far sound and forces may be apart, as a part of their peak: 0, to the bit, unless the take was played by an older
-    #: arithmetic and its scene has something that rounds otherwise since
+    #: allowed difference of sound and forces, relative to their peak: 0, i.e. to the bit, unless the take was played by
+    #: an older arithmetic and its scene has parts that are rounded differently since
     tolerance: float = 0.0
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Hand:
-    """What passed between the engine and one device: m frames came, n went."""
+    """Frames between the engine and one device: m received, n sent."""
 
-    #: when a frame was looked at (m,) [s], by the clock of the sound
+    #: time at which a frame was read (m,) [s], by the sound clock
     time: Floats
     #: number of the frame (m,)
     number: npt.NDArray[np.int64]
-    #: when it was measured (m,) [s], by the clock of the device; of `record`, the beginning of the frame at whose end the
+    #: time of the measurement (m,) [s], by the device clock; with `record`, the beginning of the frame at whose end the
     #: hand is there
     device_time: Floats
-    #: where the device was (m, dof), as it said: [m], or counts where it is calibrated here
+    #: position as sent by the device (m, dof): [m], or counts if it is calibrated here
     position: Floats
-    #: the force it measured (m, dof) [N]; 0 where it measures none
+    #: force measured by the device (m, dof) [N]; 0 if it measures none
     measured: Floats
-    #: flags of the frame (m,): connected, powered, calibrated, …, a bit each
+    #: flags of the frame (m,), one bit each: connected, powered, calibrated, …
     status: npt.NDArray[np.uint32]
-    #: when a force was sent (n,) [s], by the clock of the sound
+    #: time at which a force was sent (n,) [s], by the sound clock
     force_time: Floats
-    #: the force it got (n, dof) [N]
+    #: force sent (n, dof) [N]
     force: Floats
-    #: number of the device frame it answers (n,)
+    #: number of the device frame that it answers (n,)
     answers: npt.NDArray[np.int64]
-    #: what the guard did to it (n,), a bit each, from the lowest: cut to the largest force, slowed down, damped to stay
-    #: passive, weakened for it oscillated, weakened to spare the motors, in the soft edge, from positions that are not
-    #: fresh, armed but waiting until nothing pushes, and damping left out for a while since it gave energy
+    #: effects of the guard (n,), one bit each, from the lowest: limited to the largest force; limited in rate; damped
+    #: for passivity; weakened because of oscillation; weakened to cool the motors; in the soft edge; based on old
+    #: positions; armed, but waiting until nothing pushes; passivity damping suspended because it gave energy
     flags: npt.NDArray[np.uint32]
-    #: viscosity that the passivity stage added (n,) [N s/m], the largest of all degrees of freedom
+    #: viscosity added by the passivity stage (n,) [N s/m], the largest over degrees of freedom
     injected: Floats
     #: ``off``, ``ramp``, ``on``, ``damp`` or ``fault`` (n,)
     mode: Texts
-    #: why there was no force (n,), ``NONE`` where there was
+    #: cause of a zero force (n,); ``NONE`` with a force
     cause: Texts
 
     @property
     def dof(self) -> int:
-        """How many degrees of freedom it has."""
+        """Number of degrees of freedom."""
         return int(self.position.shape[1])
 
     def __repr__(self) -> str:
@@ -100,7 +100,7 @@ class Hand:
 
 
 class Take:
-    """A take that was written by ``ca serve`` or by `record`: whole gesture frames, the first of them one sample long.
+    """A take written by ``ca serve`` or by `record`. It has whole gesture frames; the first is one sample long.
 
     >>> import cordis_anima as ca, tempfile, os
     >>> folder = tempfile.TemporaryDirectory()
@@ -115,7 +115,7 @@ class Take:
         self._about = self._core.about()
         self._all: dict[str, Any] | None = None
         self._hands: dict[str, Hand] | None = None
-        #: the file
+        #: path of the file
         self.path: str = os.fspath(path)
 
     def _read(self) -> dict[str, Any]:
@@ -150,12 +150,12 @@ class Take:
 
     @property
     def began(self) -> float:
-        """When it began [s since 1970]."""
+        """Start time [s since 1970]."""
         return float(self._about["began"])
 
     @property
     def host(self) -> Mapping[str, str]:
-        """What wrote it and where."""
+        """Program and machine that wrote it."""
         return dict(self._about["host"])
 
     @property
@@ -165,7 +165,7 @@ class Take:
 
     @property
     def hands(self) -> Mapping[str, Hand]:
-        """What passed, by name of the device."""
+        """Frames of each device, by name."""
 
         if self._hands is None:
             devices = self._read()["devices"].items()
@@ -174,63 +174,65 @@ class Take:
 
     @property
     def audio(self) -> Floats:
-        """What was heard (frames, channels), in 64 bits as it was computed."""
+        """Sound (frames, channels), in the double precision of the engine."""
         sound: Floats = self._read()["audio"]
         return sound
 
     @property
     def energy(self) -> Mapping[str, Floats]:
-        """The energy ledger over time: ``time`` [s], all else [J] as in `Energy`; empty arrays where none was kept."""
+        """Energy ledger over time: ``time`` [s], all else [J] as in `Energy`; empty arrays without a ledger."""
         return dict(self._read()["energy"])
 
     @property
     def realtime(self) -> Mapping[str, Floats]:
-        """How the real-time thread did, each second: ``time`` [s]; counts since the start of ``frames``, ``missed``,
-        ``stale``, ``dropped``, ``faults``, ``clipped``, ``underruns``; ``late_p50``, ``late_p99``, ``late_max`` [s], how
-        late frames of that second began; ``busy``, the part of it spent computing.
+        """Performance of the real-time thread, each second.
+
+        ``time`` [s]; counts since the start: ``frames``, ``missed``, ``stale``, ``dropped``, ``faults``, ``clipped``,
+        ``underruns``; delays of the frames of that second: ``late_p50``, ``late_p99``, ``late_max`` [s]; ``busy``, the
+        share of it spent computing.
         """
         return dict(self._read()["realtime"])
 
     @property
     def faults(self) -> tuple[Fault, ...]:
-        """When forces ended, and why."""
+        """Times and causes at which forces ended."""
         return tuple(Fault(*f) for f in self._read()["faults"])
 
     @property
     def lost(self) -> tuple[int, int, int]:
-        """Records, sound samples and views that found no room."""
+        """Numbers of records, sound samples and views lost because buffers were full."""
         records, samples, views = self._read()["lost"]
         return records, samples, views
 
     @property
     def cut(self) -> str | None:
-        """Why the file ends early, where it does."""
+        """Why the file ends early, or ``None``."""
         why: str | None = self._read()["cut"]
         return why
 
     @property
     def gesture(self) -> str:
-        """What the hands did, for `Scene.render`, `Scene.open` or `record` of this or another model."""
+        """Motion of the hands as a gesture, for `Scene.render`, `Scene.open` or `record` of this or another model."""
         return self.path
 
     def scene(self) -> Scene:
-        """The scene that was played, compiled anew.
+        """Compiles the scene that was played.
 
         Raises:
-            ModelError: it has errors here: another version wrote it.
+            ModelError: if it has errors here, because another version wrote it.
         """
         model, rate = self._core.model()
         return Scene._of(model, rate, False)
 
     def replay(self) -> Verdict:
-        """Plays it again, with the frames that came and at the same ticks, and compares every force and every sample."""
+        """Replays the received frames at the same ticks, and compares every force and every sample."""
         return Verdict(**self._core.replay())
 
     def view(self) -> View:
-        """The moving instrument in step with its sound, as it is when it is played again. See `Scene.view`.
+        """Shows the moving instrument in step with its sound, by a replay. See `Scene.view`.
 
         Raises:
-            FileError: it cannot be played again.
+            FileError: if it cannot be replayed.
         """
         return View(self._core.view())
 
@@ -273,24 +275,24 @@ def record(
     forces: bool = True,
     progress: Progress | None = None,
 ) -> Take:
-    """Plays a scene by the engine of ``ca serve``, without a device and without a clock, into a take.
+    """Plays a scene into a take, with the engine of ``ca serve`` but without a device or a clock.
 
-    Devices are where the gesture has them, whatever force they get; the guard is that of the device's profile, or of one
-    nobody has described. Sound fades in within 50 ms, as that of a server does.
+    Devices follow the gesture, whatever force they get. The guard uses the profile of the device, or the one for
+    unknown devices. Sound fades in within 50 ms, as in ``ca serve``.
 
     Args:
-        scene: what is played.
-        path: the file, which must not be there yet.
-        seconds: how long; without, as in `Scene.render`.
-        gesture: what drives devices and live parameters; another port cannot be driven in a take, and what the model has
-            for one is not played.
-        energy: keep the energy ledger.
-        forces: arm forces, as soon as the guard lets them.
-        progress: called with how many samples of how many are done.
+        scene: scene to play.
+        path: path of the file, which must not exist yet.
+        seconds: length; default: as for `Scene.render`.
+        gesture: drives devices and live parameters. Other ports cannot be driven in a take, and the model's own
+            gestures for them are not played.
+        energy: record the energy ledger.
+        forces: arm forces, as soon as the guard allows.
+        progress: called with the numbers of samples done and in total.
 
     Raises:
-        UsageError: something is driven that is no device and no live parameter.
-        FileError: the file is there already, or cannot be written.
+        UsageError: if the gesture drives anything but devices and live parameters.
+        FileError: if the file exists or cannot be written.
 
     >>> import cordis_anima as ca, tempfile, os
     >>> folder = tempfile.TemporaryDirectory()

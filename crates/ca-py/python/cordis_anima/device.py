@@ -1,4 +1,4 @@
-"""The side of a device: positions out, forces in, over shared memory.
+"""A device process: sends positions and receives forces over shared memory.
 
     from cordis_anima.device import Device
 
@@ -8,9 +8,9 @@
             motor(device.force())
             device.wait()
 
-Needs the wheel `iceoryx2==0.10.0`, which is not loaded before `Device` is made, and nothing else of the package: a copy of this
-file beside a program is enough, ``from device import Device``. What may reach a motor is decided here as in `host/watch.rs`, and what a frame says of it as in `host/client.rs`;
-`ca device conformance NAME` asks for it.
+Needs the wheel `iceoryx2==0.10.0`, imported when a `Device` is made, and nothing else of the package: a copy of this
+file beside a program is enough (``from device import Device``). The rules for forces that may reach a motor follow
+`host/watch.rs`, and the contents of frames `host/client.rs`; `ca device conformance NAME` checks both.
 """
 
 from __future__ import annotations
@@ -33,16 +33,16 @@ from typing import Any
 try:
     from ._errors import FailedError, UsageError, needed
 except ImportError:
-    # a copy of this file alone
+    # a copy of this file, without the package
 
     class UsageError(ValueError):  # type: ignore[no-redef]
-        """The request makes no sense."""
+        """The request is invalid."""
 
     class FailedError(RuntimeError):  # type: ignore[no-redef]
-        """The request makes sense, but cannot be done."""
+        """The request is valid but failed."""
 
     def needed(name: str, extra: str) -> Any:
-        """A package that this needs."""
+        """Imports a required package."""
         try:
             return importlib.import_module(name)
         except ImportError as e:
@@ -51,44 +51,44 @@ except ImportError:
 
 __all__ = ["CAUSES", "MODES", "Device", "Status"]
 
-#: degrees of freedom of the largest device
+#: largest number of degrees of freedom
 DOF = 32
-#: why there is no force, by its number on the wire
+#: causes of a zero force, by their numbers on the wire
 CAUSES = (
     "NONE", "DISARMED", "BUTTON", "DEADMAN", "VELOCITY", "WATCHDOG_IN", "WATCHDOG_OUT", "NONFINITE", "IMPLAUSIBLE",
     "THERMAL", "DISCONNECT", "SOFTWARE", "MODEL_UNSTABLE",
 )  # fmt: skip
-#: how a force is meant, by its number on the wire
+#: modes of a force, by their numbers on the wire
 MODES = ("off", "ramp", "on", "damp", "fault")
 
 
 class Status(enum.IntFlag):
-    """What a device says of its hardware in each frame. Forces need the first three, and none of those that end them."""
+    """Hardware state in each frame. Forces need the first three bits, and none of the bits that end forces."""
 
     #: the process reaches its hardware
     CONNECTED = 1
-    #: its motors have power
+    #: the motors have power
     POWERED = 2
-    #: positions are metres, forces newtons
+    #: positions are in metres, forces in newtons
     CALIBRATED = 4
     #: held by a hand
     IN_USE = 8
-    #: the dead man's switch is there and released, which ends forces
+    #: a dead man's switch exists and is released: ends forces
     DEADMAN = 16
-    #: motors are shorted, which ends forces
+    #: the motors are shorted: ends forces
     BRAKE = 32
-    #: motors are too warm, which ends forces
+    #: the motors are too warm: ends forces
     THERMAL = 64
-    #: at the edge of its travel
+    #: at the edge of the travel
     EDGE = 128
-    #: no hardware: a simulation
+    #: simulated, without hardware
     SIMULATED = 256
 
 
-#: frames whose time is remembered, for the latency of the forces that answer them
+#: number of frames whose send time is stored, for the latency of forces
 _SENT = 1024
 _NONE, _DISARMED, _WATCHDOG, _NONFINITE, _DISCONNECT = 0, 1, 6, 7, 10
-#: longest life of a force whatever its frame says [ns]
+#: longest life of a force, whatever its frame says [ns]
 _LONGEST = 100_000_000
 _SIZES: dict[str, Any] = {"uint8": c.c_uint8, "uint16": c.c_uint16, "uint32": c.c_uint32, "uint64": c.c_uint64,
           "float32": c.c_float, "float64": c.c_double}  # fmt: skip
@@ -99,7 +99,7 @@ def _fnv(text: str) -> int:
 
 
 def _record(name: str, magic: bytes, fields: str) -> Any:
-    """A structure from its message definition; `LAYOUT` is the hash of that text."""
+    """Creates a structure from its message definition. `LAYOUT` is the hash of that text."""
     text = "".join(f"{kind} {field}\n" for kind, field in (f.split() for f in fields.split(",")))
     typed: list[tuple[str, Any]] = []
     for line in text.splitlines():
@@ -112,31 +112,31 @@ def _record(name: str, magic: bytes, fields: str) -> Any:
 
 
 _HEAD = "uint32 magic,uint32 version,uint64 layout,uint8[16] device,uint64 session,"
-#: what a device says: where the hand is
+#: from the device: position of the hand
 DeviceFrame = _record("DeviceFrame", b"caDF", _HEAD + (
     "uint64 seq,uint64 ack,uint64 t_device_ns,uint64 t_host_ns,uint64 calibration,uint64 tick,uint32 period_ns,"
     "uint32 status,uint16 cause,uint16 n,uint32 mask,uint32 vel_mask,uint32 buttons,float64[32] pos,float64[32] vel,"
     "float32[32] force_measured,float32[4] quat,float32[4] aux,float32 temperature,uint32 reserved"))  # fmt: skip
-#: what the engine says: the force on the hand
+#: from the engine: force on the hand
 ForceFrame = _record("ForceFrame", b"caFF", _HEAD + (
     "uint64 seq,uint64 ack_session,uint64 ack,uint64 t_host_ns,uint64 tick,uint64 calibration,uint32 ttl_us,"
     "uint32 mode,uint16 cause,uint16 n,uint32 flags,float32 inject,uint32 reserved,float32[32] force"))  # fmt: skip
-#: what a device says of itself, once a second
+#: from the device, once a second: its properties
 About = _record("About", b"caAB", _HEAD + (
     "uint64 calibration,uint8[32] model,uint8[32] serial,uint8[16] firmware,uint32 rate,uint16 n,uint16 axes,"
     "float32[32] low,float32[32] high,float32[32] force,float32[32] continuous,float32[32] stiffness,"
     "float32[32] damping"))  # fmt: skip
 
 
-#: the file that iceoryx2 0.10.0 makes for everybody (mode 0666), and its first bytes: see `host/ours.rs`
+#: file that iceoryx2 0.10.0 creates with mode 0666, and its first bytes: see `host/ours.rs`
 _COUNTER, _RELEASE = "9204dd183d1c4d8e1ff592a30766ffa6765aa8b5_node.0_10_0.global_mgmt", 10 << 16
 _SHM = "/dev/shm"
-#: longest wait for a process that writes new digits of a prefix [s]
+#: longest wait for a process that writes a new prefix [s]
 _LIMIT = 2.0
 
 
 def _named(prefix: str) -> list[tuple[str, os.stat_result]]:
-    """Everything in `/dev/shm` with this prefix. Files that vanish meanwhile are left out."""
+    """Files in `/dev/shm` with this prefix. Files that vanish meanwhile are left out."""
     found = []
     for name in os.listdir(_SHM) if os.path.isdir(_SHM) else []:
         if name.startswith(prefix):
@@ -161,7 +161,7 @@ def _share(file: int, end: float) -> None:
 
 
 def _claim(root: str) -> tuple[str, Any]:
-    """The prefix of all names at this place, and the file whose lock protects it: see `host/shm/prefix.rs`."""
+    """Returns the prefix of all names at this place, and the file whose lock protects it: see `host/shm/prefix.rs`."""
 
     def prefix() -> str:
         digits = os.pread(file, 9, 0).decode("ascii", "replace")
@@ -198,7 +198,7 @@ def _claim(root: str) -> tuple[str, Any]:
 
 
 def _closed(prefix: str) -> None:
-    """Makes the counter for this user alone, which iceoryx2 would make with mode 0666."""
+    """Creates the counter file for this user alone; iceoryx2 would create it with mode 0666."""
     if not os.path.isdir(_SHM):
         return
     path, fresh = f"{_SHM}/{prefix}{_COUNTER}", f"{_SHM}/{prefix}{os.getpid()}-{secrets.token_hex(4)}.new"
@@ -212,7 +212,7 @@ def _closed(prefix: str) -> None:
 
 
 def _unmixed(prefix: str, before: list[tuple[str, os.stat_result]]) -> None:
-    """An error where this process has mapped a file of another user, which could change what is in it."""
+    """Raises an error if this process has mapped a file owned by another user, who could change its contents."""
     inodes = {about.st_ino for _, about in [*before, *_foreign(prefix)]}
     if not inodes:
         return
@@ -223,24 +223,24 @@ def _unmixed(prefix: str, before: list[tuple[str, os.stat_result]]) -> None:
 
 
 class Device:
-    """A device of `n` degrees of freedom on its lines; `ca serve` may come before or after it.
+    """A device of `n` degrees of freedom, connected by shared memory. ``ca serve`` may start before or after it.
 
     Args:
-        name: 1 to 16 letters, digits, ``_``, ``-``, ``.``; as the model names it.
+        name: 1 to 16 letters, digits, ``_``, ``-``, ``.``, as in the model.
         n: degrees of freedom, at most 32.
-        axes: how many neighbours make one force vector: 1 for keys, 3 for a stylus.
-        rate: frames a second.
+        axes: number of consecutive degrees of freedom that form one force vector: 1 for keys, 3 for a stylus.
+        rate: frames per second.
         low, high: travel [m], of each degree of freedom or of all.
         force: largest force [N], of each degree of freedom or of all.
-        continuous: largest force for ever [N]; `force` if none.
+        continuous: largest permanent force [N]; default: `force`.
         stiffness: largest stiffness it renders [N/m], if known.
-        model: make and model, for people.
-        simulated: whether there is no hardware.
+        model: make and model, for display.
+        simulated: true without hardware.
 
     Raises:
-        UsageError: a name, a number of degrees of freedom or a rate that cannot be.
-        MissingError: the wheel `iceoryx2` is not installed.
-        FailedError: the folder of the shared memory belongs to somebody else, or another device has this name.
+        UsageError: if the name, the degrees of freedom or the rate are invalid.
+        MissingError: if the wheel `iceoryx2` is not installed.
+        FailedError: if the folder of the shared memory belongs to another user, or another device has this name.
     """
 
     def __init__(
@@ -276,12 +276,12 @@ class Device:
             if len(values) != n:
                 raise UsageError(f"`{field}` has {len(values)} numbers for {n} degrees of freedom")
             getattr(self._about, field)[:n] = values
-        #: what the next frames say of the hardware, e.g. ``device.status &= ~Status.POWERED``
+        #: hardware state in the next frames, e.g. ``device.status &= ~Status.POWERED``
         self.status = Status.CONNECTED | Status.POWERED | Status.CALIBRATED
         if simulated:
             self.status |= Status.SIMULATED
         self._seq, self._told, self._due = 0, 0, time.monotonic_ns()
-        # when the last frames were sent [ns], by their number, and what the newest force answered
+        # send times of the last frames [ns], by their number, and the latency of the newest force
         self._sent = [0] * _SENT
         self._latency: float | None = None
         self._last: Any = None
@@ -336,21 +336,25 @@ class Device:
         cause: str = "NONE",
         ack: int | None = None,
     ) -> None:
-        """Says where the hand is [m], a number for one degree of freedom or one for each; to be called in each period with a new
-        position, whatever comes back. Without a new position send nothing: to the engine, an old one is a hand that stands still.
+        """Sends the position of the hand [m], a number or one number for each degree of freedom.
+
+        Call it once per period with a new position, whatever comes back. Without a new position, send nothing: the
+        engine would take an old one for a hand at rest.
 
         Args:
             position: of each degree of freedom [m].
-            velocity: of each degree of freedom [m/s], where the hardware measures it; not a number where it does not.
-            mask: which positions are valid, a bit each; all if none. The engine drops a frame that lacks one of its profile.
+            velocity: of each degree of freedom [m/s], if the hardware measures it; NaN where it does not.
+            mask: valid positions, one bit each; default: all. The engine drops a frame that lacks one of its profile.
             measured: forces measured at the motors [N].
-            buttons: a bit each.
-            deadman: whether the dead man's switch is there and released, beside what `status` says.
-            cause: why the device itself gives no force, one of `CAUSES`.
-            ack: number of the force frame that the motors held while the hand came to this position; `Device.ack` if none.
+            buttons: one bit each.
+            deadman: true if the dead man's switch is released, in addition to `status`.
+            cause: reason for which the device itself gives no force, one of `CAUSES`.
+            ack: number of the force frame that the motors held while the hand moved to this position; default:
+                `Device.ack`.
 
         Raises:
-            UsageError: numbers for another count of degrees of freedom, an unknown cause, a mask of more bits.
+            UsageError: if the number of values does not match the degrees of freedom, the cause is unknown, or the mask
+                has too many bits.
         """
         if cause not in CAUSES:
             raise UsageError(f"cause = {cause!r}: one of {', '.join(CAUSES)}")
@@ -363,12 +367,12 @@ class Device:
             self._tells.send_copy(self._about)
             self._told = now
         else:
-            # one who came since is given the last at once
+            # gives the last message to a process that has connected since
             self._tells.update_connections()
         self._seq += 1
         found = CAUSES.index(cause)
         if found == _NONE:
-            # what it found itself; else, where the engine gives no force, that it was not asked for one
+            # a cause found by the device; otherwise, if the engine gives no force, that none was requested
             found = self._cause(now) if self._last is not None else _DISARMED
             found = found if found in (_NONE, _WATCHDOG, _DISCONNECT) else _DISARMED
         frame = self._fill(
@@ -393,8 +397,11 @@ class Device:
         return values
 
     def force(self) -> list[float]:
-        """What may reach the motors now [N], one number a degree of freedom: zeros after the life of the last frame,
-        when off or at fault, from an engine not yet seen at rest. The next `send` says that this force was held."""
+        """Returns the force that may reach the motors now [N], one number per degree of freedom.
+
+        It is zero when the last frame has expired, when forces are off or at fault, and from an engine that has not
+        been seen at rest yet. The next `send` reports that this force was held.
+        """
         while (sample := self._hears.receive()) is not None:
             frame = ForceFrame.from_buffer_copy(sample.payload().contents)
             sample.delete()
@@ -429,39 +436,41 @@ class Device:
 
     @property
     def cause(self) -> str:
-        """Why `force` gives nothing; ``NONE`` where it gives a force."""
+        """Why `force` returns zeros; ``NONE`` if it returns a force."""
         return CAUSES[self._cause(time.monotonic_ns())]
 
     @property
     def mode(self) -> str:
-        """How the newest force is meant, one of `MODES`; ``none`` before any came."""
+        """Mode of the newest force, one of `MODES`; ``none`` before the first."""
         return "none" if self._last is None else MODES[min(self._last.mode, 4)]
 
     @property
     def seen(self) -> int:
-        """Number of the newest force frame; 0 before any came."""
+        """Number of the newest force frame; 0 before the first."""
         return 0 if self._last is None else int(self._last.seq)
 
     @property
     def ack(self) -> int:
-        """Number of the force frame that `force` gave last, 0 before any. The next `send` acknowledges it, unless told otherwise: an
-        exchange over a serial line measures the position before the new force acts, so its `send` needs the number before.
+        """Number of the force frame that `force` returned last; 0 before the first.
+
+        The next `send` acknowledges it by default. Over a serial line the position is measured before the new force
+        acts, so `send` needs the number before.
         """
         return self.seen
 
     @property
     def latency(self) -> float | None:
-        """Time from the sending of a frame to `force` taking the newest force that answers it [s]; ``None`` before any."""
+        """Time from sending a frame to receiving the newest force that answers it [s]; ``None`` before the first."""
         return self._latency
 
     def wait(self) -> None:
-        """Sleeps until the next frame is due. Periods that are over are left out, never made up for."""
+        """Sleeps until the next frame is due. Missed periods are skipped, not made up for."""
         now = time.monotonic_ns()
         self._due += self._period * max(1, (now - self._due) // self._period)
         time.sleep(max(0, self._due - now) * 1e-9)
 
     def close(self) -> None:
-        """Leaves the lines."""
+        """Disconnects from shared memory."""
         for port in (self._sends, self._hears, self._tells):
             if port is not None:
                 port.delete()

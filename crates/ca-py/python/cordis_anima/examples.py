@@ -1,4 +1,4 @@
-"""The bundled models, as functions: ``examples.hammered_string()`` is ``load("hammered_string")``.
+"""Bundled models as functions: ``examples.hammered_string()`` is ``load("hammered_string")``.
 
 >>> import cordis_anima as ca
 >>> ca.examples.hammered_string() == ca.load("hammered_string")
@@ -14,7 +14,7 @@ from ._scene import Scene
 
 
 def string(f: float | str = "110 Hz", t60: float | str = "4 s") -> Scene:
-    """A string struck by a hammer in flight, built by calls; one channel.
+    """A string struck by a flying hammer, built by calls, with one channel.
 
     >>> from cordis_anima import examples
     >>> r = examples.string().render(2)
@@ -34,7 +34,7 @@ def string(f: float | str = "110 Hz", t60: float | str = "4 s") -> Scene:
 
 
 def names() -> list[str]:
-    """Names of all of them.
+    """Returns the names of all bundled models.
 
     >>> from cordis_anima import examples
     >>> "rattle" in examples.names()
@@ -44,7 +44,7 @@ def names() -> list[str]:
 
 
 def parts() -> dict[str, str]:
-    """What comes with the program to be used in any model, by name: a line about each; see ``Model.use``.
+    """Returns the names of all shipped parts, each with a one-line description; see ``Model.use``.
 
     >>> from cordis_anima import examples
     >>> examples.parts()["plectrum"]

@@ -8,7 +8,7 @@ value, slope = jax.value_and_grad(loss)(110.0)
 slopes = jax.vmap(jax.grad(loss))(jax.numpy.array([110.0, 220.0]))
 ```
 
-Nothing of JAX is loaded before `render` is called; ``pip install "cordis-anima[jax]"`` adds it.
+JAX is imported only when `render` is called; ``pip install "cordis-anima[jax]"`` installs it.
 """
 
 from __future__ import annotations
@@ -35,26 +35,27 @@ def render(
     gesture: Gesture = None,
     threads: int | None = None,
 ) -> Any:
-    """The sound of a scene as an array that knows its gradients: by the ticks' own derivatives. For ``grad``, ``vjp`` and ``jacrev``,
-    once; ``jacfwd`` and second derivatives are refused by JAX.
+    """Renders a scene to an array that JAX can differentiate, by exact derivatives of the ticks.
+
+    Supports ``grad``, ``vjp`` and ``jacrev``, once; JAX refuses ``jacfwd`` and second derivatives.
 
     Args:
-        scene: what is played.
-        values: by name, as `Scene.tangents` knows them, arrays that are broadcast to one shape: that of the batch. Numbers and
-            quantities of Python are values that stay.
+        scene: scene to play.
+        values: arrays by name as for `Scene.tangents`, broadcast to one shape, the shape of the batch. Python numbers
+            and quantities are constants.
         seconds: as for `Scene.render`.
         gesture: as for `Scene.render`; it drives ports.
-        threads: how many play at once; one for each core if none.
+        threads: number of threads; default: one per core.
 
     Returns:
-        An array (batch…, frames, channels) of the values' type; it was computed in double precision, by a callback to this
-        process, also under ``jit`` and ``vmap``.
+        An array (batch…, frames, channels) of the type of the values. It is computed in double precision by a callback
+        to this process, also under ``jit`` and ``vmap``.
 
     Raises:
-        MissingError: JAX is not installed.
-        UsageError: as `Scene.tangents`, when the gradient is asked for; no values.
-        FailedError: an instance cannot be played, diverges or is too loud, with its values; JAX may show it within an error of
-            its own.
+        MissingError: if JAX is not installed.
+        UsageError: as for `Scene.tangents`, when the gradient is computed; also if `values` is empty.
+        FailedError: if an instance cannot be played, diverges or is too loud; the message has its values. JAX may wrap
+            it in its own error.
     """
     jnp = needed("jax.numpy", "jax")
     scene, arrays = constants(scene, values, "arrays by name, e.g. {\"low.f\": jax.numpy.array(110.0)}")
@@ -70,7 +71,7 @@ def render(
 
 @functools.cache
 def _function() -> Any:
-    """The function that is differentiated."""
+    """The differentiable function."""
     jax = needed("jax", "jax")
 
     def called(f: Any, shape: tuple[int, ...], *args: Any) -> Any:

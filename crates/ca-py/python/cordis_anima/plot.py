@@ -1,4 +1,4 @@
-"""Plots of what was heard and measured, by matplotlib: ``pip install "cordis-anima[plot]"``.
+"""Plots of sounds and measurements with matplotlib: ``pip install "cordis-anima[plot]"``.
 
 >>> import cordis_anima as ca
 >>> from cordis_anima import plot
@@ -6,8 +6,8 @@
 >>> ax.get_xlabel(), ax.get_ylabel()
 ('frequency [Hz]', 'level of a sine [dBFS]')
 
-Each function draws one record and returns its Axes, a new one where none is given as `ax`; all else that matplotlib can
-do with it is left to the caller.
+Each function draws one record and returns its Axes, which are new unless given as `ax`. Further styling is up to the
+caller.
 """
 
 from __future__ import annotations

@@ -8,7 +8,7 @@ y = cat.render(ca.examples.string(), {"low.f": f}, 0.1)      # (2, 4800, 1)
 y.square().mean().backward()                                 # f.grad (2,)
 ```
 
-Nothing of PyTorch is loaded before `render` is called; ``pip install "cordis-anima[torch]"`` adds it.
+PyTorch is imported only when `render` is called; ``pip install "cordis-anima[torch]"`` installs it.
 """
 
 from __future__ import annotations
@@ -33,23 +33,23 @@ def render(
     gesture: Gesture = None,
     threads: int | None = None,
 ) -> Any:
-    """The sound of a scene as a tensor that knows its gradients: by the ticks' own derivatives, and not by differences.
+    """Renders a scene to a tensor that PyTorch can differentiate, by exact derivatives of the ticks.
 
     Args:
-        scene: what is played.
-        values: by name, as `Scene.tangents` knows them, tensors that are broadcast to one shape: that of the batch. Numbers and
-            quantities of Python are values that stay, and so are tensors that require no gradient.
+        scene: scene to play.
+        values: tensors by name as for `Scene.tangents`, broadcast to one shape, the shape of the batch. Python numbers
+            and quantities are constants, and so are tensors that do not require a gradient.
         seconds: as for `Scene.render`.
         gesture: as for `Scene.render`; it drives ports.
-        threads: how many play at once; one for each core if none.
+        threads: number of threads; default: one per core.
 
     Returns:
-        A tensor (batch…, frames, channels) of the values' type; it was computed in double precision, on the processor.
+        A tensor (batch…, frames, channels) of the type of the values, computed in double precision on the CPU.
 
     Raises:
-        MissingError: PyTorch is not installed.
-        UsageError: as `Scene.tangents`, when the gradient is asked for; no values.
-        FailedError: an instance cannot be played, diverges or is too loud, with its values.
+        MissingError: if PyTorch is not installed.
+        UsageError: as for `Scene.tangents`, when the gradient is computed; also if `values` is empty.
+        FailedError: if an instance cannot be played, diverges or is too loud; the message has its values.
     """
     torch = needed("torch", "torch")
     scene, arrays = constants(scene, values, "tensors by name, e.g. {\"low.f\": torch.tensor(110.0)}")
@@ -67,15 +67,17 @@ def render(
 
 @functools.cache
 def _function() -> Any:
-    """The function that is differentiated; its class needs PyTorch."""
+    """The differentiable function; its class needs PyTorch."""
     torch = needed("torch", "torch")
 
     def array(tensor: Any) -> Any:
         return tensor.detach().cpu().double().numpy()
 
     class Pullback(torch.autograd.Function):  # type: ignore[misc, name-defined]
-        """Values and cotangents to gradients. It depends on both, and so is a function of its own: a derivative of it would be
-        needed where somebody differentiates twice, and is refused.
+        """Maps values and cotangents to gradients.
+
+        It depends on both, so it is a function by itself, whose own derivative would be needed to differentiate twice;
+        that is refused.
         """
 
         @staticmethod
@@ -87,7 +89,7 @@ def _function() -> Any:
             raise UsageError("a render is differentiated once: there is no second derivative")
 
     class Render(torch.autograd.Function):  # type: ignore[misc, name-defined]
-        """Values (…, parameters) to sound (…, frames, channels)."""
+        """Maps values (…, parameters) to sound (…, frames, channels)."""
 
         @staticmethod
         def forward(ctx: Any, instances: Instances, wanted: Any, values: Any) -> Any:

@@ -11,7 +11,7 @@ use numpy::{Element, IntoPyArray as _, PyArrayMethods as _};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Plays a scene once for each value; `double` says how samples are kept.
+/// Plays a scene once for each set of values. `double` selects double precision for samples.
 #[pyfunction]
 #[pyo3(name = "batch", signature = (scene, values, seconds, gesture, double, threads, progress))]
 #[allow(clippy::too_many_arguments)]

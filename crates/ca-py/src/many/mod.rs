@@ -1,4 +1,4 @@
-//! Models played many times: batches and sweeps.
+//! Batches and sweeps: models played many times.
 
 pub mod batch;
 pub mod sweep;

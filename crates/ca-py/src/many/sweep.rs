@@ -1,4 +1,4 @@
-//! Sweeps: runs of a scene, for whoever computes them.
+//! Sweeps: runs of a scene, for any executor.
 
 use crate::error::{failure, usage};
 use crate::gesture::Gesture;
@@ -21,8 +21,8 @@ pub struct Sweep {
     stop: AtomicBool,
 }
 
-/// What one parameter may be: two ends, whether by ratios, and a number of steps, as a tuple whose members were looked at
-/// before; or values, as a list.
+/// Values of one parameter: a list, or a range as a tuple of two ends, logarithmic or not, and number of steps. The
+/// Python side has checked the tuple.
 #[derive(FromPyObject)]
 enum Space {
     Range(Given, Given, bool, Option<u64>),
@@ -66,13 +66,11 @@ impl Sweep {
         Ok(Sweep { sweep: made?.map_err(|e| failure(py, e))?, stop: AtomicBool::new(false) })
     }
 
-    /// How many runs there are.
     #[getter]
     fn runs(&self) -> u64 {
         self.sweep.runs()
     }
 
-    /// Sound channels.
     #[getter]
     fn channels(&self) -> usize {
         self.sweep.channels()
@@ -84,36 +82,36 @@ impl Sweep {
         self.sweep.rate()
     }
 
-    /// What names its scene among machines.
+    /// Hash that identifies its scene on any machine.
     #[getter]
     fn hash(&self) -> String {
         self.sweep.hash()
     }
 
-    /// Names of its columns, and of those that are axes.
+    /// Names of all columns, and of the columns that are axes.
     #[getter]
     fn columns(&self) -> (Vec<String>, Vec<String>) {
         let all = self.sweep.table(&[]).columns.into_iter().map(|c| c.0).collect();
         (all, self.sweep.ask().axes.iter().map(ca_sweep::column).collect())
     }
 
-    /// What it computes, as a text: the same of equal sweeps, and of no others.
+    /// Text that describes it: equal for equal sweeps only.
     fn reported(&self, audio: &str, chunk: u64) -> String {
         folder::text(&self.sweep, audio, chunk)
     }
 
-    /// How many runs are written at once where nothing is said.
+    /// Default number of runs per chunk.
     #[getter]
     fn chunk(&self) -> u64 {
         folder::chunk(self.sweep.runs())
     }
 
-    /// Nobody wants more of it: calls under way in other threads end soon.
+    /// Stops running calls in other threads soon.
     fn stop(&self) {
         self.stop.store(true, Relaxed);
     }
 
-    /// Plays runs from `first` up to `end`: columns, and the sounds where they are wanted.
+    /// Plays runs from `first` up to `end`. Returns columns, and sounds if `audio`.
     fn play(of: Py<Sweep>, py: Python<'_>, first: u64, end: u64, audio: bool) -> PyResult<Rows<'_>> {
         let (rows, sounds) = Sweep::until_stopped(&of, py, move |sweep, goes_on| {
             let (mut rows, mut sounds) = (Vec::new(), Vec::new());
@@ -131,13 +129,13 @@ impl Sweep {
         Ok((columns(py, sweep.table(&rows))?, sounds.collect::<PyResult<_>>()?))
     }
 
-    /// Numbers of the chunks that are not in a folder yet.
+    /// Numbers of the chunks missing in a folder.
     fn missing(&self, py: Python, path: PathBuf, audio: &str, chunk: u64) -> PyResult<Vec<u64>> {
         let folder = self.folder(py, path, audio, chunk)?;
         Ok((0..folder.chunks()).filter(|c| !folder.has(*c)).collect())
     }
 
-    /// Plays a chunk into a folder; how many runs it has.
+    /// Plays a chunk into a folder and returns its number of runs.
     fn fill(of: Py<Sweep>, py: Python, path: PathBuf, audio: &str, chunk: u64, which: u64) -> PyResult<u64> {
         let folder = of.get().folder(py, path, audio, chunk)?;
         let (first, end) = folder.span(which);
@@ -145,7 +143,7 @@ impl Sweep {
         Ok(end - first)
     }
 
-    /// All columns of a folder, whose manifest it writes; none where chunks are missing.
+    /// Writes the manifest of a folder and returns all columns, or `None` if chunks are missing.
     fn gather<'py>(
         of: Py<Sweep>,
         py: Python<'py>,
@@ -160,7 +158,7 @@ impl Sweep {
 }
 
 impl Sweep {
-    /// Does `work` until a signal comes or [`Sweep::stop`] is called.
+    /// Runs `work` until a signal arrives or [`Sweep::stop`] is called.
     fn until_stopped<R: Send + 'static>(
         of: &Py<Sweep>,
         py: Python,
@@ -179,7 +177,7 @@ impl Sweep {
     }
 }
 
-/// Numbers as arrays, NaN where there is none; texts as lists.
+/// Numbers as arrays, with NaN for missing ones; texts as lists.
 fn columns(py: Python<'_>, table: ca_sweep::RunTable) -> PyResult<Bound<'_, PyDict>> {
     let all = PyDict::new(py);
     for (name, column) in table.columns {

@@ -1,4 +1,4 @@
-"""What tests share: the command, a model of each sort, an answer to who is who."""
+"""Shared fixtures: Ctrl-C handling, a scene with every kind of port, and the command."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 
 import cordis_anima as ca
 
-# plots are looked at by programs here, whatever display there is
+# plots are checked by programs, without a display
 os.environ["MPLBACKEND"] = "agg"
 
 #: a hand with a device key and a live parameter on a string, a contact between them
@@ -41,7 +41,7 @@ right = { from = "low@0.7", gain = 100 }
 
 @pytest.fixture(autouse=True)
 def ctrl_c() -> None:
-    """Ctrl-C is what it is at a terminal, also where a shell has begun all this in the background."""
+    """Restores the default handling of Ctrl-C, which a shell disables for background processes."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
@@ -53,7 +53,7 @@ def key() -> ca.Scene:
 
 @pytest.fixture
 def command(tmp_path: Path) -> Iterator[Callable[..., str]]:
-    """The command `ca`, in a folder of its own."""
+    """The command `ca`, in a separate folder."""
     path = os.environ["CA_COMMAND"]
 
     def run(*args: str) -> str:

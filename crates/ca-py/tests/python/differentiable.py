@@ -1,4 +1,4 @@
-"""Renders that libraries differentiate: run by `tests/python/wheel`, in an environment that has the library.
+"""Renders that libraries differentiate; run by `tests/python/wheel` in an environment with the library.
 
 python differentiable.py torch
 python differentiable.py jax
@@ -17,12 +17,12 @@ import numpy as np
 import cordis_anima as ca
 
 STRING = ca.examples.string()
-#: a hammer that arrives between two ticks, so that a difference does not move its first touch to another one
+#: a hammer that arrives between two ticks, so that a small change does not move its first contact to another tick
 START = {"hammer.v": 1.013, "hammer.m": 0.021, "low.f": 111.0}
 
 
 def want(values: dict[str, float], seconds: float) -> tuple[float, dict[str, float]]:
-    """The loss and its gradient by what is not of these libraries."""
+    """The loss and its gradient, computed without these libraries."""
     g = STRING.replace(values).gradient(list(values), loss=lambda y: ((y**2).sum(), 2 * y), seconds=seconds)
     return float(g.loss or 0.0), {name: g[name] for name in values}
 
@@ -51,7 +51,7 @@ def by_torch() -> None:
     y = cat.render(STRING, {"hammer.v": batch}, 0.01)
     (slope,) = torch.autograd.grad(y.square().sum(), batch, create_graph=True)
     refused(lambda: slope.sum().backward(), ca.UsageError, "no second derivative")
-    # a loss that is linear in the sound has a cotangent that hangs on nothing
+    # a loss linear in the sound has a constant cotangent
     linear = cat.render(STRING, {"hammer.v": batch}, 0.01).mean()
     (slope,) = torch.autograd.grad(linear, batch, create_graph=True)
     refused(lambda: torch.autograd.grad(slope.sum(), batch), ca.UsageError, "no second derivative")
@@ -59,16 +59,16 @@ def by_torch() -> None:
     refused(lambda: cat.render(STRING, {}), ca.UsageError, "tensors by name")
     refused(lambda: cat.render(STRING, {"low.f": torch.tensor(1j)}), ca.UsageError, "complex")
     refused(lambda: cat.render(STRING, {"low.ff": batch}), ca.UsageError, "no parameter `ff`")
-    # what stays is not differentiated, be it a number of Python or a tensor without a gradient
+    # constants are not differentiated, be they Python numbers or tensors without a gradient
     for n in (40, torch.tensor(40.0)):
         cat.render(STRING, {"low.n": n, "hammer.v": batch}, 0.02).square().sum().backward()
-    # one number of a list, and a parameter that is written in a unit
+    # one entry of a list, and a parameter written with a unit
     glass = torch.tensor([523.25], dtype=torch.float64, requires_grad=True)
     cat.render(ca.load("glass"), {"rim.f[0]": glass}, 0.01).sum().backward()
     assert torch.isfinite(glass.grad).all()
     refused(lambda: cat.render(STRING, {"hammer.m": torch.tensor([0.02, -1.0])}), ca.FailedError, "instance 1 .*hammer.m = -1")
 
-    # it learns: the speed of a hammer from its sound
+    # learns the speed of a hammer from its sound
     target = cat.render(STRING, {"hammer.v": 1.2}, 0.02)
     v = torch.tensor(0.9, dtype=torch.float64, requires_grad=True)
     optimiser = torch.optim.LBFGS([v], lr=0.5, max_iter=40, line_search_fn="strong_wolfe")
@@ -109,20 +109,20 @@ def by_jax() -> None:
     refused(lambda: jax.jit(lambda v: caj.render(STRING, {"low.ff": v}))(1.0), ca.UsageError, "no parameter `ff`")
     refused(lambda: caj.render(STRING, {"low.f": jnp.array(1j)}), ca.UsageError, "complex")
     jax.grad(lambda v: (caj.render(STRING, {"hammer.v": v, "low.n": 40}, 0.02) ** 2).sum())(1.0)
-    # half a sample more
+    # half a sample is rounded up
     assert caj.render(ca.load("hammered_string", rate=44100), {"hammer.m": jnp.array(0.004)}, 0.125).shape == (5513, 2)
     refused(lambda: caj.render(STRING, {"hammer.m": jnp.array(-1.0)}, 0.01).block_until_ready(), Exception, "instance 0 .*hammer.m = -1")
 
 
 def page(library: str) -> None:
-    """Runs what the page shows of a library."""
+    """Runs the README example of a library."""
     blocks = (Path(__file__).parents[2] / "README.md").read_text().split("```py\n")[1:]
     (block,) = [b.split("```")[0] for b in blocks if f"cordis_anima.{library}" in b]
     exec(compile(block, "README.md", "exec"), {"ca": ca, "np": np})
 
 
 def refused(call: Callable[[], Any], kind: type[BaseException], says: str) -> None:
-    """Whether a call is refused with these words."""
+    """Checks that a call is refused with these words."""
     try:
         call()
     except kind as e:

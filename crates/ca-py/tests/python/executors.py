@@ -1,4 +1,4 @@
-"""A sweep by workers of Ray or MPI is that of threads: `tests/python/wheel` runs it, where these can be had.
+"""Compares a sweep with workers of Ray or MPI with one by threads; run by `tests/python/wheel`.
 
 python executors.py ray
 mpiexec -n 3 python -m mpi4py.futures executors.py mpi
@@ -24,7 +24,7 @@ def by_ray() -> Executor:
     import ray
 
     ray.init(num_cpus=2, log_to_driver=False, include_dashboard=False)
-    # as the page shows it
+    # as in the README
     page = (Path(__file__).parents[2] / "README.md").read_text()
     block = page.split("```py\n")[1].split("```")[0]
     space: dict[str, Any] = {"ray": ray, "concurrent": concurrent}
@@ -41,7 +41,7 @@ def by_mpi() -> Executor:
 
 
 def place() -> str:
-    """Which process this is."""
+    """Identifies this process."""
     import os
 
     return f"{os.uname().nodename} {os.getpid()}"

@@ -1,4 +1,4 @@
-"""What tests of plots share."""
+"""Shared by tests of plots."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from matplotlib.axes import Axes
 
 @pytest.fixture(autouse=True)
 def closed() -> Iterator[None]:
-    """Figures do not stay."""
+    """Closes all figures after a test."""
     yield
     plt.close("all")
 
 
 def drawn(ax: Axes) -> None:
-    """It can be drawn, with a name at each axis."""
+    """Draws the axes, which must both have labels."""
     ax.figure.canvas.draw()

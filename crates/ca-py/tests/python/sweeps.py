@@ -1,4 +1,4 @@
-"""What the tests of sweeps share: a model, what is varied, and when two sweeps are the same."""
+"""Shared by tests of sweeps: a model, varied parameters, and a comparison of sweeps."""
 
 import os
 import pickle

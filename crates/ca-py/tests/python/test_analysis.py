@@ -49,7 +49,7 @@ def test_certificates_are_records() -> None:
     assert exact.largest is not None
     low, high = exact.largest
     assert low <= high < 4 and high / low < 1 + 1e-6
-    # a contact by a power law: p q depth^(p - 1) T²/m = 1
+    # a power-law contact: p q depth^(p - 1) T²/m = 1
     ball = ca.Model("A ball").add("SOL", "wall").add("MAS", "ball", m="1 g").add("SOX", "out", from_="ball")
     ball.add("HRZ", "hit", between=["wall", "ball"], k=3e6, p=1.5)
     depth = ball.compile().certificate.depth
@@ -68,6 +68,6 @@ def test_error_against_run_time() -> None:
     assert best is not None
     k = [k for k in range(len(a)) if (a.method[k], a.times[k]) == best][0]
     assert a.error[k] <= 1e-3 and (a.ns > 0).all() and a.front.any()
-    # what is below how well the reference is known cannot be confirmed
+    # an error below the error of the reference cannot be confirmed
     assert a.known < 1e-9 and a.cheapest(a.known / 2) is None and a.cheapest(1e-9) is not None
     assert a != ca.examples.string().modes() and len({a, a}) == 1

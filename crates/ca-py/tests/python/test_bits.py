@@ -1,4 +1,4 @@
-"""The same model, gesture and parameters give the same bits from everywhere."""
+"""The same model, gesture and parameters give the same bits by every way of rendering."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def test_a_midi_file_is_played_to_its_end_with_its_pedal(command: Callable[..., 
     scene = ca.load(tmp_path / "held.ca.toml")
     r = scene.render(gesture=file, probes=["bar"])
     assert np.array_equal(wav, r.audio)
-    # the pedal comes up at 1.25 s, and the sound dies away after that
+    # the pedal is released at 1.25 s, and the sound decays after that
     assert 1.75 < r.seconds < 2
     assert r.probes["bar"][48000] > 1e-5 > abs(r.probes["bar"][72000])
     assert scene.render(0.2, gesture=file).seconds == 0.2
@@ -126,7 +126,7 @@ def test_the_hash_is_of_what_it_means() -> None:
     # the order of modules is the order of sums
     swapped = "[SOL]\nw = {}\n[MAS]\na = { m = 1 }\n" + text[text.index("[RES]") :]
     assert scene.hash != ca.parse(swapped).hash
-    # however the rate is said
+    # however the rate is given
     for rate in [None, 48000, 48000.0, np.float64(48000), np.int64(48000)]:
         assert scene.hash == ca.parse(text, rate=rate).hash  # type: ignore[arg-type]
     # the same on every machine

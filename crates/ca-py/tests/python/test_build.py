@@ -1,4 +1,4 @@
-"""Building models by calls, and what is said of those that are wrong."""
+"""Building models by calls, and findings about wrong ones."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_groups_spaces_gestures() -> None:
     )
     scene = m.compile()
     assert scene.n_mat == 2
-    # wherever the group is added
+    # the group may be added later
     late = ca.Model("A room", seconds=0.2).add("MAS", "room.ball", m="10 g", x=[0, 0, "1 m"])
     late.add("SOL", "room.floor", x=[0, 0, 0]).add("RES", "room.thread", between=["room.floor", "room.ball"], k="100 N/m")
     late.add("SOX", "out", from_="room.ball", along="z").group("room", dim=3, gravity="9.81 m/s^2")
@@ -70,14 +70,14 @@ def test_values_are_set_as_they_are(tmp_path: Path) -> None:
     text = m.to_toml()
     assert '"low[10]"' in text and "n = 50" in text and '"60 N/m"' in text
     assert m.compile().params["grip"].value == 3000
-    # files are found when they are needed
+    # files are read when they are needed
     (tmp_path / "body.csv").write_text("x,y,z\n0,0,0\n0.01,0,0\n0,0.01,0\n0,0,0.01\n")
     body = ca.Model().group("room", dim=3)
     body.add("CLOUD", "room.c", file=str(tmp_path / "body.csv"), m="1 g", k="1 kN/m", reach="2 cm")
     body.add("SOX", "out", from_="room.c[0]", along="x")
     scene = body.compile()
     assert scene.n_mat == 4
-    # and go along
+    # and are part of a pickle
     data = pickle.dumps(scene)
     (tmp_path / "body.csv").unlink()
     assert pickle.loads(data).n_mat == 4 and pickle.loads(data).hash == scene.hash
@@ -88,7 +88,7 @@ def test_what_has_errors_has_no_bytes() -> None:
     with pytest.raises(ca.ModelError):
         pickle.dumps(wrong)
     assert wrong == wrong and wrong != wrong.copy()
-    # what a pickle has to say stands in no file
+    # findings of a pickled model have no place in a file
     good = ca.Model.parse("# one\n# two\n[MAS]\nbob = { m = 1, v = 1 }\n[SOX]\nout = { from = 'bob' }\nunused = 1\n", "x.ca.toml")
     assert not good.check()
     warned = ca.parse("[MAS]\nbob = { m = 1, v = 1 }\nidle = { m = 1 }\n[SOX]\nout = { from = 'bob' }\n", file="x.ca.toml")
@@ -124,7 +124,7 @@ def test_findings_are_exceptions() -> None:
     assert again.diagnostics == found.diagnostics and str(again) == str(found)
     check = ca.Model.parse(text).check()
     assert not check and len(check.diagnostics) == 3
-    # what was built stands in no text
+    # a built model has no text, so its findings have no line
     with pytest.raises(ca.ModelError) as e:
         ca.Model().add("MAS", "bob", m=-1).compile()
     assert e.value.diagnostics[0].line is None
@@ -183,14 +183,14 @@ def test_what_is_added_is_looked_at_at_once() -> None:
         with pytest.raises(ca.UsageError, match=what):
             wrong()
     assert m.to_toml() == before, "nothing of it was added"
-    # what was refused is no name taken, in this one and in copies of it
+    # a refused name stays free, in this model and in copies
     for model in (m, m.copy(), pickle.loads(pickle.dumps(m.copy().add("SOX", "ear", from_="bob")))):
         model.add("SOL", "other")
         with pytest.raises(ca.UsageError, match="`other` is a module, `SOL` already"):
             model.add("SOL", "other")
-    # a parameter is written anew by its name
+    # a parameter may be replaced by name
     assert "felt = 2" in m.param("felt", 2).to_toml()
-    # what was read is taken too
+    # names of a loaded model are in use too
     with pytest.raises(ca.UsageError, match="`hammer` is a module"):
         ca.Model.load("hammered_string").add("SOL", "hammer")
 

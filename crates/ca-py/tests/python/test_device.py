@@ -1,4 +1,4 @@
-"""A device in Python gives its motors what it may, and says why not: the rules of `host/watch.rs`, one by one."""
+"""Rules for the forces at the motors of a Python device, one by one, as in `host/watch.rs`."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from cordis_anima.device import Device, Status
 
 
 class Lines:
-    """What shared memory is replaced by."""
+    """Stands in for shared memory."""
 
     def __init__(self) -> None:
         self.waiting: list[Any] = []
@@ -69,7 +69,7 @@ class Alone(Device):
 
 @pytest.fixture
 def finger(monkeypatch: pytest.MonkeyPatch) -> Alone:
-    """Hears forces on a clock that stands still: ages are what a test says, however busy the machine is."""
+    """A device whose clock stands still, so that ages of frames do not depend on the machine."""
     now = time.monotonic_ns()
     monkeypatch.setattr(time, "monotonic_ns", lambda: now)
     d = Alone("finger", 2, low=-0.02, high=[0.02, 0.03], force=10.0)
@@ -84,7 +84,7 @@ def test_a_force_is_given_while_it_is_fresh_and_meant(finger: Alone) -> None:
         assert (finger.force() == [1.5, 0.0]) == gives, mode
     finger.hear(8, 2, age=61_000_000)
     assert finger.force() == [0.0, 0.0] and finger.cause == "WATCHDOG_OUT"
-    # nothing lives longer than a tenth of a second, and what is of the future is of another clock
+    # no force lives longer than 0.1 s, and a time stamp in the future belongs to another clock
     finger.hear(9, 2, age=101_000_000, ttl_us=2**32 - 1)
     assert finger.force() == [0.0, 0.0]
     finger.hear(10, 2, age=-1_000_000_000)
@@ -129,7 +129,7 @@ def test_a_frame_says_which_force_was_held_and_why_there_is_none() -> None:
     d.hear(1, 0)
     d.hear(2, 2)
     assert d.force() == [1.5, 0.0]
-    # one that came meanwhile was not held
+    # a force that arrived meanwhile was not held
     d.hear(3, 2)
     d.send([0.0, 0.0])
     assert (d.sends.sent[-1].ack, device.CAUSES[d.sends.sent[-1].cause]) == (2, "NONE")
@@ -168,12 +168,12 @@ def test_acknowledgement_and_latency_are_public(monkeypatch: pytest.MonkeyPatch)
     d.hear(1, 0, ack_session=d._session, ack=1)
     d.force()
     assert d.ack == 1 and d.latency == pytest.approx(0.002)
-    # of a position that was measured before that force acted
+    # for a position measured before that force acted
     d.send([0.0, 0.0], ack=0)
     assert d.sends.sent[-1].ack == 0
     d.send([0.0, 0.0])
     assert d.sends.sent[-1].ack == 1
-    # an answer to another process, or to nothing, says nothing
+    # an answer to another process, or to no frame, gives no latency
     now += 5_000_000
     d.hear(2, 0, ack_session=d._session + 1, ack=3)
     d.hear(3, 0, ack_session=d._session, ack=0)

@@ -1,4 +1,4 @@
-"""What the page of the package and its docstrings show is run."""
+"""Runs the examples in the README of the package and in its docstrings."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 
 import cordis_anima
 
-#: packages of others, that are not needed to read of them
+#: other packages, not needed to read their examples
 OTHERS = ("joblib", "mpi4py", "dask")
 
 
@@ -33,7 +33,7 @@ def test_pages_run_from_top_to_bottom(page: str, capsys: pytest.CaptureFixture[s
 
 
 def documents() -> list[tuple[str, str]]:
-    """Each document of the package, with where it stands; pytest runs the examples in all of them."""
+    """Docstrings of the package with their places; pytest runs the examples in all of them."""
     found = []
     for file in sorted(Path(cordis_anima.__file__).parent.rglob("*.py")):
         for node in ast.walk(ast.parse(file.read_text())):
@@ -43,7 +43,7 @@ def documents() -> list[tuple[str, str]]:
 
 
 def calls(text: str) -> list[str]:
-    """The calls that a document shows within a sentence, as far as they are whole and ours."""
+    """Complete calls of this package in the text of a docstring."""
     found = []
     for code in re.findall(r"``([^`]+)``", text):
         try:

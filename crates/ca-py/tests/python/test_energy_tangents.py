@@ -1,4 +1,4 @@
-"""Derivatives of the accounts of energy, against products, differences and the identity of the ledger."""
+"""Derivatives of energy accounts, against products, differences and the identity of the ledger."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def test_accounts_are_those_of_a_render_and_go_with_the_square_of_the_start() ->
     for name in ACCOUNTS:
         assert t.energy[name].shape == (3,) and t.tangents[name].shape == (3, 2)
         assert t.energy[name][-1] == getattr(kept, name)
-        # energy goes with the square, and not with who listens
+        # energy is quadratic in the displacement and independent of the outputs
         assert t["bar.dx0"][name] * 1e-3 == pytest.approx(2 * t.energy[name], rel=1e-9, abs=1e-9 * kept.peak)
         assert not t["left.gain"][name].any()
     assert repr(t) == "<EnergyTangents: 3 instants by bar.dx0, left.gain>"

@@ -1,4 +1,4 @@
-"""`ca.fit`: numbers that were hidden in a sound."""
+"""`ca.fit` recovers the numbers that made a sound."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Derivatives of what a scene sounds, against differences and products."""
+"""Derivatives of the sound of a scene, against differences and products."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def test_tangents_are_those_of_differences() -> None:
     assert t.audio.shape == (960, 2) and t.tangents.shape == (960, 2, 3)
     assert (t.wrt, t.units, t.sr) == (("bar.f", "bar.dx0", "left.gain"), ("Hz", "m", ""), 48000)
     assert np.array_equal(t.audio.astype(np.float32), scene.render(0.02).audio)
-    # linear in these two
+    # the sound is linear in these two
     assert np.allclose(t["bar.dx0"] * 1e-3, t.audio, rtol=1e-10, atol=1e-12)
     assert np.allclose(t["left.gain"][:, 0] * 500, t.audio[:, 0], rtol=1e-12) and not t["left.gain"][:, 1].any()
     up, down = (scene.replace({"bar.f": f}).tangents(["bar.f"], 0.02).audio for f in (440.001, 439.999))
@@ -93,7 +93,7 @@ def test_a_gradient_is_that_of_its_loss() -> None:
 
 
 def test_a_descent_finds_the_stroke() -> None:
-    """A few steps of Newton on the speed of a hammer that is pressed by a spring, so that no blow moves to another tick."""
+    """A few Newton steps on the speed of a mass held by a spring, so that no contact moves to another tick."""
     text = BAR + '[MAS]\nbob = { m = "5 g", v = "0.4 m/s" }\n[CUB]\ntie = { between = ["bob", "bar"], k = "2 kN/m", k3 = "1e8 N/m^3" }\n'
     target = ca.parse(text).tangents(["bob.v"], 0.01).audio
     v = 0.3
@@ -135,7 +135,7 @@ def test_both_modes_find_the_same(text: str) -> None:
     y = scene.tangents(names, 0.02).audio
     found = {mode: scene.gradient(names, cotangent=y, mode=mode) for mode in ("auto", "reverse", "forward")}  # type: ignore[arg-type]
     assert [found[mode].mode for mode in found] == ["reverse", "reverse", "forward"]
-    # each in units of its parameter: of what it changes where that changes by itself
+    # compared as gradient times value, relative to the largest
     scale = np.abs(found["forward"].gradient * found["forward"].values).max()
     for mode in ("auto", "reverse"):
         off = np.abs((found[mode].gradient - found["forward"].gradient) * found["forward"].values)
@@ -147,7 +147,7 @@ def test_what_reverse_mode_does_not_know_goes_forward() -> None:
     assert scene.gradient(["s.k"], cotangent=np.ones(99)).mode == "forward"
     with pytest.raises(ca.UsageError, match="no reverse mode of this scene: it has the pass .* ask for forward mode"):
         scene.gradient(["s.k"], cotangent=np.ones(99), mode="reverse")
-    # nothing but what ports are given was asked for
+    # only derivatives by ports were requested
     with pytest.raises(ca.UsageError, match="no reverse mode"):
         scene.gradient(cotangent=np.ones(99))
     with pytest.raises(ca.UsageError, match="`auto`, `reverse` or `forward`"):
@@ -159,7 +159,7 @@ def test_a_port_under_way_at_load_goes_forward() -> None:
     scene, hand = ca.parse(text), {"e": np.linspace(0, 1e-3, 100)}
     g = scene.gradient(["a.m"], cotangent=np.ones(100), gesture=hand)
     assert g.mode == "forward" and g["a.m"] != 0
-    # such a port runs a tick late, which reverse mode does not know
+    # such a port runs a tick late, which reverse mode does not support
     with pytest.raises(ca.UsageError, match="no reverse mode of this scene: it has the pass `ports ahead`"):
         scene.gradient(["a.m"], cotangent=np.ones(100), gesture=hand, mode="reverse")
     assert scene.gradient(["a.m"], cotangent=np.ones(100)).mode == "forward"
@@ -176,7 +176,7 @@ def test_cotangents_and_losses_are_finite_numbers() -> None:
 
 
 def test_a_gesture_has_a_gradient() -> None:
-    """What a port is given in each sample, by the sum over the sound of what it changes: of a linear scene exactly."""
+    """Derivatives by port inputs are sums over the sound of the effect of each sample; exact for a linear scene."""
     text = BAR + '[ENF]\npush = { to = "bar" }\n[ENX]\nkey = {}\n[REF]\ntie = { between = ["key", "bar"], k = "300 N/m", z = "0.1 N s/m" }\n'
     scene, n = ca.parse(text), 400
     rng = np.random.default_rng(1)

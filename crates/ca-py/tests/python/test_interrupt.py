@@ -1,4 +1,4 @@
-"""Ctrl-C ends every long call, as `KeyboardInterrupt` and at once: a signal is sent to a process that is in the midst of one."""
+"""Ctrl-C ends every long call at once with `KeyboardInterrupt`: a process in the middle of one gets the signal."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-#: what each process does before it says that it is ready
+#: setup of each process before it reports that it is ready
 SETUP = """
 import signal, sys, time
 import numpy as np
@@ -26,10 +26,10 @@ def strings(n):
                     '[BUT]\\nstrike = { between = ["hammer", "low[8]"], k = "8 kN/m" }\\n[SOX]\\nout = { from = "low[3]", gain = 9 }\\n')
 """
 
-#: calls that take minutes: the statements before each, and the call
+#: calls that take minutes: preceding statements, and the call
 CALLS = {
     "modes": ("s = strings(3900)", "s.modes()"),
-    # an interrupt while scipy is imported may end Python's exit with the signal, whatever caught it
+    # an interrupt during the import of scipy may end Python by the signal even if caught
     "linear": ("import scipy.sparse; s = strings(40_000)", "for _ in range(999): s.linear()"),
     "accuracy": ("", "string.accuracy(60.0, reference=128)"),
     "fit": ("s = strings(3000); y = strings(181).render(3.0).audio", "ca.fit(s, y, ['low.f'], sr=48000)"),
@@ -51,7 +51,7 @@ CALLS = {
     "step of a large scene": ("sim = strings(40_000).open()", "sim.step(n=48000 * 300)"),
 }  # fmt: skip
 
-#: a page of a take and a second performance of it are as long as the take
+#: viewing and replaying a take last as long as the take
 TAKEN = """
 import tempfile
 path = tempfile.mkdtemp() + '/t.mcap'
@@ -81,7 +81,7 @@ else:
     assert child.stdout is not None
     ready = child.stdout.readline()
     assert ready == "ready\n", child.communicate()[1]
-    # in the midst of it
+    # in the middle of the call
     time.sleep(0.4)
     sent = time.monotonic()
     child.send_signal(signal.SIGINT)
@@ -95,7 +95,7 @@ else:
 
 
 def test_work_that_is_not_wanted_ends_by_itself() -> None:
-    """The thread of a call that was interrupted ends soon, and what comes next is as it was."""
+    """The thread of an interrupted call ends soon, and later calls work as before."""
     script = f"""{SETUP}
 import os, threading
 threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
@@ -113,7 +113,7 @@ assert (string.render(0.1).audio == ca.load('hammered_string').render(0.1).audio
 """
     if not Path("/proc/self/task").is_dir():
         pytest.skip("threads are not counted here")
-    # threads of libraries of linear algebra count too
+    # threads of linear algebra libraries would count too
     env = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120, env=env)
     assert done.returncode == 0, done.stderr

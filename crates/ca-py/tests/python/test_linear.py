@@ -1,4 +1,4 @@
-"""The linear part as matrices: the numbers that a tick computes with, and the tick itself."""
+"""The linear part as matrices, against the numbers of a tick and the tick itself."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 
 import cordis_anima as ca
 
-#: cells, masses, springs, dampers, a port and a force on a line; a link that is not linear
+#: cells, masses, springs, dampers, a port and a force on a line, and a non-linear link
 LINE = """
 [MAS]
 a = { m = "2 g", dx0 = "1 mm" }
@@ -79,7 +79,7 @@ def test_a_tick_by_matrices_is_that_of_the_scene(method: str) -> None:
     moved = scene.rollout(["a", "b", "c"], n / scene.rate, gesture={"hand": hand, "push": push})
     assert moved.x.shape == (n, 3) and moved.places == ("a", "b", "c") and len(moved) == n
     x, d = part.x, part.d
-    # at load the motion is that of the tick before, by the force at load
+    # at load the motion is the one of the tick before, under the force at load
     assert np.abs(d - part.v * part.T).max() < 1e-6
     assert np.allclose(moved.x[0], x, atol=0)
     force = part.pushes[1].toarray()[0]
@@ -90,7 +90,7 @@ def test_a_tick_by_matrices_is_that_of_the_scene(method: str) -> None:
         x, d = part.tick(x, d, force * push[i], ([hand[i]], [motion]))
         largest = max(largest, np.abs(x - moved.x[i + 1]).max())
     assert largest <= 1e-12 * np.abs(moved.x).max(), largest
-    # several states at once are each by itself
+    # several states side by side are independent
     two = part.tick(np.stack([x, 2 * x], 1), np.stack([d, 2 * d], 1))[0]
     assert np.allclose(two[:, 1], 2 * two[:, 0], rtol=1e-14)
 
@@ -107,7 +107,7 @@ def test_a_tick_of_another_shape_is_refused() -> None:
     ]:
         with pytest.raises(ca.UsageError, match=says):
             part.tick(x, d, force, driven)
-    # one force for each place is so in all states
+    # one force per place applies to all states
     both = part.tick(np.stack([part.x, part.x], 1), np.stack([part.d, part.d], 1), np.arange(float(n)))[0]
     assert np.array_equal(both[:, 1], part.tick(part.x, part.d, np.arange(float(n)))[0])
 
@@ -117,7 +117,7 @@ def test_coefficients_are_those_stored() -> None:
     T = 1 / 48000
     assert part.T == T and list(part.mobility[:2]) == [T * T / 0.002, T * T / 0.003]
     assert list(part.link_k) == [3000, 1300, 700, 2100, 0]
-    # viscosity is stored a tick
+    # viscosity is stored per tick
     assert list(part.link_z) == [0.05 / T, 0.02 / T, 0.1 / T, 0, 0.01 / T]
     assert part.K.shape == (3, 3) and np.array_equal(part.K.toarray(), part.K.toarray().T)
     assert part.K.toarray()[0, 1] == -1300 and part.K.toarray()[1, 1] == 1300 + 2100
@@ -135,7 +135,7 @@ def test_the_matrices_have_the_modes() -> None:
     part, modes = scene.linear(), scene.modes()
     squares = eigh(part.K.toarray(), part.M.toarray(), eigvals_only=True)
     f = np.sqrt(np.maximum(squares, 0)) / (2 * np.pi)
-    # `f` is without damping; 1e-6 where some is
+    # `f` is without damping, which shifts it by 1e-6
     assert np.allclose(np.sort(f), np.sort(modes.f), rtol=1e-4)
 
 

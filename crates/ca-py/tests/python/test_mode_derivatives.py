@@ -54,7 +54,7 @@ def test_coupled_damping_has_the_derivatives_of_differences(name: str) -> None:
 
 def test_what_is_written_as_a_pitch_moves_it() -> None:
     d = ca.examples.string().modes().derivative(["low.f", "low.t60", "hammer.m"])
-    # the first is that of the hammer, which flies; at rest it touches nothing
+    # the first mode is the free hammer, which touches nothing at rest
     assert np.isnan(d.heard[0]).all() and not d.heard[1:, 2].any()
     assert d.heard[1, 0] == pytest.approx(1, abs=1e-3) and d.t60[1, 1] == pytest.approx(1, abs=1e-6)
     assert d.units == ("Hz", "s", "kg") and "41 modes" in repr(d)

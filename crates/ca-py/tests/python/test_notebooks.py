@@ -1,4 +1,4 @@
-"""Every notebook runs from top to bottom, and in the long form again, as somebody would who opens it; all it claims holds, and no file stays."""
+"""Every notebook runs from top to bottom, in the long form twice; its claims hold, and it leaves no file."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from sweeps import LONG
 
 ROOT = Path(os.environ.get("CA_ROOT", Path(__file__).parents[4]))
 FOLDER = ROOT / "crates/ca-py/notebooks"
-#: as they are run, with pictures and players, for who reads without running
+#: published as run, with pictures and players, for reading
 PUBLISHED = ROOT / "docs/notebooks"
 BOOKS = sorted(FOLDER.glob("*.ipynb"))
 
 
 @pytest.fixture
 def kernel(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder to run in, and a kernel that is this interpreter, whatever others are installed for whoever runs this."""
+    """A folder to run in, and a kernel with this interpreter, whatever other kernels are installed."""
     spec = tmp_path / "jupyter/kernels/python3/kernel.json"
     spec.parent.mkdir(parents=True)
     argv = [sys.executable, "-m", "ipykernel_launcher", "-f", "{connection_file}"]
@@ -34,7 +34,7 @@ def kernel(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for name in ("PATH", "CONFIG_DIR", "RUNTIME_DIR"):
         monkeypatch.setenv(f"JUPYTER_{name}", str(tmp_path / "jupyter"))
     monkeypatch.setenv("IPYTHONDIR", str(tmp_path / "ipython"))
-    # pictures are shown as they are to people
+    # pictures as shown to users
     monkeypatch.delenv("MPLBACKEND")
     folder = tmp_path / "run"
     folder.mkdir()
@@ -43,7 +43,7 @@ def kernel(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def temporary(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Where a kernel puts what is temporary."""
+    """Directory for temporary files of a kernel."""
     folder = tmp_path / "temporary"
     folder.mkdir()
     monkeypatch.setenv("TMPDIR", str(folder))
@@ -65,7 +65,7 @@ def test_it_is_kept_without_what_a_run_leaves(path: Path) -> None:
         assert cell.get("outputs", []) == [] and cell.get("execution_count") is None
 
 
-#: left to the long form, for the time it takes
+#: left to the long form for their run time
 LONG_BOOKS = () if LONG else ("train_a_hammer",)
 
 
@@ -73,9 +73,9 @@ LONG_BOOKS = () if LONG else ("train_a_hammer",)
 def test_it_runs(path: Path, kernel: Path, temporary: Path) -> None:
     notebook = nbformat.read(path, as_version=4)
     once = len(notebook.cells)
-    # what it says it also tests
+    # its claims are also assertions
     assert sum("assert " in cell.source for cell in notebook.cells if cell.cell_type == "code") >= 2
-    # and runs again, in the same kernel and the same folder: in the long form of the tests
+    # runs again in the same kernel and folder, in the long form
     if LONG:
         again = copy.deepcopy(notebook.cells)
         for cell in again:
@@ -85,11 +85,11 @@ def test_it_runs(path: Path, kernel: Path, temporary: Path) -> None:
     nbclient.NotebookClient(notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": str(kernel)}}).execute()
     outputs = [output for cell in code for output in cell.outputs]
     assert all(cell.execution_count for cell in code)
-    # no warnings, and something to look at; how long a worker takes to end depends on what else the machine does
+    # no warnings, and at least one picture; how long a worker takes to end depends on the machine
     said = [output.text for output in outputs if output.output_type == "stream" and output.name == "stderr"]
     assert not [line for text in said for line in text.splitlines() if "Worker process still alive after" not in line]
     assert any("image/png" in output.get("data", {}) for output in outputs)
-    # nothing stays where somebody has opened it
+    # no file is left behind
     assert list(kernel.iterdir()) == []
     assert [p.name for p in temporary.iterdir() if not p.name.startswith("dask")] == []
     if os.environ.get("UPDATE"):
@@ -101,7 +101,7 @@ def test_it_runs(path: Path, kernel: Path, temporary: Path) -> None:
 
 
 def smaller(wav: re.Match[str]) -> str:
-    """A player's sound as MP3: a tenth of the size, for who reads; a run gives the samples."""
+    """Converts a player's sound to MP3, a tenth of the size, for readers; a run gives the samples."""
     sound, sr = soundfile.read(io.BytesIO(base64.b64decode(wav[1])))
     mp3 = io.BytesIO()
     soundfile.write(mp3, sound, sr, format="MP3")

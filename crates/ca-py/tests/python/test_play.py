@@ -1,4 +1,4 @@
-"""Scenes that are played in a page, and films of them: real processes, real pages."""
+"""Scenes played in a page, and films of them, with real processes and pages."""
 
 import gc
 import os
@@ -46,7 +46,7 @@ def test_a_scene_is_played_in_a_page_that_a_notebook_may_show():
         with urllib.request.urlopen(playing.url) as answer:
             policy = answer.headers["Content-Security-Policy"]
             assert b"<title>" in answer.read()
-        # pages of this machine alone
+        # only pages of this machine
         assert policy.endswith("frame-ancestors http://127.0.0.1:* http://localhost:*"), policy
         shown = playing._repr_html_()
         assert playing.url in shown and 'allow="autoplay; midi"' in shown
@@ -128,7 +128,7 @@ def test_a_film_is_of_what_was_played(tmp_path):
     assert pickle.loads(pickle.dumps(rendered)).view().html == view.html
     view.save(tmp_path / "view.html")
     assert (tmp_path / "view.html").read_text(encoding="utf-8") == view.html
-    # nothing in it ends the attribute it stands in
+    # nothing in the page ends the attribute it is in
     shown = view._repr_html_()
     assert shown.startswith('<iframe srcdoc="') and shown.count('"') == 4 and "<script" not in shown
     stopped = []

@@ -1,4 +1,4 @@
-"""Plots show what is in the record, in its units, and cost nothing where nobody plots."""
+"""Plots show the data of a record in its units, and cost nothing unless used."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from plots import closed, drawn
 
 
 def sine(f: float, amplitude: float, seconds: float, rate: int = 48000) -> ca.Render:
-    """A render that holds a sine in its second channel, half as loud in its first."""
+    """A render with a sine in its second channel, and half of it in the first."""
     text = "[CEL]\nb = { m = '1 g', f = '1 kHz', dx0 = '1 mm' }\n[SOX]\nleft = { from = 'b' }\nright = { from = 'b' }\n"
     r = ca.parse(text, rate=rate).render(seconds)
     x = amplitude * np.sin(2 * np.pi * f * np.arange(len(r.audio)) / rate)
@@ -54,12 +54,12 @@ def test_a_waveform_is_the_samples(key: ca.Scene) -> None:
         assert np.array_equal(line.get_ydata(), r.audio[:, k]) and r.audio[:, k].any()
         assert np.array_equal(line.get_xdata(), np.arange(9600) / 48000)
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("time [s]", "sound [full scale = 1]")
-    # lanes lie one below the other, and the middle number of each stands where it is silent
+    # lanes are below each other, and the zero label of each is at its silence
     lanes = [line.get_transform().transform((0, 0))[1] for line in ax.lines]
     assert lanes[0] > lanes[1] + 50
     zeros = [y for y, text in zip(ax.get_yticks(), ax.get_yticklabels()) if text.get_text() == "0"]
     assert np.allclose([ax.transData.transform((0, y))[1] for y in zeros], lanes)
-    # nothing of it is cut off
+    # nothing is clipped
     for k, line in enumerate(ax.lines):
         shown = line.get_transform().transform(np.column_stack([np.zeros(9600), r.audio[:, k]]))[:, 1]
         assert shown.min() >= ax.bbox.y0 and shown.max() <= ax.bbox.y1
@@ -87,7 +87,7 @@ def test_a_sine_reads_its_level_at_its_pitch(f: float, amplitude: float, seconds
         assert y[loudest] == pytest.approx(20 * np.log10(amplitude) - less, abs=0.4)
         assert abs(x[loudest] - f) < 1 / min(seconds, 2.7)
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("frequency [Hz]", "level of a sine [dBFS]")
-    # the same in time, of both channels together
+    # the same over time, for both channels together
     ax = plot.spectrogram(r)
     drawn(ax)
     mesh = ax.collections[0]
@@ -95,7 +95,7 @@ def test_a_sine_reads_its_level_at_its_pitch(f: float, amplitude: float, seconds
     times, edges = mesh.get_coordinates()[0, :, 0], mesh.get_coordinates()[:, 0, 1]
     assert times[0] == 0 and times[-1] == pytest.approx(seconds) and (np.diff(times) > 0).all()
     rows = level.argmax(axis=0)
-    # a window of 0.1 s knows no pitch nearer than 10 Hz
+    # a window of 0.1 s resolves pitch to 10 Hz
     assert (edges[rows] < f + 12).all() and (edges[rows + 1] > f - 12).all()
     assert np.allclose(level.max(axis=0), 20 * np.log10(amplitude * np.sqrt(1.25)), atol=0.5)
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("time [s]", "frequency [Hz]")
@@ -128,12 +128,12 @@ def test_modes_stand_in_a_spectrum() -> None:
     drawn(ax)
     lines = [segment[0, 0] for segment in ax.collections[0].get_segments()]
     assert np.array_equal(lines, m.heard[m.heard >= 20])
-    # numbers stand at their lines, and on no other number
+    # labels are at their lines and do not overlap
     texts = {t.get_text(): t for t in ax.texts}
     assert len(texts) > 10 and all(float(name) == pytest.approx(t.xy[0], abs=0.051) for name, t in texts.items())
     boxes = [t.get_window_extent() for t in texts.values()]
     assert all(a.x1 < b.x0 for a, b in zip(boxes, boxes[1:]))
-    # nor beside the axes where somebody looks closer
+    # nor beside the axes after zooming
     ax.set_xlim(50, 2000)
     drawn(ax)
     assert [bool(np.isfinite(t.get_tightbbox().x0)) for t in ax.texts] == [50 <= t.xy[0] <= 2000 for t in ax.texts]
@@ -157,9 +157,9 @@ def test_an_energy_ledger_is_an_account(key: ca.Scene) -> None:
         bars = ax.patches
         entries = [e.start, e.work, -e.lost, e.made, e.changed, e.residual, e.stored]
         assert np.allclose([bar.get_width() for bar in bars], entries, rtol=0, atol=1e-12 * e.peak)
-        # what is too small for a bar is a number
+        # values too small for a bar are shown as numbers
         assert [text.get_text() for text in ax.texts] == [_joule(x) for x in entries]
-        # each begins where the one before ends; the last is what they come to
+        # each bar begins where the one before ends; the last is their sum
         ends = [bar.get_x() + bar.get_width() for bar in bars]
         assert np.allclose([bar.get_x() for bar in bars[1:-1]], ends[:-2], rtol=0, atol=1e-9 * e.peak)
         assert ends[-2] == pytest.approx(e.stored, abs=1e-12 * e.peak) and bars[-1].get_x() == 0
@@ -180,19 +180,19 @@ def test_modes_are_dots_over_what_is_heard() -> None:
     ax = plot.modes(m)
     drawn(ax)
     x, y = ax.lines[0].get_data()
-    # the hammer, which is free and falls by a spring that nothing damps, stands at the edge
+    # the free hammer on an undamped spring is at the edge
     rings = (m.heard > 0) & (m.t60 < 86400)
     assert np.array_equal(x, m.heard[rings]) and np.array_equal(y, m.t60[rings]) and len(ax.lines) == 2
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("frequency as heard [Hz]", "T60 [s]")
     low, high = ax.get_ylim()
     assert low < m.t60[rings].min() and m.t60[rings].max() < high
-    # three glasses, of which each output hears one
+    # three glasses, each with its own output
     m = ca.load("glass").modes()
     ax = plot.modes(m, "rim1")
     drawn(ax)
     level = np.abs(m.levels[:, m.ports.index("rim1")])
     shown = dict(zip(*ax.lines[0].get_data()))
-    # what does not move there is not shown
+    # modes that do not move there are not shown
     assert set(shown) == set(m.heard[level > 1e-6 * level.max()]) and len(shown) < len(m)
     for f, l in zip(m.heard, level):
         assert f not in shown or shown[f] == pytest.approx(20 * np.log10(l / level.max()), abs=1e-9)
@@ -207,12 +207,12 @@ def test_modes_that_do_not_fall_stand_at_the_edge() -> None:
     ax = plot.modes(free)
     drawn(ax)
     falls, free_ones, growing = ax.lines
-    # the hammer flies, and does not swing
+    # the hammer flies and does not oscillate
     assert "1 that does not swing left out" == ax.get_title("right")
     assert np.array_equal(free_ones.get_xdata(), m.heard[2::2]) and free_ones.get_label() == "without damping"
     assert np.array_equal(growing.get_xdata(), m.heard[3:4]) and growing.get_label() == "grows"
     assert len(falls.get_xdata()) == len(m) - 1 - len(m.heard[2::2]) - 1
-    # nothing swings
+    # no mode oscillates
     with pytest.raises(ca.UsageError, match="swings"):
         plot.modes(ca.parse("[MAS]\nm = { m = 1, v = 1 }\n[SOX]\no = { from = 'm' }\n").modes())
 
@@ -250,7 +250,7 @@ def test_probes_are_shown_in_their_units(key: ca.Scene) -> None:
         assert np.array_equal(line.get_xdata(), np.arange(4800) / 48000)
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("time [s]", "displacement")
     assert all(text.get_text().endswith("m") for text in ax.get_yticklabels())
-    # forces have an axis of their own
+    # forces have a second axis
     ax = plot.probes(r, ["low[3]", "strike"])
     drawn(ax)
     (other,) = [a for a in ax.figure.axes if a is not ax]
@@ -260,7 +260,7 @@ def test_probes_are_shown_in_their_units(key: ca.Scene) -> None:
     legend = ax.get_legend()
     assert legend is not None and [t.get_text() for t in legend.get_texts()] == ["low[3]", "strike (right)"]
     assert len({line.get_color() for a in (ax, other) for line in a.lines}) == 2
-    # all of them, and many of one
+    # all probes, and many columns of one
     ax = plot.probes(r)
     assert sum(len(a.lines) for a in ax.figure.axes) == 10
     many = plot.probes(key.render(0.01, probes="low[*]"))

@@ -1,4 +1,4 @@
-"""Plots of sweeps and takes show every run, what went wrong too, and what each hand did and got."""
+"""Plots of sweeps and takes show every run, failed ones too, and the motion and forces of each hand."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from plots import closed, drawn
 
 
 def swept() -> ca.Sweep:
-    """Runs of every sort: ok, clipped, unstable, invalid; one that is silent; texts along one axis."""
+    """Runs of every kind: ok, clipped, unstable, invalid, silent; with texts along one axis."""
     text = (
         "[CEL]\nb = { m = '1 g', k = '1 kN/m', dx0 = 1 }\nc = { m = '1 g', f = '1 kHz', dx0 = 0.3 }\n"
         "[SOX]\no = { from = 'b', gain = 1 }\n"
@@ -25,7 +25,7 @@ def swept() -> ca.Sweep:
 
 
 def offsets(ax: Axes) -> dict[str, set[tuple[float, float]]]:
-    """Where dots of each label are."""
+    """Positions of the dots of each label."""
     found: dict[str, set[tuple[float, float]]] = {}
     for mark in ax.collections:
         at = {(float(px), float(py)) for px, py in np.asarray(mark.get_offsets())}
@@ -34,7 +34,7 @@ def offsets(ax: Axes) -> dict[str, set[tuple[float, float]]]:
 
 
 def rows(s: ca.Sweep, x: str, y: str, which: np.ndarray) -> set[tuple[float, float]]:
-    """The same of the columns."""
+    """The same from the columns."""
     return set(zip(s[x][which].tolist(), s[y][which].tolist()))
 
 
@@ -47,7 +47,7 @@ def test_a_sweep_is_dots_and_what_went_wrong_is_crosses() -> None:
     dots = offsets(ax)
     assert dots == {name: rows(s, "b.k", "partial", (status == name) & placed) for name in ("ok", "clipped")}
     assert all(dots.values()) and (ax.get_xlabel(), ax.get_ylabel()) == ("b.k", "partial [Hz]")
-    # what diverged was never heard, however loud a number it has; it stands at the edge, over its parameter
+    # a diverged run has no meaningful level; it is at the edge, above its parameter
     crosses = {str(line.get_label()): line for line in ax.lines}
     assert set(crosses) == {"invalid", "unstable"}
     for name, line in crosses.items():
@@ -57,13 +57,13 @@ def test_a_sweep_is_dots_and_what_went_wrong_is_crosses() -> None:
     low, high = ax.get_ylim()
     heard = s["partial"][placed & ((status == "ok") | (status == "clipped"))]
     assert low < heard.min() and heard.max() < high < 2 * heard.max()
-    # they are within what is seen
+    # they are within the visible range
     assert ax.get_xlim()[0] < s["b.k"].min() and s["b.k"].max() < ax.get_xlim()[1]
     silent = ~placed & ((status == "ok") | (status == "clipped"))
     assert ax.get_title("right") == f"{silent.sum()} without a place left out" and silent.sum() > 0
     legend = ax.get_legend()
     assert legend is not None and [t.get_text() for t in legend.get_texts()] == ["ok", "clipped", "invalid", "unstable"]
-    # at the right edge where it is the other one, and at their place where both are known
+    # at the right edge on the other axis, and at their place if both values are known
     ax = plot.sweep(s, "peak", "b.k")
     drawn(ax)
     bad = ["invalid", "unstable"]
@@ -74,7 +74,7 @@ def test_a_sweep_is_dots_and_what_went_wrong_is_crosses() -> None:
     ax = plot.sweep(s, "peak", "t60")
     left = np.isnan(s["t60"]) | (status == "invalid") | (status == "unstable")
     assert not ax.lines and 0 < left.sum() < s.runs and ax.get_title("right").startswith(f"{left.sum()} without")
-    # where all is as it should be nothing needs a legend
+    # without failed runs there is no legend
     good = ca.sweep(ca.examples.string(), {"low.m": ["1 g", "2 g"]}, seconds=0.05)
     assert plot.sweep(good, "low.m", "run_time").get_legend() is None
 
@@ -83,23 +83,23 @@ def test_a_sweep_has_categories_and_colours() -> None:
     s = swept()
     status = s["status"]
     ok = s.ok & np.isfinite(s["partial"])
-    # texts are along an axis
+    # texts along an axis
     ax = plot.sweep(s, "b.k", "status")
     drawn(ax)
     names = [t.get_text() for t in ax.get_yticklabels()]
     assert names == ["clipped", "invalid", "ok", "unstable"]
     assert offsets(ax)["ok"] == {(k, 2.0) for k in s["b.k"][s.ok]}
     assert {float(line.get_ydata()[0]): line.get_label() for line in ax.lines} == {1.0: "invalid", 3.0: "unstable"}
-    # what has no text is a category too
+    # a missing text is a category too
     ax = plot.sweep(s, "module", "b.m")
     drawn(ax)
     assert [t.get_text() for t in ax.get_xticklabels()] == ["b", "none"]
     assert {px for px, _ in offsets(ax)["ok"]} == {1.0}
-    # numbers colour by a bar
+    # numbers as a colour bar
     ax = plot.sweep(s, "b.k", "partial", color="t60")
     drawn(ax)
     assert ax.figure.axes[-1].get_ylabel() == "t60 [s]"
-    # what has no number there is drawn all the same
+    # runs without that number are drawn too
     shown = sum(len(mark.get_offsets()) - np.ma.getmaskarray(mark.get_offsets()).any(axis=1).sum() for mark in ax.collections)
     has = (s.ok | (status == "clipped")) & np.isfinite(s["partial"])
     assert shown == has.sum() and np.isnan(s["t60"][has]).any()
@@ -111,7 +111,7 @@ def test_a_sweep_has_categories_and_colours() -> None:
     # one scale for dots and triangles
     ax = plot.sweep(s, "b.k", "partial", color="b.dx0")
     assert [mark.get_clim() for mark in ax.collections] == [(0.0, 1.25)] * 2 and set(s["b.dx0"][status == "clipped"]) == {1.25}
-    # texts by a legend
+    # texts as a legend
     ax = plot.sweep(s, "b.k", "partial", color="o.from")
     drawn(ax)
     of = {name: (status == "ok") & np.isfinite(s["partial"]) & (s["o.from"] == name) for name in "bc"}
@@ -128,7 +128,7 @@ def test_a_sweep_has_categories_and_colours() -> None:
             plot.sweep(s, x, y, color=color)
 
 
-#: two keys, one in a contact; a third moves by a hundredth of a millimetre, as a sensor's noise does
+#: two keys, one in a contact; a third moves by 0.01 mm, like sensor noise
 KEYS = """
 [TGR]
 low = { device = "tgr12", dof = 1, x = "-6 mm" }
@@ -163,7 +163,7 @@ def test_a_take_is_where_hands_were_and_what_they_got(tmp_path: Path) -> None:
         assert force.get_drawstyle() == "steps-post"
     assert above.lines[0].get_color() != above.lines[1].get_color()
     assert (above.get_ylabel(), below.get_ylabel(), below.get_xlabel()) == ("position [mm]", "force [N]", "time [s]")
-    # how forces were meant, each as long as it lasted
+    # modes of forces, each with its duration
     for ax in (above, below):
         begins = {p.get_label(): (p.get_x(), p.get_x() + p.get_width()) for p in ax.patches}
         assert list(begins) == ["off", "ramp", "on"]
@@ -171,7 +171,7 @@ def test_a_take_is_where_hands_were_and_what_they_got(tmp_path: Path) -> None:
         assert begins["ramp"][1] == begins["on"][0] and begins["on"][1] == ax.get_xlim()[1] == hand.force_time[-1]
     legend = above.get_legend()
     assert legend is not None and [x.get_text() for x in legend.get_texts()] == ["tgr12 1", "tgr12 4", "off", "ramp", "on"]
-    # what is asked for, where it is asked for
+    # the requested degrees of freedom, on the given axes
     _, axes = plt.subplots(2)
     assert plot.take(t, "tgr12", [7, 4], axes=(axes[0], axes[1])) == (axes[0], axes[1])
     assert [line.get_label() for line in axes[0].lines] == ["tgr12 7", "tgr12 4"]
@@ -193,7 +193,7 @@ def test_where_forces_ended_stands_in_a_take(tmp_path: Path) -> None:
     assert len({p.get_facecolor() for p in below.patches}) == 5
     for ax in (above, below):
         assert list(ax.lines[-1].get_xdata()) == [fault.time] * 2 and fault.time == ax.patches[-1].get_x()
-    # a line is no degree of freedom
+    # a fault line is not in the legend
     legend = above.get_legend()
     assert legend is not None and len(legend.get_texts()) == 2 + 5
 
@@ -207,6 +207,6 @@ def test_a_take_without_hands_has_no_plot(tmp_path: Path) -> None:
     cut.write_bytes(Path(whole.path).read_bytes()[:12000])
     with pytest.raises(ca.UsageError, match="no frames of `tgr12`"):
         plot.take(ca.Take(cut))
-    # nothing moves: the first
+    # if nothing moves, the first
     held = ca.record(ca.parse(KEYS), tmp_path / "held.mcap", 0.05)
     assert [line.get_label() for line in plot.take(held)[0].lines] == ["tgr12 0"]

@@ -1,4 +1,4 @@
-"""Renders: what they are, what goes wrong, who else runs meanwhile."""
+"""Renders: results, failures, and other threads meanwhile."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def test_a_result_has_all_of_it(key: ca.Scene) -> None:
     assert abs(e.start + e.work - e.lost + e.made + e.changed + e.residual - e.stored) <= 1e-9 * e.peak
     assert abs(e.residual) < 1e-9 * e.peak and e.lost_by["hold"] > 0
     assert "ok" in repr(r)
-    # at the outputs is what the probe reads, times the gain
+    # the output is the probe times the gain
     assert np.array_equal((100 * r.probes["low[3]"]).astype(np.float32), r.audio[:, 0])
 
 
@@ -41,7 +41,7 @@ def test_others_take_it_as_it_is(tmp_path: Path) -> None:
     assert sr == r.sr and np.array_equal(back, r.audio)
     mel = librosa.feature.melspectrogram(y=r.audio.T[0], sr=r.sr)
     assert mel.shape[0] == 128 and mel.max() > 0
-    # the pitch is what the model says
+    # the pitch is the one of the model
     f = librosa.yin(r.audio.T[0][24000:72000], fmin=60, fmax=400, sr=r.sr)
     assert abs(1200 * np.log2(np.median(f) / 110)) < 10
     freqs, power = scipy.signal.periodogram(r.audio[:, 0], r.sr, window="hann", nfft=1 << 20)
@@ -53,7 +53,7 @@ def test_what_goes_wrong_is_a_status() -> None:
     loud = ca.examples.string().replace({"out.gain": 1e6}).render(0.2)
     assert loud.status == "clipped" and loud.clipped > 0 and np.abs(loud.audio).max() == 1
     assert loud.peak.max() > 1 and "multiply the gain" in loud.message
-    # and that helps
+    # the suggested gain helps
     for gain in [1.5, 6.1, 123.4]:
         scene = ca.parse(f"[MAS]\nm = {{ m = 1, dx0 = 1 }}\n[SOX]\no = {{ from = 'm', gain = {gain} }}\n")
         by = float(scene.render(0.01).message.split("gain by ")[1].split(" ")[0])
@@ -83,7 +83,7 @@ def test_gestures_of_every_form(key: ca.Scene, tmp_path: Path) -> None:
     for form in [points, pairs, [list(p) for p in pairs], (x, 48000), (x.tolist(), 48000.0), np.repeat(x, 2)[::2], *files]:
         assert np.array_equal(key.render(0.1, gesture={"hand": form}).audio, want)
     assert np.array_equal(key.render(0.1, gesture=tmp_path / "hand.npy").audio, want)
-    # a mistake in a gesture is one of the request, where no file has a part in it
+    # an error in a gesture is a usage error unless a file is involved
     for wrong, what in [
         ({"hend": 1}, "nothing is driven by `hend`"),
         ({"hand": [(0, 0), (0.1, float("nan"))]}, "point 1"),
@@ -171,15 +171,14 @@ def test_other_threads_run_meanwhile(key: ca.Scene) -> None:
     other.start()
     # long enough for several reports on any machine
     r = key.render(90.0, progress=progress)
-    # how far it counts while this thread does nothing for as long
+    # how far it counts while this thread is idle for the same time
     begin = counted[0]
     time.sleep(at[-1][0] - at[0][0])
     free = counted[0] - begin
     done.set()
     other.join()
     assert reported[-1] == (len(r.audio), len(r.audio)) and [n for n, _ in reported] == sorted(n for n, _ in reported)
-    # a render that kept the lock would let it count between its calls back only; how much of a core it gets is a matter of
-    # what else the machine does
+    # a render that held the lock would let it count only between callbacks; its share of a core depends on the machine
     assert len(reported) > 3 and at[-1][1] - at[0][1] > 0.02 * free
 
 
@@ -210,7 +209,7 @@ def test_nothing_is_lost_over_many_renders(key: ca.Scene) -> None:
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
     first = some(times // 4)
-    # a leak of one sample array (100 frames, 400 bytes) a render would be seen
+    # a leak of one sample array (100 frames, 400 bytes) per render would be detected
     assert some(times) - first < max(1000, times * 100 // 1024)
 
 

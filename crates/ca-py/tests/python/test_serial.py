@@ -1,4 +1,4 @@
-"""The example of a device behind a serial line, against a microcontroller that a thread plays at the other end of a pty."""
+"""The serial device example, against a simulated microcontroller at the other end of a pty."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ ROOT = Path(os.environ.get("CA_ROOT", Path(__file__).parents[4]))
 
 
 class Microcontroller(threading.Thread):
-    """The firmware of docs/devices.md: a mass of 0.1 kg with 2 N s/m, 2 ms an exchange. Answers as `how` says."""
+    """The firmware of docs/devices.md: 0.1 kg with 2 N s/m, 2 ms per exchange. Answers according to `how`."""
 
     def __init__(self, port: int) -> None:
         super().__init__(daemon=True)
@@ -48,7 +48,7 @@ class Microcontroller(threading.Thread):
                 self.heard.append(force / 1000)
                 self.v = (self.v + force / 1000 / 0.1 * 0.002) / (1 + 2 / 0.1 * 0.002)
                 self.x += self.v * 0.002
-                # last, because a test goes on as soon as it has the answer
+                # last, because a test continues as soon as it has the answer
                 self.answer(count, x)
 
     def answer(self, count: int, x: float) -> None:
@@ -97,7 +97,7 @@ def test_an_exchange_gives_a_force_and_gets_a_position(example: Any, line: tuple
         at = board.x
         assert link.exchange(0.25) == pytest.approx(at, abs=1e-5), how
     assert board.heard == [0.25] * 4
-    # no force beyond what the motor may give
+    # limited to the largest force of the motor
     link.exchange(99.0)
     assert board.heard[-1] == example.FORCE
     example.PATIENCE = 0.05
@@ -114,7 +114,7 @@ def test_a_frame_says_which_force_moved_the_hand(
     made: list[Alone] = []
 
     class Played(Alone):
-        """Hears a new force each period, and a board that is silent in the sixth of them."""
+        """Receives a new force each period, and a board that is silent in the sixth."""
 
         def __init__(self, *args: Any, **named: Any) -> None:
             super().__init__(*args, **named)
@@ -134,7 +134,7 @@ def test_a_frame_says_which_force_moved_the_hand(
     example.main(path, "finger", 10)
     (device,) = made
     frames = device.sends.sent
-    # nine of ten periods had a position; each says the force of the exchange before, 0 where that was lost
+    # nine of ten periods had a position; each acknowledges the force of the exchange before, or 0 if that was lost
     assert [f.seq for f in frames] == list(range(1, 10))
     assert [f.ack for f in frames] == [0, 1, 2, 3, 4, 0, 7, 8, 9]
     assert board.heard[1:10] == [pytest.approx(0.01 * k, abs=6e-4) for k in range(2, 11)]
@@ -142,7 +142,7 @@ def test_a_frame_says_which_force_moved_the_hand(
     assert board.heard[10] == 0.0
 
 
-#: what an Arduino has, for a program whose line is its standard input and output; what the motor holds goes to standard error
+#: Arduino interface for a program whose serial line is standard input and output; motor forces go to standard error
 BOARD = """
 #include <cstdint>
 #include <cstdio>
@@ -174,9 +174,9 @@ def test_the_firmware_of_the_page_answers_and_has_a_watchdog(example: Any, tmp_p
     example.PATIENCE = 20.0
     link = example.Link(os.ttyname(near))
     assert board.stderr is not None and board.stderr.readline() == "0\n"
-    # the position is that before the force acts: here what the motor held
+    # the position is measured before the force acts: here the force held so far
     assert link.exchange(0.5) == 0.0 and board.stderr.readline() == "500\n"
-    # silence
+    # after a silence the motor is off
     assert board.stderr.readline() == "0\n"
     assert link.exchange(-0.25) == 0.0 and board.stderr.readline() == "-250\n"
     os.write(link.port, b"F\x01noise")

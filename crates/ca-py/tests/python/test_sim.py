@@ -22,11 +22,11 @@ def test_nothing_is_copied(key: ca.Scene) -> None:
             got = sim.step({"hand": 0.001, "key": 0.001}, out=audio, force=force)
             assert got.audio is audio and got.force is force
     assert np.abs(audio).max() > 0 and np.abs(force).max() > 0
-    # the samples are where the caller's array is
+    # the samples are written in the caller's array
     at = audio.__array_interface__["data"][0]
     audio[:] = 7
     assert key.open().step(out=audio).audio.__array_interface__["data"][0] == at and not (audio == 7).any()
-    # a render is moved: NumPy, which tells of all it allocates itself, has allocated nothing of that size
+    # a render is moved, not copied: NumPy, which reports its own allocations, has allocated nothing of that size
     tracemalloc.start()
     r = key.render(1.0, probes=["low[*]"])
     most = tracemalloc.get_traced_memory()[1]
@@ -82,7 +82,7 @@ def test_live_parameters_are_a_mapping(key: ca.Scene) -> None:
         sim.params["grap"]
     with pytest.raises(ca.UsageError):
         del sim.params["grip"]
-    # it is heard
+    # the change is audible
     a, b = key.open(), key.open()
     b.params["grip"] = 9000
     loud = [s.step({"key": 0.002}, 4000).audio for s in (a, b)]
@@ -126,15 +126,15 @@ def test_what_a_block_cannot_be(key: ca.Scene) -> None:
     with pytest.raises(TypeError, match="pickle the scene"):
         pickle.dumps(sim)
     assert sim.time == before
-    # a signal is never an error: what has no value is held, counted and reported
+    # bad inputs never raise: non-finite values are held, counted and reported
     sim.step({"hand": np.array([0.001, np.nan, np.inf, np.nan])})
     assert sim.status == "refused" and sim._core.counts[2] == 3
-    # and once: what stays is the last that had one; nothing is nothing
+    # only once: the last finite value stays; empty arrays do nothing
     sim.step({"hand": np.zeros(0)})
     sim.step(np.zeros((0, 3)))
     sim.step(n=100)
     assert sim._core.counts[2] == 3
-    # a column of something larger, and a part of each row, are written where they are
+    # columns of a larger array, and a part of each row, are written in place
     rows = np.zeros((8, 5), np.float32)
     sim.step({"hand": 0.001}, out=rows[:, 1:3])
     assert rows[:, 1:3].any() and not rows[:, 0].any() and not rows[:, 3:].any()
@@ -165,7 +165,7 @@ def test_time_is_that_of_the_scene() -> None:
     assert np.array_equal(audio, scene.render(0.01).audio) and audio.any()
     odd = ca.parse(text, rate=3000.5)
     assert odd.sr == odd.render(0.1).sr == 3000 and odd.rate == 3000.5 and odd.render(0.1).seconds == 300 / 3000.5
-    # nothing is heard, but time passes
+    # the run time is above 0
     deaf = ca.parse("[CEL]\nb = { m = '1 g', f = '1 kHz', dx0 = '1 mm' }\n[SOX]\no = { from = 'b' }\n").render(0.1)
     assert deaf.rtf > 0
 
@@ -203,14 +203,14 @@ def test_a_snapshot_goes_on_anywhere(key: ca.Scene) -> None:
     again.step({"hand": 0.1}, n=77)
     again.restore(pickle.loads(pickle.dumps(there)))
     assert again.time == there.time and again.params["grip"] == 5000 and again.state() == there
-    # inputs that are not given keep the values they had there
+    # inputs that are not given keep their values from the snapshot
     block = again.step(n=800)
     assert np.array_equal(block.audio, last.audio) and np.array_equal(block.force, last.force)
     for probe in ["strike", "low[*]"]:
         assert np.array_equal(block.probes[probe], last.probes[probe]) and np.abs(block.probes[probe]).max() > 0
     assert again.energy is not None and energy is not None
     assert again.energy.work == energy.work and again.energy.stored == energy.stored
-    # other scenes refuse it, and stay as they are
+    # other scenes refuse it and do not change
     for other in [key.open(), key.replace({"low.m": "2 g"}).open(energy=True, probes=["strike", "low[*]"])]:
         before = other.state()
         with pytest.raises(ca.UsageError, match="another scene"):
@@ -235,7 +235,7 @@ def test_probes_of_a_stream_are_those_of_a_render(key: ca.Scene) -> None:
     for probe in asked:
         whole = np.concatenate([b.probes[probe] for b in blocks])
         assert whole.shape == r.probes[probe].shape
-        # a device port holds what it is given from the first sample of a frame, and of a render is read for its end
+        # a device port takes its input at the first sample of a frame; a render reads a gesture at the end of the frame
         assert np.array_equal(whole, r.probes[probe]), probe
     audio, force = key.open().step()
     assert key.open().step().probes == {} and audio.shape[1] == force.shape[1] == 2

@@ -1,4 +1,4 @@
-"""Sweeps: the same whoever computes them, and bad runs as rows."""
+"""Sweeps give the same results with any executor, and failed runs are rows."""
 
 import struct
 from concurrent.futures import ThreadPoolExecutor
@@ -18,7 +18,7 @@ def test_any_executor_any_order_finds_the_same(dask):
     assert len(one.audio) == 40 and one.audio[0].shape == (2400, 1)
 
     class Backwards(ThreadPoolExecutor):
-        """Begins with what was handed over last."""
+        """Runs the latest submitted task first."""
 
         held = []
 
@@ -61,7 +61,7 @@ def test_draws_are_those_of_the_document():
         assert s["low.k"][i] == pytest.approx(1e3 * 9 ** u["low.k"], rel=1e-14)
         assert s["low.m"][i] == (0.001 if u["low.m"] < 0.5 else 0.002)
         assert s["low.z"][i] == u["low.z"] * 1e-3
-    # another axis moves no run along those that were there
+    # another axis leaves the values of the others unchanged
     more = ca.sweep(scene, {**VARY, "low.n": [20, 40]}, 12, seed=9, seconds=0.01)
     assert all(np.array_equal(more[name], s[name]) for name in VARY)
 
@@ -85,7 +85,7 @@ def test_a_bad_run_is_a_row():
     assert s.counts == {"invalid": 2, "ok": 1, "unstable": 1} and s.ok.tolist() == [True, False, False, False]
     assert s["failed"][2] < 0.1 and "low" in s["module"][2] and "diverged" in s["message"][2]
     assert s["message"][1].startswith("E") and np.isnan(s["failed"][0]) and s["module"][0] is None
-    # what is no number makes a column of texts
+    # values that are not all numbers make a column of texts
     assert s["low.k"].tolist() == ["1000", "-1", "1000000000", "a lot"]
 
 

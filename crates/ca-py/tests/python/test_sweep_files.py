@@ -1,4 +1,4 @@
-"""Sweeps in folders, stores and data frames: files that others read, and runs that go on."""
+"""Sweeps in folders, stores and data frames: files read by other libraries, and sweeps that continue."""
 
 import os
 import pickle
@@ -33,7 +33,7 @@ def test_a_folder_is_that_of_the_command(tmp_path, command):
     for name in mine:
         if name.suffix in (".flac", ".toml") or name.name == "manifest.parquet":
             assert (tmp_path / "py" / name).read_bytes() == (tmp_path / "p" / name).read_bytes(), name
-    # the one goes on with what the other began
+    # Python continues the folder that the command began
     again = ca.sweep(string(), vary, 23, seed=5, seconds=0.05, to=tmp_path / "p", chunk=5, measure=True)
     same(s, again)
 
@@ -80,13 +80,13 @@ def test_pages_of_notebooks():
     rows = [[cell.split("</td>")[0] for cell in row] for row in rows]
     assert len(rows) == 10 and page.count("<th>") == len(rows[0]) == 10
     assert rows[0][:5] == ["0", "1 kN/m", "0.001", "ok", ""] and float(rows[0][5]) == pytest.approx(s["peak"][0], rel=1e-5)
-    # what it holds is no page
+    # cell contents are escaped
     assert rows[4][:4] == ["4", "&lt;b&gt;", "0.001", "invalid"] and rows[4][-1].startswith("E") and "<b>" not in page
     assert rows[8][3] == "unstable" and float(rows[8][4]) == pytest.approx(s["failed"][8], rel=1e-5)
-    # a message of several lines is reported as far as a cell goes
+    # a message of several lines is shortened to fit its cell
     begin = rows[8][-1].removesuffix(" …")
     assert s["message"][8].startswith(begin) and 30 < len(begin) < 60 < len(s["message"][8])
-    # few rows are all of them
+    # a small sweep shows all rows
     few = ca.sweep(string(), {"low.m": [0.001, 0.002]}, seconds=0.05)._repr_html_()
     assert few.count("<tr>") == 3 and few.endswith("</table></div>")
 
@@ -186,7 +186,7 @@ def test_a_store_that_was_begun_is_begun_anew(tmp_path, monkeypatch):
     with pytest.raises(KeyboardInterrupt):
         ca.sweep(string(), {"low.k": [1e3, 2e3]}, seconds=0.02, to=store)
     monkeypatch.setattr(_zarr, "_make", make)
-    # equal values are an equal sweep, whatever they are made of
+    # equal values make equal sweeps, whatever their types
     for values, seconds in [([1e3, 2e3], 0.02), (np.array([1000, 2000]), np.float64(0.02)), (list(np.array([1e3, 2e3])), 0.02)]:
         assert ca.sweep(string(), {"low.k": values}, seconds=seconds, to=store + "/").counts == {"ok": 2}
 

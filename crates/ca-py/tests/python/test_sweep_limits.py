@@ -1,4 +1,4 @@
-"""Sweeps at their limits: room, time, workers that are killed, and requests that make no sense."""
+"""Limits of sweeps: memory, time, killed workers, invalid requests."""
 
 import itertools
 import os
@@ -19,7 +19,7 @@ from cordis_anima import plot
 
 
 class Patient(ThreadPoolExecutor):
-    """Counts what it was handed, and what of that waits or runs."""
+    """Counts submitted tasks, and those waiting or running."""
 
     def __init__(self, n):
         super().__init__(n)
@@ -69,7 +69,7 @@ def test_what_does_not_fit_is_refused_before_it_begins(tmp_path, to, monkeypatch
     with pytest.raises(ca.UsageError, match="TB"):
         ca.sweep(string(), {"low.m": ca.Range(1, 2, steps=10**6), "low.k": ca.Range(1, 2, steps=10**6)}, chunk=10**6, **ask)
     assert one.handed == 0 and not list(tmp_path.iterdir())
-    # whether it fits is a matter of the machine, and of sounds where they are kept
+    # whether it fits depends on the machine, and on sounds if they are kept
     monkeypatch.setattr("cordis_anima._sweeps.work.memory", lambda: 10_000_000)
     assert ca.sweep(string(), vary, 100, seconds=0.1).runs == 100
     if to is None:
@@ -84,7 +84,7 @@ def test_what_takes_long_says_so_first(monkeypatch, tmp_path):
         ca.sweep(string(), vary, 20, seconds=1e-3)
     monkeypatch.setattr("cordis_anima._sweeps.work._LONG", 0.0)
     monkeypatch.setattr("cordis_anima._sweeps.work._WATCHED", 0.0)
-    # in memory before anything is handed over, elsewhere once something is done; once in any case
+    # in memory before anything is submitted, otherwise once something is done; in any case once
     for to, left in [(None, 19), (tmp_path / "a", 15)]:
         with pytest.warns(UserWarning, match=rf"^{left} runs are left, which take about .* Ctrl-C") as reported:
             ca.sweep(string(), vary, 20, seconds=1e-3, to=to, chunk=5, executor=ThreadPoolExecutor(1))
@@ -108,7 +108,7 @@ def test_a_store_has_chunks_that_are_worth_a_task(tmp_path):
         store = str(tmp_path / f"{runs}.zarr")
         ca.sweep(string(), {"low.m": ca.Range("1 g", "2 g")}, runs, seconds=seconds, to=store, audio=audio)
         assert zarr.open_group(store, mode="r")["peak"].chunks == (chunk,), runs
-        # the same call goes on with it
+        # the same call continues it
         seen = []
         ca.sweep(string(), {"low.m": ca.Range("1 g", "2 g")}, runs, seconds=seconds, to=store, audio=audio, progress=seen.append)
         assert seen == []

@@ -1,4 +1,4 @@
-"""Takes: written and read here, replayed by the command, read by libraries of others."""
+"""Takes: written and read here, replayed by the command, read by independent libraries."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 
 import cordis_anima as ca
 
-#: twice, since forces come on within a second
+#: pressed twice, because forces come on within a second
 PRESS = {"key": [(0, -0.006), (0.2, -0.006), (0.24, 0.001), (0.4, -0.006), (1.2, -0.006), (1.24, 0.001), (1.4, -0.006)]}
 
 
@@ -46,11 +46,11 @@ def test_a_take_is_what_a_render_is(tmp_path: Path) -> None:
     assert np.array_equal(t.audio[:n].astype(np.float32), r.audio), "the same bits"
     hand = t.hands["tgr12"]
     assert hand.dof == 12 and hand.position.shape == (len(hand.time), 12)
-    # a frame is meant for its end
+    # a frame has the position at its end
     assert np.all(np.diff(hand.time[1:]) == pytest.approx(1 / t.gesture_rate))
     at = np.interp(hand.time[1:] + (16 - 1) / t.rate, *np.array(PRESS["key"]).T)
     assert np.allclose(hand.position[1:, 1], at, atol=1e-12)
-    # forces are there where the key is in the string, once they are armed
+    # forces act while the key is in the string, once armed
     pressed = (hand.force_time > 1.24) & (hand.force_time < 1.28)
     assert hand.mode[-1] == "on" and np.abs(hand.force[pressed, 1]).max() > 0.05
     assert np.all(hand.force[:, 0] == 0) and np.all(hand.force[hand.mode == "off"] == 0)
@@ -85,7 +85,7 @@ def test_a_take_is_a_gesture(tmp_path: Path) -> None:
 
 
 def test_a_take_has_its_sensitivities(tmp_path: Path) -> None:
-    """By a parameter, and by where the hand was at the end of each gesture frame: against differences of renders."""
+    """Derivatives by a parameter, and by the hand position at the end of each frame, against differences of renders."""
     t = ca.record(keyed(), tmp_path / "t.mcap", 0.3, gesture=PRESS)
     scene, rng = t.scene(), np.random.default_rng(2)
     weights = rng.normal(size=(round(0.3 * t.rate), 2))
@@ -151,7 +151,7 @@ stop = { between = ["key", "wall"], k = "%d kN/m" }
 [SOX]
 out = { from = "key" }
 """
-    # a frame of 1 kN/m is less than half of the device's 2 N s/m, one of 6 kN/m is not
+    # at 1 kN/m, K T is below half of the device's 2 N s/m; at 6 kN/m it is not
     soft, stiff = (ca.record(ca.parse(wall % k), tmp_path / f"{k}.mcap", 1.5, gesture=PRESS) for k in (1, 6))
     assert soft.hands["tgr12"].injected.max() == 0
     assert 0.1 < stiff.hands["tgr12"].injected.max() <= 1.0
@@ -221,17 +221,17 @@ def test_a_page_of_a_take(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     assert page.count("<svg") == 2 and "left" in page and "right" in page
 
     def played(page: str) -> npt.NDArray[np.int16]:
-        """The samples in a page."""
+        """Samples of the player in a page."""
         wav = base64.b64decode(page.split("data:audio/wav;base64,")[1].split('"')[0])
         return np.frombuffer(wav[44:], "<i2").reshape(-1, 2)
 
     heard = np.rint(t.audio.astype(np.float32).astype(np.float64) * 32768)
     assert np.array_equal(played(page), heard) and heard.any() and "played here" not in page
-    # of a long one not all is in the page
+    # a long take is only partly in the page
     monkeypatch.setattr("cordis_anima._take._PLAYED", 1.5)
     long = t._repr_html_()
     assert np.array_equal(played(long), heard[:72000]) and "the first 1.5 s" in long
-    # one that was cut off, before anything was heard
+    # a take cut off before any sound
     (tmp_path / "cut.mcap").write_bytes(Path(t.path).read_bytes()[:12000])
     cut = ca.Take(tmp_path / "cut.mcap")
     assert cut.audio.size == 0 and "<audio" not in cut._repr_html_() and "it ends in the middle" in cut._repr_html_()

@@ -1,4 +1,4 @@
-"""The types that are promised are the types there are."""
+"""The type stubs match the package."""
 
 from __future__ import annotations
 
@@ -30,5 +30,5 @@ def test_the_package_and_its_users_are_strict() -> None:
 def test_everything_public_has_a_document() -> None:
     for name in cordis_anima.__all__:
         thing = getattr(cordis_anima, name)
-        # aliases of types have a comment where they stand
+        # type aliases have a comment instead
         assert getattr(thing, "__doc__", None) or name in ("Curve", "Gesture", "Inputs", "Progress"), name

@@ -1,4 +1,4 @@
-"""How the package is used, for the checker of types."""
+"""Uses of the package, for the type checker."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from cordis_anima import plot
 
 
 def struck(hardness: float) -> tuple[float, str]:
-    """How loud a string is that is struck with a hammer of this hardness [N/m], and how sure its stability is."""
+    """Peak of a string struck by a hammer of this hardness [N/m], and its stability level."""
     scene = ca.examples.string().replace({"strike.k": hardness})
     r = scene.render(0.5, probes=["strike"], energy=True, progress=lambda done, of: None)
     if r.energy is not None:
@@ -19,7 +19,7 @@ def struck(hardness: float) -> tuple[float, str]:
 
 
 def played() -> int:
-    """Samples of a scene that is played by hand."""
+    """Number of samples of a scene run step by step."""
     with ca.load("hammered_string").open(block=160) as sim:
         audio, force = sim.step({"key": np.linspace(-0.008, 0.0, 160)})
         sim.params["rest"] = 1.0
@@ -27,7 +27,7 @@ def played() -> int:
 
 
 def shown() -> list[str]:
-    """What stands at the axes of a few plots."""
+    """Axis labels of a few plots."""
     scene = ca.examples.string()
     r = scene.render(0.5, probes=["strike"], energy=True)
     axes = [plot.spectrum(r, scene.modes()), plot.energy(r), plot.probes(r, ["strike"]), plot.modes(scene.modes(), "out")]
@@ -35,7 +35,7 @@ def shown() -> list[str]:
 
 
 def swept() -> dict[str, int]:
-    """How runs of a few strings ended."""
+    """Statuses of the runs of a few strings."""
     vary = {"low.f": ca.Range("110 Hz", "440 Hz", log=True)}
     s = ca.sweep(ca.examples.string(), vary, 4, seconds="100 ms", audio=True, measure=True)
     ax = plot.sweep(s, "low.f", "partial", color="peak")
@@ -45,7 +45,7 @@ def swept() -> dict[str, int]:
 
 
 def taken(path: str) -> list[str]:
-    """What stands at the axes of a take, and why forces ended in it."""
+    """Axis labels of a take, and causes of its faults."""
     take = ca.record(ca.load("hammered_string"), path, 0.5)
     position, force = plot.take(take, "tgr12", [0, 1])
     plot.take(take, axes=(position, force))

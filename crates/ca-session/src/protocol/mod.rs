@@ -1,9 +1,9 @@
 //! The messages between the page of `ca play` and the program, in both directions.
 //!
-//! Rare messages are JSON texts: an object with a `type` ([`Request`] from the page, [`Message`] to it). Pictures and sound
-//! are bytes ([`binary`]). The macros of `define` declare each type together with its documentation, so that
-//! `docs/protocol.md` and the JSDoc types of the page are generated from the same lines ([`page`], [`jsdoc`]). The
-//! alternative, JSON Schema by a derive crate, would add a dependency and could not tell what the page may leave out.
+//! Rare messages are JSON texts: an object with a `type` ([`Request`] from the page, [`Message`] to it). Pictures and
+//! sound are bytes ([`binary`]). The macros of `define` declare each type together with its documentation, so that
+//! `docs/protocol.md` and the JSDoc types of the page are generated from the same lines ([`page`], [`jsdoc`]). JSON
+//! Schema by a derive crate would add a dependency and could not say what the page may leave out.
 
 pub mod binary;
 mod define;

@@ -1,21 +1,20 @@
-//! Merge: instances of one model as one model, so that a tick is begun once for all of them.
+//! Merges instances of one model into one model, so that each tick begins once for all of them.
 //!
-//! Decides for parts (`ca_model::part`), which give names of their own to the modules of each and to all that refers to them: what
-//! is merged is an ordinary model. Modules take turns, one of each instance, since rows of equal links that stand beside each
-//! other are computed together. Where instances differ in what a model has once, or the merged model is not as wide as all of
-//! them, nothing is merged.
+//! Parts (`ca_model::part`) rename the modules of each instance and all references to them, so the merged model is an
+//! ordinary one. Modules of the instances alternate, because rows of equal links side by side are computed together.
+//! Instances are not merged if they differ in something that a model has once, or if the number of modules changes.
 
 use ca_core::Catalog;
 use ca_io::gesture::{Gesture, Track};
 use ca_model::part::{self, Part, Use};
 use ca_model::{Entry, Item, Model, Span, Value};
 
-/// What instance `i` is called in what is merged.
+/// Name of instance `i` in the merged model.
 fn name(i: usize) -> String {
     format!("i{i}")
 }
 
-/// Instances of a model as one; those of each play on `channels` of their own. `None` where they are not of a piece.
+/// Merges instances, each with `channels` channels; `None` where that is not possible.
 pub fn models(all: &[Model], channels: usize, catalog: &Catalog) -> Option<Model> {
     let first = all.first()?;
     let once = |m: &Model| m.meta == first.meta && m.rate == first.rate && m.equivalence == first.equivalence;
@@ -42,7 +41,7 @@ pub fn models(all: &[Model], channels: usize, catalog: &Catalog) -> Option<Model
     if merged.items.len() != n * per {
         return None;
     }
-    // channels are given in the order of outputs: these stay together
+    // outputs stay together, since their order gives the channels
     let (outputs, mut others): (Vec<_>, Vec<_>) =
         merged.items.into_iter().enumerate().partition(|(_, item)| is_output(item));
     others.sort_by_key(|(at, _)| (at % per, at / per));
@@ -54,8 +53,8 @@ fn is_output(item: &Item) -> bool {
     matches!(item.kind.as_str(), "SOX" | "SOF")
 }
 
-/// A module on the channels of instance `i`; modules stand in the order they have, whatever their text says. `None` where it is heard
-/// on a channel that the others do not have.
+/// Moves a module to the channels of instance `i`. Its text position is dropped, so that modules keep their order.
+/// Returns `None` for a channel that the instances do not have.
 fn placed(item: &Item, params: &[Entry], i: usize, channels: usize) -> Option<Item> {
     let mut item = Item { name_span: Span::NONE, ..item.clone() };
     if is_output(&item) {
@@ -67,7 +66,7 @@ fn placed(item: &Item, params: &[Entry], i: usize, channels: usize) -> Option<It
     Some(item)
 }
 
-/// A plain number, or that of the parameter which is named.
+/// Returns a plain number, or the number of the named parameter.
 fn number(value: &Value, params: &[Entry]) -> Option<f64> {
     let named = |name: &str| params.iter().find(|p| p.key == name.trim()).map(|p| &p.value);
     match value {
@@ -78,14 +77,14 @@ fn number(value: &Value, params: &[Entry]) -> Option<f64> {
     }
 }
 
-/// What so many instances are given, each the same.
+/// Repeats a gesture for `n` instances.
 pub fn gesture(of_one: &Gesture, n: usize) -> Option<Gesture> {
     let track = |(i, t): (usize, &Track)| t.clone().named(format!("{}.{}", name(i), t.name()));
     let all = (0..n).flat_map(|i| of_one.tracks().iter().map(move |t| track((i, t))));
     Gesture::new(all.collect()).ok()
 }
 
-/// The probes of so many instances, those of one after those of the other.
+/// Repeats probes for `n` instances, one instance after the other.
 pub fn probes(of_one: &[String], n: usize) -> Vec<String> {
     (0..n).flat_map(|i| of_one.iter().map(move |p| format!("{}.{p}", name(i)))).collect()
 }
@@ -97,7 +96,7 @@ mod tests {
     use ca_io::perform::Performance;
     use ca_lab::load::{BUNDLED, Loaded, catalog};
 
-    /// Plays three instances of a model as one and each sample of them beside it by itself; false where they are not merged.
+    /// Plays three merged instances beside a single one and compares the bits. Returns false where they are not merged.
     fn same_bits(what: &str, text: &str) -> bool {
         let loaded = Loaded::read(text, what);
         let options = Options { bounds_only: true, ..Options::default() };

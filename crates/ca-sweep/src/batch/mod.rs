@@ -1,14 +1,15 @@
-//! Batch: one scene played many times, each time with other values, into one array.
+//! Plays one scene many times, each time with other values, into one array.
 //!
 //! ```text
 //! model ─ values of some instances ─ compiled as one ─ played ─ a row of one array for each
 //! ```
-//! Decides that small instances are played several at a time, as one model (`merge`), which begins a tick once for all of them;
-//! each has the bits of a render of its own. Contacts that are solved all at once go by each other in their last bits: instances of
-//! such a scene are played one by one. Threads take the next ones when they are done with some. All are equally
-//! long: as the scene itself is, or as somebody says. An instance that cannot be compiled, or diverges, ends nothing:
-//! those that were played with it are played by themselves, and it is silence, or what was heard before, with a status. A
-//! [`Sweep`](crate::Sweep) draws its values, measures what it plays and keeps files; a batch is given its values and gives sound.
+//! Small instances are merged into one model (`merge`), so that each tick begins once for all of them; each keeps the
+//! bits of a separate render. Contacts that are solved together would change each other's last bits, so instances of
+//! such a scene are played one by one. Threads take further instances when done. All instances have the same duration.
+//!
+//! An instance that does not compile, or diverges, does not stop the batch: the instances merged with it are played one
+//! by one, and its own sound is silent, or ends at the divergence, with a status. A [`Sweep`](crate::Sweep) draws its
+//! values, measures and writes files; a batch is given its values and returns sound.
 
 mod merge;
 
@@ -28,52 +29,52 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-/// Modules that are played as one at most, unless one instance has more: beyond, a tick is no shorter for being begun once.
+/// Modules merged at most, unless one instance has more; with more, a shared beginning of the tick saves nothing.
 const TOGETHER: usize = 2000;
-/// Instances that are played as one at most.
+/// Instances merged at most.
 const MOST: usize = 16;
 
-/// Between two looks at whether somebody still wants it.
+/// Poll interval of `goes_on`.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// What is asked of a batch.
+/// Specification of a batch.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BatchSpec {
-    /// names of parameters, each with its value in every instance
+    /// Names of parameters, each with its value in every instance.
     pub values: Vec<(String, Vec<Value>)>,
-    /// how long each is played \[s\]; without, as the scene itself
+    /// Duration of an instance \[s\]; as the scene if `None`.
     pub seconds: Option<f64>,
-    /// how many threads play
+    /// Number of threads.
     pub threads: usize,
 }
 
-/// What was heard, instance after instance.
+/// Result of a batch, instance after instance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Batch<S> {
-    /// sound rate \[Hz\]
+    /// Sound rate \[Hz\].
     pub rate: f64,
-    /// samples of each channel of an instance
+    /// Samples per channel of an instance.
     pub frames: usize,
-    /// sound channels
+    /// Number of sound channels.
     pub channels: usize,
-    /// probes
+    /// Number of probes.
     pub probes: usize,
-    /// (instances x frames x channels), within full scale
+    /// Sound within full scale (instances x frames x channels).
     pub sound: Vec<S>,
-    /// (instances x frames x probes)
+    /// Probes (instances x frames x probes).
     pub probed: Vec<S>,
-    /// what became of each
+    /// Outcome of each instance.
     pub outcomes: Vec<Outcome>,
-    /// greatest |sample| of each before the ceiling; 1 is full scale
+    /// Greatest |sample| of each instance before the ceiling; 1 is full scale.
     pub peaks: Vec<f64>,
 }
 
-/// Plays a scene once for each value. `goes_on` is asked now and then, with how many are done of how many.
+/// Plays a scene once for each value. `goes_on` is called regularly with the number of finished and of all instances.
 ///
 /// # Errors
-/// [`Failure::Usage`] where the columns are not equally long, a parameter is not there, the gesture drives what is not there,
-/// or the result does not fit into memory; [`Failure::Found`] where the scene itself has errors; [`Failure::Stopped`] where
-/// `goes_on` says no.
+/// [`Failure::Usage`] where the columns have different lengths, a parameter or a target of the gesture does not exist,
+/// or the result does not fit into memory; [`Failure::Found`] where the scene itself has errors; [`Failure::Stopped`]
+/// where `goes_on` returns false.
 pub fn batch<S: Sample>(
     loaded: &Loaded,
     options: &Options,
@@ -100,7 +101,7 @@ pub fn batch<S: Sample>(
     let (rate, stop) = (scene.rate, AtomicBool::new(false));
     let shared = Shared { loaded, options, spec, gesture, rate, frames, channels, probes, stop: &stop };
     let most = if solves_at_once(&scene) { 1 } else { MOST };
-    // each thread has some
+    // few enough that each thread has some
     let some = (TOGETHER / (scene.counts.n_mat + scene.counts.n_lia).max(1))
         .clamp(1, most)
         .min(n.div_ceil(spec.threads.max(1)).max(1));
@@ -110,7 +111,7 @@ pub fn batch<S: Sample>(
     let (done, each) = mpsc::channel();
     let work = |done: mpsc::Sender<usize>| {
         while !stop.load(Relaxed) {
-            // the lock is held for steps of an iterator, which do not panic
+            // the lock only covers steps of an iterator, which do not panic
             let mut next: Vec<_> = slots.lock().unwrap_or_else(PoisonError::into_inner).by_ref().take(some).collect();
             if next.is_empty() {
                 return;
@@ -119,13 +120,13 @@ pub fn batch<S: Sample>(
                 shared.play(&mut next[0]);
             } else if shared.together(&mut next).is_none() {
                 for slot in &mut next {
-                    // an instance that diverges is silent from there on, whatever was heard of it together with others
+                    // an instance that diverges is silent from there, so earlier output of the merged play is cleared
                     slot.sound.fill(S::default());
                     slot.probed.fill(S::default());
                     shared.play(slot);
                 }
             }
-            // nobody listens any more where it was stopped
+            // the receiver is gone after a stop
             let _ = done.send(next.len());
         }
     };
@@ -155,12 +156,12 @@ pub fn batch<S: Sample>(
     Ok(Batch { rate, frames: frames as usize, channels, probes, sound, probed, outcomes, peaks })
 }
 
-/// Whether links are solved all at once: then the last bits of one go by all others, also by those of another instance.
+/// Returns whether links are solved together; then each changes the last bits of all others, across instances too.
 fn solves_at_once(scene: &Scene) -> bool {
     scene.passes.forces.iter().filter_map(|op| op.law).any(|law| matches!(law.stage, SolveStage::Coupled(_)))
 }
 
-/// How many instances there are, where everything that is varied is there and has as many values.
+/// Returns the number of instances, or an error where a varied parameter does not exist or columns differ in length.
 fn instances(loaded: &Loaded, spec: &BatchSpec) -> Result<usize, Failure> {
     let Some((first, values)) = spec.values.first() else {
         return Err(Failure::Usage("a batch varies nothing: name a parameter, and its value in each instance".into()));
@@ -186,7 +187,7 @@ fn instances(loaded: &Loaded, spec: &BatchSpec) -> Result<usize, Failure> {
     Ok(values.len())
 }
 
-/// So many of them, all 0; none where they do not fit into memory.
+/// Allocates `n` zeros; `None` where they do not fit into memory.
 fn zeros<S: Sample>(n: Option<usize>) -> Option<Vec<S>> {
     let (n, mut all) = (n?, Vec::new());
     all.try_reserve_exact(n).ok()?;
@@ -194,7 +195,7 @@ fn zeros<S: Sample>(n: Option<usize>) -> Option<Vec<S>> {
     Some(all)
 }
 
-/// `n` rows of a width, which may be 0.
+/// Splits an array into `n` rows of a width, which may be 0.
 fn rows<S>(mut all: &mut [S], n: usize, width: usize) -> Vec<&mut [S]> {
     let row = |_| {
         let (row, rest) = std::mem::take(&mut all).split_at_mut(width);
@@ -204,17 +205,15 @@ fn rows<S>(mut all: &mut [S], n: usize, width: usize) -> Vec<&mut [S]> {
     (0..n).map(row).collect()
 }
 
-/// An instance, and where it goes.
 struct Slot<'r, S> {
     index: usize,
     sound: &'r mut [S],
     probed: &'r mut [S],
-    /// what became of it, and its peak
     to: &'r mut (Outcome, f64),
 }
 
 impl<S: Sample> Slot<'_, S> {
-    /// Keeps outputs, rows of channels and so many probes, from sample `first` on.
+    /// Stores rows of outputs (channels, then `probes` probes) from sample `first`.
     fn keep(&mut self, rows: &[f64], probes: usize, level: &mut Level, first: usize) {
         let channels = level.peak.len();
         let width = (channels + probes).max(1);
@@ -231,7 +230,6 @@ fn peak(level: &Level) -> f64 {
     level.peak.iter().copied().fold(0.0, f64::max)
 }
 
-/// What every thread knows.
 struct Shared<'a> {
     loaded: &'a Loaded,
     options: &'a Options,
@@ -245,7 +243,6 @@ struct Shared<'a> {
 }
 
 impl Shared<'_> {
-    /// The model with the values of an instance.
     fn instance(&self, index: usize) -> Result<Loaded, Failure> {
         let mut loaded = self.loaded.clone();
         for (name, values) in &self.spec.values {
@@ -254,8 +251,7 @@ impl Shared<'_> {
         Ok(loaded)
     }
 
-    /// Plays some instances as one scene. `None` where they are none, or one of them is not as it should be: nothing is said of any
-    /// of them then.
+    /// Plays some instances as one scene. Returns `None`, without outcomes, if that is impossible or one fails.
     fn together<S: Sample>(&self, some: &mut [Slot<'_, S>]) -> Option<()> {
         let (n, channels, width) = (some.len(), self.channels, self.channels + self.probes);
         let mut all: Loaded = self.loaded.clone();
@@ -277,7 +273,7 @@ impl Shared<'_> {
         let mut levels = vec![Level::new(channels); n];
         let mut own = Vec::with_capacity(BLOCK as usize * width);
         let performance = Performance::new(scene, gesture.as_ref()).ok()?;
-        // as many numbers at a time as of one, which stay in the first cache
+        // a block of all instances has as many numbers as one of a single instance, to stay in the first cache
         let block = (BLOCK / n as u64).max(64);
         let played = play::play(performance, self.frames, block, &mut |_, rows, done| {
             let first = done as usize - rows.len() / (n * width).max(1);
@@ -301,9 +297,8 @@ impl Shared<'_> {
         Some(())
     }
 
-    /// Plays an instance by itself.
     fn play<S: Sample>(&self, slot: &mut Slot<'_, S>) {
-        // the scene itself was judged; an instance is where it diverges, so that what is said of it is what a render says
+        // stability is only judged for an instance that diverges, so that a render gives the same message
         let quick = Options { bounds_only: true, ..self.options.clone() };
         let first = self.played(slot, &quick);
         let again = first.as_ref().is_ok_and(|(outcome, _)| outcome.status == "unstable");

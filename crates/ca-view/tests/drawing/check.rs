@@ -1,4 +1,4 @@
-//! What must be so of every drawing, and how it is read.
+//! Checks that hold for every drawing, and a reader for its JSON.
 
 use ca_view::Drawing;
 use cordis_anima::ca_core::internal::kind::name::Index;
@@ -14,18 +14,18 @@ pub fn compiled(text: &str, file: &str) -> Scene {
     compiled.map_err(cordis_anima::Error::from).unwrap_or_else(|e| panic!("{file}: {e}\n{text}")).scene
 }
 
-/// Name and scene of every bundled model.
+/// Returns name and scene of every bundled model.
 pub fn models() -> Vec<(String, Scene)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models");
     let mut all: Vec<_> = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()).collect();
-    // the folder of parts stands beside the models
+    // `models` also has a folder of parts
     all.retain(|p| p.is_file());
     all.sort();
     let named = all.iter().map(|p| (p.file_name().unwrap().to_string_lossy().into_owned(), p));
     named.map(|(name, p)| (name, cordis_anima::load(p).unwrap_or_else(|e| panic!("{e}")).scene)).collect()
 }
 
-/// What a page reads.
+/// Drawing as a page reads it.
 pub struct Page {
     pub n: usize,
     pub rest: Vec<[f64; 3]>,
@@ -33,7 +33,7 @@ pub struct Page {
     pub space: Vec<bool>,
     pub fixed: Vec<bool>,
     pub kinds: Vec<String>,
-    /// kind, contact, ends
+    /// Kind, contact, ends.
     pub links: Vec<(String, bool, [usize; 2])>,
 }
 
@@ -72,7 +72,7 @@ pub fn apart(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// What is true of every drawing.
+/// Checks properties of every drawing.
 pub fn check(name: &str, scene: &Scene, d: &Drawing) {
     let p = page(d);
     let again = Drawing::new(scene);
@@ -96,14 +96,14 @@ pub fn check(name: &str, scene: &Scene, d: &Drawing) {
         all.insert((a.min(b), a.max(b)));
     }
     assert!(d.scene_mass(p.n).is_none() && d.drawn_mass(scene.mats()).is_none(), "{name}");
-    // masses on a line stand apart, each from all others
+    // masses on a line have different places
     let width = p.rest.iter().flat_map(|a| p.rest.iter().take(1).map(|b| apart(*a, *b))).fold(0.0, f64::max);
     let cell = |v: [f64; 3]| v.map(|x| (x / (1e-6 * width)).round() as i64);
     let mut taken = BTreeMap::new();
     for i in (0..p.n).filter(|i| !p.space[*i] && p.kinds[*i] != "@") {
         let Some(other) = taken.insert(cell(p.rest[i]), i) else { continue };
-        // strings and meshes that are tied to masses in space, along their axes, may cross there, and banks along two axes
-        // (not in two directions of one)
+        // strings and meshes that are tied to masses in space along their axes may cross there, and so may banks along
+        // two axes (but not in two directions of one axis)
         let names = [i, other].map(|i| d.scene_mass(i).and_then(|m| scene.symbols.get(m)).map(|s| s.name));
         let cross = match &names {
             [Some(a), Some(b)] => {
@@ -117,7 +117,7 @@ pub fn check(name: &str, scene: &Scene, d: &Drawing) {
     }
 }
 
-/// A view has what the state has, by the names of the scene.
+/// Checks that a view has the numbers of the state, by the names of the scene.
 pub fn views(name: &str, scene: &Scene, d: &Drawing, ticks: usize) {
     let mut play = Performance::new(scene, None).unwrap();
     (0..ticks).for_each(|_| play.tick());
@@ -130,7 +130,7 @@ pub fn views(name: &str, scene: &Scene, d: &Drawing, ticks: usize) {
         let n = if *space { 3 } else { 1 };
         if let Some(s) = d.scene_mass(i).and_then(|m| scene.symbols.get(m)) {
             let Location::Mat(place) = s.location else { panic!() };
-            // a port that is a share of a way has no place to move from
+            // a port that controls a moving point has a fraction, not a position
             if s.name == "slide" {
                 assert_eq!(seen[at], 0.0);
                 at += n;

@@ -1,4 +1,5 @@
-//! Films: what a page decodes is what was played, to half of a step of 16 bits; and a film of too much is small and says so.
+//! Tests that a decoded film equals the performance to half a step of 16 bits, and that films of large scenes are
+//! small.
 
 use super::check::{compiled, models};
 use ca_view::{Drawing, Film};
@@ -6,7 +7,7 @@ use cordis_anima::ca_core::Scene;
 use flate2::read::ZlibDecoder;
 use std::io::Read as _;
 
-/// The displacements of all pictures, as `film.js` reads them.
+/// Decodes the displacements of all pictures, as `film.js` does.
 fn decoded(film: &Film) -> (Vec<Vec<f64>>, serde_json::Value, usize) {
     let (about, packed) = film.json().unwrap();
     let mut bytes = Vec::new();
@@ -28,7 +29,7 @@ fn decoded(film: &Film) -> (Vec<Vec<f64>>, serde_json::Value, usize) {
     ((0..frames).map(view).collect(), about, packed.len())
 }
 
-/// Plays so many seconds with some motion, looked at 240 times a second; what each picture has to be.
+/// Plays `seconds` with some motion, records 240 times a second, and returns the expected pictures.
 fn played(scene: &Scene, film: &mut Film, seconds: f64) -> Vec<Vec<f64>> {
     let drawing = Drawing::new(scene);
     let mut s = scene.state();
@@ -78,12 +79,12 @@ fn a_film_of_too_much_is_small() {
             "[MESH]\nm = {{ nx = {side}, ny = {side}, m = \"1 g\", k = 900 }}\n[SOX]\no = {{ from = \"m[1,1]\" }}\n"
         )
     };
-    // fewer pictures, then fewer masses
+    // a lower rate, then fewer masses
     for (side, seconds, rate) in [(40, 30.0, 20.0..60.0), (120, 60.0, 19.0..60.0)] {
         let scene = compiled(&mesh(side), "mesh");
         let mut film = Film::new(&scene, seconds);
         assert!(rate.contains(&film.rate()), "{}", film.rate());
-        // noise, which no compressor makes small
+        // noise, which does not compress
         let mut x = vec![0.0; scene.counts.n_mat];
         let mut seed = 1_u32;
         for n in 0..(seconds * 60.0) as u32 {
@@ -98,7 +99,7 @@ fn a_film_of_too_much_is_small() {
         assert!(size < 5_500_000, "{size} bytes of {side} × {side}");
         assert_eq!(about["drawing"]["decimated"].is_null(), side == 40);
     }
-    // times that are none, and none at all
+    // invalid times, then an empty state
     let scene = compiled(&mesh(4), "mesh");
     let mut film = Film::new(&scene, 0.0);
     for t in [f64::NAN, f64::INFINITY, -1.0] {

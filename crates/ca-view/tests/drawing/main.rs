@@ -1,4 +1,4 @@
-//! Drawings of all bundled models, of what is large and of what is linked at random.
+//! Tests drawings of all bundled models, of large scenes and of random links.
 
 mod check;
 mod film;
@@ -21,7 +21,7 @@ fn every_bundled_model_is_drawn() {
         views(&name, &scene, &d, 500);
         let p = page(&d);
         assert_eq!(d.json()["decimated"], Value::Null);
-        // all MATs, and all links but those of sets and of masses that are left out
+        // all MATs, and all links except sets and masses that are left out
         assert!((0..scene.mats()).all(|m| d.drawn_mass(m) == Some(m)), "{name}");
         let sets = scene.passes.forces.iter().filter(|op| op.ports.pair_set.is_some()).count();
         let waves = p.links.iter().filter(|l| l.0 == "WAVE").count();
@@ -30,7 +30,7 @@ fn every_bundled_model_is_drawn() {
     }
 }
 
-/// Strings stand in the order of their masses, evenly, and neighbours of a mesh are equally far apart.
+/// Checks that strings are in the order of their masses and even, and that neighbours in a mesh are equally far apart.
 fn in_order(name: &str, scene: &Scene, d: &Drawing, p: &Page) {
     let mut rows: BTreeMap<String, Vec<usize>> = BTreeMap::new();
     let mut grid: BTreeMap<(String, u32, u32), usize> = BTreeMap::new();
@@ -49,7 +49,7 @@ fn in_order(name: &str, scene: &Scene, d: &Drawing, p: &Page) {
         let steps: Vec<f64> = masses.windows(2).map(|w| apart(p.rest[w[0]], p.rest[w[1]])).collect();
         let even = steps.iter().all(|s| (s - steps[0]).abs() < 1e-4 * steps[0]);
         assert!(wave || even, "{name}: {row} {steps:?}");
-        // a bank among banks goes into the depth
+        // banks side by side extend into the depth
         let along = masses.windows(2).all(|w| p.rest[w[0]][0] < p.rest[w[1]][0]);
         let deep = masses.windows(2).all(|w| p.rest[w[0]][0] == p.rest[w[1]][0] && p.rest[w[0]][2] > p.rest[w[1]][2]);
         let banks = name.starts_with("marimba");
@@ -61,7 +61,7 @@ fn in_order(name: &str, scene: &Scene, d: &Drawing, p: &Page) {
         .filter_map(|(other, i)| Some(apart(p.rest[*other?], p.rest[i])))
         .collect();
     assert!(lengths.iter().all(|l| (l - lengths[0]).abs() < 1e-4 * lengths[0]), "{name}: {lengths:?}");
-    // links of a string or mesh join neighbours, wherever its passes have put them
+    // links of a string or mesh join neighbours, in any order of passes
     let of = |i: usize| d.scene_mass(i).and_then(|m| scene.symbols.get(m)).map(|s| s.name);
     for (kind, contact, [a, b]) in p.links.iter().filter(|l| !p.space[l.2[0]]) {
         let (Some(a), Some(b)) = (of(*a), of(*b)) else { continue };
@@ -78,7 +78,7 @@ fn in_order(name: &str, scene: &Scene, d: &Drawing, p: &Page) {
     }
 }
 
-/// Strings long enough to be folded, a mesh, and a row of cells; each mass is where its name says.
+/// Strings long enough to be folded, a mesh and a row of cells: each mass is at the place of its name.
 #[test]
 fn folded_masses_are_seen_by_their_names() {
     let text = r#"
@@ -107,7 +107,6 @@ om = { from = "m[2,3]", channel = 0 }
     let p = page(&d);
     in_order("folded", &scene, &d, &p);
     assert_eq!(p.links.len(), scene.lias());
-    // the hammers stand below what they strike
     let place = |name: &str| {
         let m = (0..scene.mats()).find(|m| scene.symbols.get(*m).unwrap().name == name).unwrap();
         p.rest[d.drawn_mass(m).unwrap()]
@@ -121,7 +120,7 @@ om = { from = "m[2,3]", channel = 0 }
     assert!(hold && d.json()["spheres"].as_array().unwrap().is_empty());
 }
 
-/// Of a string that goes by its modes, these are drawn, and the masses that are played or heard, which are no MATs.
+/// A modal string draws its modes, and the masses with links or outputs, which are not MATs.
 #[test]
 fn modes_are_cells_and_the_masses_they_move_stand_beside() {
     let text = r#"
@@ -148,7 +147,7 @@ out = { from = "low.s[3]", gain = 20 }
     assert!(d.scene_mass(*struck).is_none() && !p.fixed[*struck]);
 }
 
-/// What holds others is a sphere around its mass.
+/// An enclosing contact is drawn as a sphere around its mass.
 #[test]
 fn what_contains_is_a_sphere() {
     for (name, scene) in models() {
@@ -164,7 +163,7 @@ fn what_contains_is_a_sphere() {
     }
 }
 
-/// Of a long string, a large mesh and a large cloud every k-th mass is drawn, and links between what is left.
+/// In a long string, a large mesh and a large cloud every k-th mass is drawn, with links between these.
 #[test]
 fn too_much_is_thinned() {
     let string = "[STRING]\ns = { n = 99998, m = \"1 g\", k = \"50 kN/m\" }\n[SOX]\nout = { from = \"s[7]\" }\n";
@@ -181,7 +180,7 @@ fn too_much_is_thinned() {
         assert!((8_000..20_100).contains(&p.n), "{name}: {}", p.n);
         let shown = (0..scene.mats()).filter(|m| d.drawn_mass(*m).is_some()).count();
         assert_eq!(shown, p.n, "{name}");
-        // what is drawn of it still hangs together
+        // the drawn masses are still connected
         if linked {
             let mut part: Vec<usize> = (0..p.n).collect();
             for (_, _, [a, b]) in &p.links {
@@ -208,7 +207,7 @@ fn root(part: &mut [usize], mut i: usize) -> usize {
     i
 }
 
-/// A hundred thousand masses are laid out at once, and as many drawn as a page can show.
+/// A hundred thousand masses are laid out, and thinned to what a page can show.
 #[test]
 fn much_is_laid_out_and_thinned() {
     let net = |n: usize| {

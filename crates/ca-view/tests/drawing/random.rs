@@ -1,11 +1,11 @@
-//! What is linked at random is drawn.
+//! Tests drawings of random links.
 
 use crate::check::{check, compiled, page, views};
 use ca_view::Drawing;
 use proptest::prelude::*;
 use std::fmt::Write as _;
 
-/// Masses, fixed points and ports on a line and in space, strings, meshes and cells, with links between any two of them.
+/// Writes a model with masses, ports and generators on a line and in space, and random links.
 fn random(seed: u64) -> String {
     let mut state = seed;
     let mut below = |n: usize| {
@@ -79,7 +79,7 @@ fn random(seed: u64) -> String {
             }
         }
     }
-    // what nobody hears is left out
+    // the compiler leaves out masses without outputs
     t += "[SOX]\n";
     for (i, name) in line.iter().enumerate() {
         let _ = writeln!(t, "o{i} = {{ from = \"{name}\", channel = 0 }}");
@@ -112,7 +112,7 @@ proptest! {
     }
 }
 
-/// A scene that was drawn once: two banks hold one mass in space along two axes, and cross there.
+/// A scene from an earlier run: two banks are tied to one mass in space along two axes, and cross there.
 #[test]
 fn two_banks_tied_to_one_mass_in_space_along_two_axes_are_drawn() {
     let seed = 10_990_588_236_738_511_851;

@@ -1,5 +1,4 @@
-//! Bodies in space, from their definitions: where the masses of TETRA, GRAINS and CLOUD stand, how they start, and what
-//! joins them.
+//! Bodies in space, from their definitions: positions, starts and links of the masses of TETRA, GRAINS and CLOUD.
 
 use super::expand::{Family, mat};
 use super::network::{Law, Link, MeasureKind, Network, Past};
@@ -15,7 +14,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// A point turned by a rotation vector, in turns: p cos + (n × p) sin + n (n·p)(1 − cos). Quarter turns are exact.
+/// Rotates a point by a rotation vector, in turns: p cos + (n × p) sin + n (n·p)(1 − cos). Quarter turns are exact.
 fn turned(turn: [f64; 3], p: [f64; 3]) -> [f64; 3] {
     let angle = dot(turn, turn).sqrt();
     if angle == 0.0 {
@@ -30,7 +29,7 @@ fn turned(turn: [f64; 3], p: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|k| p[k] * c + side[k] * s + n[k] * (along * (1.0 - c)))
 }
 
-/// The corners of a body around its origin.
+/// Corners of a body relative to its origin.
 fn corners(numbers: &Numbers, i: &Item) -> Vec<[f64; 3]> {
     let n = numbers.num(i, "n") as usize;
     match i.kind.as_str() {

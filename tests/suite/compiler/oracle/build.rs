@@ -1,4 +1,4 @@
-//! From the text of a model to plain modules: what names mean, who is linked to whom by which law, what goes in and out.
+//! Builds plain modules from the text of a model: names, links and their laws, inputs and outputs.
 
 use super::bodies::body;
 use super::expand::{Family, bank, fixed, mat, mesh, row};
@@ -15,11 +15,10 @@ struct Builder<'a> {
     numbers: Numbers<'a>,
     net: Network,
     names: BTreeMap<String, Family>,
-    /// moving points by their text: the same text is the same point
+    /// Moving points by their text: the same text is the same point.
     points: BTreeMap<String, usize>,
 }
 
-/// The network of a model, ready for its first tick.
 pub fn build(model: &Model) -> Network {
     let (names, points) = (BTreeMap::new(), BTreeMap::new());
     let mut b = Builder { numbers: Numbers::new(model), net: Network::default(), names, points };
@@ -91,7 +90,7 @@ impl Builder<'_> {
         self.names.insert(i.name.clone(), family);
     }
 
-    /// What a selector means: true and links, or false and MATs.
+    /// Resolves a selector: true and links, or false and MATs.
     fn pick(&mut self, text: &str) -> (bool, Vec<usize>) {
         let s = parse(text).expect("a selector");
         let family = self.names[&s.name].clone();
@@ -164,7 +163,7 @@ impl Builder<'_> {
         self.names.insert(i.name.clone(), Family { links, ..Family::default() });
     }
 
-    /// A port between two ends, what it adds to the elongation at rest, and its length at rest.
+    /// A port between two ends: how it measures, its constant part of the elongation at rest, and its length at rest.
     fn port(&self, i: &Item, ends: [usize; 2], along: Option<[f64; 3]>) -> (MeasureKind, f64, f64) {
         let [a, b] = ends.map(|m| &self.net.mats[m]);
         let apart = [0, 1, 2].map(|k| b.rest[k] - a.rest[k]);
@@ -199,7 +198,7 @@ impl Builder<'_> {
             && ["RES", "FRO", "REF"].contains(&i.kind.as_str())
             && matches!(measure, MeasureKind::Radial(..))
         {
-            // without length it has no direction of its own
+            // a link of zero length has no direction
             for k in 0..self.net.mats[ends[0]].axes.max(self.net.mats[ends[1]].axes) {
                 let e0 = self.net.mats[ends[1]].rest[k] - self.net.mats[ends[0]].rest[k];
                 let ports = vec![(ends, MeasureKind::Line([k, k]))];
@@ -254,7 +253,7 @@ impl Builder<'_> {
                     "coulomb" => Law::Stribeck { f, fd: f, v0, v1 },
                     "piecewise" => Law::Stribeck { f, fd: self.num(i, "fd").min(f), v0, v1 },
                     _ => {
-                        // u exp((1 − u²)/2), by straight lines from 0 to 8 as the kind's page says
+                        // u exp((1 − u²)/2), by linear interpolation from 0 to 8 as documented for the kind
                         let u = (0..=4096).map(|j| 8.0 * f64::from(j) / 4096.0);
                         let bell = u.map(|u| [u, u * libm::exp(0.5 - 0.5 * u * u)]).collect();
                         Law::Smooth { f, v0, bell }

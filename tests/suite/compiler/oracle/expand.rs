@@ -1,22 +1,22 @@
-//! What the generators stand for, as plain masses and springs: drawn here a second time, from their definitions.
+//! Expands generators to plain masses and springs, independently of the compiler, from their definitions.
 
 use super::network::{Law, Link, Mat, MeasureKind, Network};
 use super::numbers::{Numbers, entry, list, word};
 use ca_model::Item;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// What a name may be asked for.
+/// The modules that a name stands for.
 #[derive(Default, Clone)]
 pub struct Family {
     pub masses: Vec<usize>,
     pub links: Vec<usize>,
     pub ends: Vec<usize>,
-    /// places a moving point stands between, and their arrangement
+    /// Places between which a moving point moves, and their arrangement.
     pub nodes: Vec<usize>,
     pub size: [usize; 2],
 }
 
-/// A MAT of mass `m`, infinite where fixed, in the medium of its module.
+/// A MAT of mass `m`, infinite if fixed, in the medium of its module.
 pub fn mat(numbers: &Numbers, net: &mut Network, i: &Item, m: f64, p: f64, q: f64) -> usize {
     let c = if m == f64::INFINITY { 0.0 } else { numbers.tick_dt * numbers.tick_dt / m };
     let p = p - numbers.friction(i) / numbers.tick_dt * c;
@@ -32,7 +32,6 @@ pub fn fixed(numbers: &Numbers, net: &mut Network, i: &Item) -> usize {
     mat(numbers, net, i, f64::INFINITY, 0.0, 0.0)
 }
 
-/// A cell for each frequency.
 pub fn bank(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
     let n = entry(&i.args, "f").map_or(1, |l| list(l).len().max(1));
     let get = |key: &str, j: usize, power| {
@@ -56,7 +55,7 @@ fn tie(net: &mut Network, family: &mut Family, a: usize, b: usize, k: f64, z: f6
     });
 }
 
-/// Mass, damping to ground as the factor p, and eigenvalue kT²/m of the lowest mode where it is asked for by frequency.
+/// Mass, damping to ground as the factor p, and eigenvalue kT²/m of the lowest mode if `f` is given.
 fn matter(numbers: &Numbers, i: &Item, n: usize) -> (f64, f64, Option<f64>) {
     let tick_dt = numbers.tick_dt;
     let m = numbers.maybe(i, "m").unwrap_or_else(|| numbers.num(i, "m_total") / n as f64);
@@ -66,16 +65,16 @@ fn matter(numbers: &Numbers, i: &Item, n: usize) -> (f64, f64, Option<f64>) {
     (m, p, numbers.maybe(i, "f").map(|f| eigenvalue_at(f, p, tick_dt)))
 }
 
-/// (1 − r)² + 4r sin²(θ/2) of a mode heard at `f`, r² = p.
+/// (1 − r)² + 4r sin²(θ/2) of a mode heard at `f`, with r² = p.
 fn eigenvalue_at(f: f64, p: f64, tick_dt: f64) -> f64 {
     let (r, half) = (p.max(0.0).sqrt(), libm::sin(PI * f * tick_dt));
     (1.0 - r) * (1.0 - r) + 4.0 * r * half * half
 }
 
-/// Masses in a row, STRING, CHAIN or STIFFSTRING; unless free, between two fixed ends.
+/// A row of masses: STRING, CHAIN or STIFFSTRING, between two fixed ends unless free.
 ///
-/// A row of n between fixed ends has λ₁ = 4a sin²(π/2(n+1)), a free one 4a sin²(π/2n). Stiffness is bending: second
-/// differences, whose square is a spring to the neighbour but one of −kb and shares of kb on the near ones.
+/// A row of n between fixed ends has λ₁ = 4a sin²(π/2(n+1)), a free one 4a sin²(π/2n). Bending acts on second
+/// differences. Their square is a spring of −kb to the second neighbour and shares of kb on the near springs.
 pub fn row(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
     let (tick_dt, n, stiff) = (numbers.tick_dt, numbers.num(i, "n") as usize, i.kind == "STIFFSTRING");
     let free = i.kind == "CHAIN" || word(i, "ends") == "free";
@@ -85,7 +84,7 @@ pub fn row(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
         let n1 = n as f64 + 1.0;
         let s = libm::sin(FRAC_PI_2 / if free && !stiff { n as f64 } else { n1 });
         (k, bend) = if stiff {
-            // partials 1 and 2 are two equations, linear in k and B
+            // partials 1 and 2 give two equations, linear in k and B
             let (b, f) = (numbers.num(i, "b"), numbers.num(i, "f"));
             let second = eigenvalue_at(2.0 * f * ((1.0 + 4.0 * b) / (1.0 + b)).sqrt(), p, tick_dt);
             let (s1, s2) = (s * s, libm::sin(PI / n1) * libm::sin(PI / n1));
@@ -120,9 +119,9 @@ pub fn row(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
     Family { nodes, ..family }
 }
 
-/// Masses in a grid, with springs to the neighbours: those along y first.
+/// A grid of masses with springs to the neighbours, those along y first.
 ///
-/// The lowest mode has λ₁ = 4a (sin²(π/2(nx−1)) + sin²(π/2(ny−1))) held at the rim, 4a sin²(π/2 max(nx, ny)) else.
+/// The lowest mode has λ₁ = 4a (sin²(π/2(nx−1)) + sin²(π/2(ny−1))) if held at the rim, else 4a sin²(π/2 max(nx, ny)).
 pub fn mesh(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
     let (tick_dt, [nx, ny]) = (numbers.tick_dt, ["nx", "ny"].map(|key| numbers.num(i, key) as usize));
     let (m, p, eigenvalue) = matter(numbers, i, nx * ny);

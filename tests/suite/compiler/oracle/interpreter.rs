@@ -1,6 +1,5 @@
-//! The oracle: plays a network module by module, one tick after the other. It holds the equations of CORDIS-ANIMA as
-//! they are written in books, and shares nothing with the compiler. To give the same bits it sums in the same order:
-//! the links as the document has them.
+//! The oracle plays a network module by module, tick by tick, with the textbook equations of CORDIS-ANIMA.
+//! It shares no code with the compiler. To give the same bits it sums links in document order.
 
 use super::network::{Law, Link, Network, Point};
 use ca_tests::follow;
@@ -13,7 +12,7 @@ fn power(x: f64, quarters: u32) -> f64 {
 }
 
 impl Law {
-    /// Force on the first end, of stretch e [m] and its change w in the last tick [m].
+    /// Force on the first end, for an elongation e [m] and its change w in the last tick [m].
     fn force(&mut self, e: f64, w: f64) -> f64 {
         match *self {
             Law::Linear { k, z } => k * e + z * w,
@@ -54,7 +53,7 @@ impl Law {
 }
 
 impl Network {
-    /// The nodes of a point and their parts in it.
+    /// Nodes of a point and their weights.
     fn parts(&self, point: &Point) -> Vec<(usize, f64)> {
         let mut parts = vec![(0, 1.0)];
         for (at, n) in point.at.iter().zip(point.size) {
@@ -67,7 +66,7 @@ impl Network {
         parts.into_iter().map(|(i, a)| (point.nodes[i], a)).collect()
     }
 
-    /// Weight, then waves, then the links in document order, then what pushes on a line, then what points bear goes to their nodes.
+    /// Adds gravity, then waves, links in document order, forces on lines, and last the forces on moving points.
     fn forces(&mut self) {
         for at in 0..self.points.len() {
             let (mat, parts) = (self.points[at].mat, self.parts(&self.points[at]));
@@ -96,7 +95,7 @@ impl Network {
         }
     }
 
-    /// From speeds v at the start, written as d = vT, back half a tick to the ways the scheme starts from.
+    /// Converts initial speeds v, stored as d = vT, to the motion half a tick earlier with which the scheme starts.
     pub fn start(&mut self) {
         self.forces();
         self.links.iter_mut().for_each(Link::forget);
@@ -110,7 +109,7 @@ impl Network {
         }
     }
 
-    /// One tick: the values of the ports in, the channels out.
+    /// Runs one tick from port values to channels.
     pub fn tick(&mut self, inputs: &[f64], out: &mut [f64]) {
         for (port, value) in self.ports.iter_mut().zip(inputs) {
             let Some(period) = port.period else {
@@ -135,7 +134,7 @@ impl Network {
                 m.d[k] = m.pqc[0] * m.d[k] + m.pqc[1] * m.x[k] + m.pqc[2] * m.f[k];
                 m.x[k] += m.d[k];
             }
-            // what has died out falls silent, before numbers get too small to be computed with fast
+            // flushes tiny numbers to zero, because denormal numbers are slow
             if self.n & 1023 == 1023 {
                 let alive = |v: f64| if v.abs() < 1e-270 { 0.0 } else { v };
                 (m.x, m.d) = (m.x.map(alive), m.d.map(alive));

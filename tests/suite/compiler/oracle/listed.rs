@@ -1,9 +1,9 @@
-//! What the oracle has no equation or drawing of its own for, taken from its record in the catalog.
+//! Kinds without an equation or expansion in the oracle, taken from their catalog record.
 //!
-//! Decides that a new kind is compared from the day it is listed: how it is wired, measured, scheduled and summed is then
-//! the oracle's own; its equation is that of the record, which the conformance suite holds to its promises, and a drawing
-//! is held to its closed form by a test beside it. The alternative, refusing what is not written here a second time, would
-//! make every new kind an edit in three files of the oracle. The kinds it knows keep their second definition.
+//! This compares a new kind from the day it is listed. Its wiring, measuring, schedule and sums are the oracle's own.
+//! Its equation comes from the record, which the conformance suite checks; an expansion has a test against its closed
+//! form. Refusing kinds without a second definition here would make every new kind an edit in three files of the
+//! oracle. The kinds that the oracle knows keep their second definition.
 
 use super::expand::{Family, fixed, mat};
 use super::network::{Law, Link, MeasureKind, Network, Past};
@@ -18,7 +18,7 @@ use ca_model::{Item, Value};
 pub struct Listed {
     law: &'static ca_core::Law,
     c: Vec<f64>,
-    /// from the first elongation on
+    /// Memory, from the first elongation on.
     mem: Option<Vec<f64>>,
     tables: Vec<Table>,
 }
@@ -27,7 +27,7 @@ pub fn kind(i: &Item) -> &'static Kind {
     ca_conformance::drawn::catalog().get(&i.kind).unwrap_or_else(|| panic!("no kind {}", i.kind))
 }
 
-/// The parameters of a module in the order of its record; tables are put aside and called by number.
+/// Parameters of a module in the order of its record. Tables are stored apart and referred to by number.
 fn args(numbers: &Numbers, i: &Item, tables: &mut Vec<Table>) -> Vec<Arg> {
     let one = |p: &ca_core::Param, tables: &mut Vec<Table>| match (entry(&i.args, p.name), p.ty, p.need) {
         (None, _, Need::Default(v)) => Arg::Num(v),
@@ -58,19 +58,19 @@ impl Listed {
         Listed { law, c: loaded(law, &p, numbers.tick_dt), mem: None, tables }
     }
 
-    /// Whether it is not looked at while nothing touches.
+    /// True if it is not measured while nothing touches.
     pub fn passes(&self) -> bool {
         self.law.contact && self.law.mem == 0
     }
 
-    /// Force on the first end, of stretch e [m] and its change w in the last tick [m].
+    /// Force on the first end, for an elongation e [m] and its change w in the last tick [m].
     pub fn force(&mut self, e: f64, w: f64) -> f64 {
         let mem = self.mem.get_or_insert_with(|| started(self.law, &self.c, e));
         (self.law.fns.force)(&self.c, mem, &self.tables, e, w)
     }
 }
 
-/// The drawing of a generator, as plain modules.
+/// Expands a generator to plain modules.
 pub fn drawn(numbers: &Numbers, net: &mut Network, i: &Item, generator: &Generator) -> Family {
     let (kind, values) = (kind(i), args(numbers, i, &mut Vec::new()));
     let (tick_dt, dim) = (numbers.tick_dt, numbers.axes(i) as u8);

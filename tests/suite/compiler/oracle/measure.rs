@@ -1,8 +1,8 @@
-//! What a link in space measures, by the ledger.
+//! Measures links in space.
 
 use super::network::{Link, Mat, MeasureKind, Past};
 
-/// One after the other, as sums are written.
+/// Sums in order, as written.
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
@@ -11,12 +11,11 @@ fn difference(b: [f64; 3], a: [f64; 3]) -> [f64; 3] {
     [b[0] - a[0], b[1] - a[1], b[2] - a[2]]
 }
 
-/// The length of a vector, softened.
 fn length(v: [f64; 3], soft: f64) -> f64 {
     (dot(v, v) + soft).sqrt()
 }
 
-/// What a port feels: elongation, its change, the vector from the first end to the second and the length of that.
+/// Measured at a port: elongation, its change, the vector from the first end to the second, and its length.
 pub struct Felt {
     pub e: f64,
     pub w: f64,
@@ -25,7 +24,7 @@ pub struct Felt {
 }
 
 impl Felt {
-    /// The force on the first end, on each axis, of a pull.
+    /// Force on the first end along each axis.
     pub fn pull(&self, force: f64) -> [f64; 3] {
         let part = if self.l == 0.0 { 0.0 } else { force / self.l };
         self.v.map(|v| v * part)
@@ -33,7 +32,7 @@ impl Felt {
 }
 
 impl MeasureKind {
-    /// What is felt between two ends, from their places and ways; a distance is kept for the next tick.
+    /// Measures between two ends, from positions and motion, and keeps a distance for the next tick.
     pub fn feel(&mut self, a: &Mat, b: &Mat) -> Felt {
         let (x, d) = (difference(b.x, a.x), difference(b.d, a.d));
         match self {
@@ -55,19 +54,18 @@ impl MeasureKind {
         }
     }
 
-    /// The axes of either end that it moves.
+    /// Axes of both ends that it acts along.
     pub fn axes(&self) -> Vec<[usize; 2]> {
         if let MeasureKind::Line(of) = self { vec![*of] } else { vec![[0, 0], [1, 1], [2, 2]] }
     }
 }
 
 impl Link {
-    /// What its ports feel.
     pub fn feel(&mut self, mats: &[Mat]) -> Vec<Felt> {
         self.ports.iter_mut().map(|([a, b], measure)| measure.feel(&mats[*a], &mats[*b])).collect()
     }
 
-    /// Distances that were kept are forgotten.
+    /// Discards kept distances.
     pub fn forget(&mut self) {
         for (_, measure) in &mut self.ports {
             if let MeasureKind::Radial(_, _, Past::Kept(last)) = measure {

@@ -1,6 +1,8 @@
-//! The compiled scene against the oracle, which plays the same text module by module: `build` reads it into the plain
-//! modules of `network`, with `numbers`, `expand`, `bodies` and `waves`; `interpreter` plays them, measures by `measure` and is heard by `outputs`. A
-//! kind it has no definition of its own for is `listed`: taken from its record.
+//! The compiled scene against the oracle, which plays the same text module by module.
+//!
+//! `build` reads the text into the plain modules of `network`, with `numbers`, `expand`, `bodies` and `waves`.
+//! `interpreter` plays them, with `measure` and `outputs`. Kinds without their own definition are taken from their
+//! record (`listed`).
 
 mod bodies;
 mod build;
@@ -23,7 +25,7 @@ use ca_model::{Item, Model, Value};
 use ca_tests::gesture;
 use ca_tests::long_form::long_form;
 
-/// A second of a scene; in the core suite a quarter of one, of large scenes less, but a twentieth beyond the first sound.
+/// Ticks to play: a second in the long form, else a quarter or less, but a twentieth beyond the first sound.
 fn ticks(scene: &Scene, long: bool) -> usize {
     let second = scene.rate as usize;
     if long {
@@ -53,7 +55,7 @@ fn play(scene: &Scene, oracle: &mut Network, ticks: usize, mut each: impl FnMut(
     }
 }
 
-/// The model without what stands behind the microphones: outputs have filters of their own, with tests of their own.
+/// The model without output filters, which are tested elsewhere.
 fn plain(text: &str) -> Model {
     let mut m = model(text);
     let outputs: Vec<String> =
@@ -65,7 +67,7 @@ fn plain(text: &str) -> Model {
         }
         assert!(m.set(&format!("{name}.dc"), "0"));
     }
-    // a contact that is solved has tests of its own: here it is that of the plain loop
+    // solved contacts are tested elsewhere: here they use the explicit method
     let solved: Vec<String> = m.items.iter().filter(|i| method(i) == Some("stable")).map(|i| i.name.clone()).collect();
     for name in solved {
         assert!(m.set(&format!("{name}.method"), "ca"));
@@ -73,13 +75,12 @@ fn plain(text: &str) -> Model {
     m
 }
 
-/// How a link is computed, where that is written.
 fn method(i: &Item) -> Option<&str> {
     let found = i.args.iter().find(|e| e.key == "method")?;
     if let Value::Text(t) = &found.value { Some(t) } else { None }
 }
 
-/// Every model but those of which a port drives numbers, and those with set-valued friction: these have tests of their own.
+/// Every model except those with parameters driven by ports or set-valued friction, which are tested elsewhere.
 fn texts() -> Vec<(String, String)> {
     let driven = |m: &Model| m.params.iter().any(|p| format!("{:?}", p.value).contains("\"port\""));
     let sets = |m: &Model| m.items.iter().any(|i| method(i) == Some("set-valued"));
@@ -125,12 +126,12 @@ fn in_batches_it_is_the_same_to_rounding() {
                 power[0] += a * a;
                 power[1] += b * b;
             }
-            // from the first force of a law that bends on, rounding may grow
+            // from the first force of a non-linear law on, rounding may grow
             struck |= oracle.links.iter().any(|l| l.f != 0.0 && !matches!(l.law, Law::Linear { .. }));
         });
         within(&format!("{name}, fast"), worst / peak.max(1e-300), 1e-12);
         if struck {
-            // on a line a blow parts them a little; in space the next one strikes elsewhere: within a factor of two
+            // on a line a blow parts them slightly; in space the next blow falls elsewhere: within a factor of two
             let limit = if scene.symbols.iter().any(|s| s.axes > 1) { std::f64::consts::LN_2 } else { 1e-3 };
             within(&format!("{name}, power after the first impact"), (power[0] / power[1]).ln().abs(), limit);
         }

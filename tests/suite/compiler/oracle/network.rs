@@ -1,12 +1,13 @@
-//! The model as plain modules: what reading it leaves and the interpreter plays. Data only.
-//! Time counts in ticks T: `x` [m] is measured from the rest, `d` [m] is the way of the last tick, z stands for z/T.
+//! The model as plain modules, made by `build` and played by `interpreter`; data only. Time is in ticks T: `x` [m] is
+//! relative to rest, `d` [m] is the motion of the last tick, z stands for z/T.
 
 use super::listed::Listed;
 use super::waves::Line;
 
-/// d ← p·d + q·x + c·f, then x ← x + d. A mass has p = 1, q = 0, c = T²/m; a cell p = 1 − zT/m, q = −kT²/m, c = T²/m;
-/// what is fixed, moved from outside or between nodes has c = 0.
-/// On a line only the first axis counts; in a plane two; `axes` says how many move.
+/// d ← p·d + q·x + c·f, then x ← x + d.
+///
+/// A mass has p = 1, q = 0, c = T²/m; a cell has p = 1 − zT/m, q = −kT²/m, c = T²/m. Fixed points, ports and moving
+/// points have c = 0. `axes` is the number of axes that move: 1 on a line, 2 in a plane.
 #[derive(Default, Clone)]
 pub struct Mat {
     pub axes: usize,
@@ -18,7 +19,7 @@ pub struct Mat {
     pub weight: [f64; 3],
 }
 
-/// Breakpoints, joined by straight lines and held outside.
+/// Breakpoints of a curve, linear between them and constant outside.
 pub type Curve = Vec<[f64; 2]>;
 
 /// A contact within distance d has side −1, one beyond it 1. Powers are in quarters; table velocities in m/s.
@@ -58,7 +59,7 @@ pub enum Law {
         d: f64,
         rho: f64,
     },
-    /// `side` is the sign of the elongation in which it holds, 0 where both do; `engaged` whether it may at load
+    /// `side` is the sign of elongation in which it holds, 0 for both; `engaged` tells if it may hold at load.
     Pluck {
         k: f64,
         z: f64,
@@ -88,7 +89,7 @@ pub enum Law {
 }
 
 impl Law {
-    /// Whether a link of two ends is not measured while nothing touches.
+    /// True if a link of two ends is not measured while nothing touches.
     pub fn passes(&self) -> bool {
         match self {
             Law::Buffer { .. } | Law::Hertz { .. } => true,
@@ -98,23 +99,23 @@ impl Law {
     }
 }
 
-/// How two ends are measured: these axes of them, their difference along a direction, or their distance, of which the
-/// vector at rest and the square of the softening length are given, and how it knows what it was.
+/// Measure of two ends: along these axes, along a direction, or by distance. A distance has the vector at rest,
+/// the square of the softening length, and the source of its last value.
 pub enum MeasureKind {
     Line([usize; 2]),
     Along([f64; 3]),
     Radial([f64; 3], f64, Past),
 }
 
-/// The distance one tick before: from motion, for contacts, which are not measured while nothing touches, or as it was
-/// measured then, if it was.
+/// Distance one tick earlier: computed from motion for contacts, which are not measured while nothing touches, or the
+/// value measured then, if any.
 pub enum Past {
     Motion,
     Kept(Option<f64>),
 }
 
-/// Sees the sum of what its ports measure, and e₀, and the change of that; its force pulls the first end of each port
-/// and pushes the second. A dipole has one port, a quadripole two.
+/// Measures the sum over its ports plus e₀, and the change of that. The force pulls the first end of each port and
+/// pushes the second. A dipole has one port, a quadripole two.
 pub struct Link {
     pub ports: Vec<([usize; 2], MeasureKind)>,
     pub e0: f64,
@@ -122,7 +123,7 @@ pub struct Link {
     pub f: f64,
 }
 
-/// A MAT between the nodes of a row or a mesh of `size`, where the MATs `at` stand, from 0 to 1, one for each axis.
+/// A MAT between the nodes of a row or a mesh of `size`. The MATs `at` give its position from 0 to 1, one per axis.
 pub struct Point {
     pub mat: usize,
     pub nodes: Vec<usize>,
@@ -130,18 +131,18 @@ pub struct Point {
     pub at: Vec<usize>,
 }
 
-/// Pushes all MATs `to`, or moves one, straight over a period of this many ticks.
+/// Pushes all MATs `to`, or moves one linearly over a period of this many ticks.
 pub struct Port {
     pub name: String,
     pub to: Vec<usize>,
-    /// axis it moves or pushes along
+    /// Axis of the motion or force.
     pub axis: usize,
     pub period: Option<u64>,
     pub held: f64,
     pub from: f64,
 }
 
-/// What an output listens to, by number of the MAT and its axis, or of the link.
+/// Source of an output, by number of the MAT and its axis, or of the link.
 pub enum Heard {
     Position(usize, usize),
     Motion(usize, usize),
@@ -156,16 +157,16 @@ pub struct Network {
     pub lines: Vec<Line>,
     pub points: Vec<Point>,
     pub ports: Vec<Port>,
-    /// channel, gain and source
+    /// Channel, gain and source.
     pub outputs: Vec<(usize, f64, Heard)>,
-    /// forces from outside on a line in the tick at hand: on which mass, and how much
+    /// Forces from outside on a line in this tick: mass and force.
     pub pushed: Vec<(usize, f64)>,
-    /// ticks played
+    /// Ticks played.
     pub n: u64,
 }
 
 impl Mat {
-    /// A force from outside: in space before all others, on a line `later`.
+    /// Adds a force from outside: in space before all others, on a line `later`.
     pub fn push(&mut self, (own, axis, force): (usize, usize, f64), later: &mut Vec<(usize, f64)>) {
         if self.axes == 1 { later.push((own, force)) } else { self.f[axis] += force }
     }

@@ -1,4 +1,4 @@
-//! The numbers of a model in SI, by name of the parameter.
+//! Numbers of a model in SI, by parameter name.
 
 use super::network::Curve;
 use ca_model::{Entry, Item, Model, Value, quantity};
@@ -11,18 +11,18 @@ pub fn list(v: &Value) -> &[Entry] {
     if let Value::List(l) = v { l } else { &[] }
 }
 
-/// The text of a parameter, empty where it has none.
+/// Text of a parameter, empty if missing.
 pub fn word<'i>(i: &'i Item, key: &str) -> &'i str {
     if let Some(Value::Text(t)) = entry(&i.args, key) { t } else { "" }
 }
 
 pub struct Numbers<'a> {
     pub model: &'a Model,
-    /// the tick [s]
+    /// Length of a tick [s].
     pub tick_dt: f64,
-    /// ticks to a gesture period
+    /// Ticks per gesture frame.
     pub ratio: u64,
-    /// the tick that numbers without unit are written for [s], in per-sample units
+    /// Tick for which bare numbers are written [s], in per-sample units.
     sample: Option<f64>,
 }
 
@@ -39,7 +39,7 @@ impl<'a> Numbers<'a> {
         n
     }
 
-    /// A number, a quantity or a parameter's name; a number without unit scales with the sample to this power.
+    /// Value of a number, quantity or parameter name. Bare numbers scale with the sample to this power.
     pub fn value(&self, v: &Value, power: f64) -> f64 {
         let bare = self.sample.map_or(1.0, |t| libm::pow(t, power));
         let read = |t: &str| match quantity::parse(t) {
@@ -78,7 +78,7 @@ impl<'a> Numbers<'a> {
         self.maybe(i, key).unwrap_or(0.0)
     }
 
-    /// Gravity, friction or the number of axes where the module lives: of its group, else of the model.
+    /// Gravity, friction or number of axes for a module: of its group, else of the model.
     fn around(&self, i: &Item, key: &str) -> Option<&Value> {
         let group = i.group.and_then(|g| entry(&self.model.groups[g].props, key));
         group.or(self.model.meta(key).map(|e| &e.value))
@@ -93,7 +93,7 @@ impl<'a> Numbers<'a> {
         self.around(i, "dim").map_or(1.0, |v| self.value(v, 0.0)) as usize
     }
 
-    /// An acceleration; one number pulls down along the last axis.
+    /// Acceleration; a single number points down along the last axis.
     pub fn gravity(&self, i: &Item) -> [f64; 3] {
         let mut g = [0.0; 3];
         match self.around(i, "gravity") {
@@ -104,7 +104,7 @@ impl<'a> Numbers<'a> {
         g
     }
 
-    /// A number for each axis.
+    /// One number per axis.
     pub fn place(&self, i: &Item, key: &str) -> [f64; 3] {
         let power = if matches!(key, "v" | "spin") { -1.0 } else { 0.0 };
         let mut place = [0.0; 3];
@@ -118,7 +118,6 @@ impl<'a> Numbers<'a> {
         place
     }
 
-    /// A unit vector, if one is written.
     pub fn along(&self, i: &Item) -> Option<[f64; 3]> {
         let v = entry(&i.args, "along")?;
         if let Value::Text(t) = v {
@@ -137,7 +136,7 @@ impl<'a> Numbers<'a> {
         entry(&i.args, key).map(|v| list(v).iter().map(pair).collect())
     }
 
-    /// kT²/m and zT/m of what is heard at `f` and has lost 60 dB after `t60`.
+    /// kT²/m and zT/m of a mode heard at `f` that decays by 60 dB in `t60`.
     pub fn heard_at(&self, f: f64, t60: f64) -> (f64, f64) {
         let decay = 3.0 * std::f64::consts::LN_10 / t60;
         let lost = -libm::expm1(-decay * self.tick_dt);

@@ -1,10 +1,9 @@
-//! What a channel sounds in the oracle: its outputs of places and forces one by one, from sixteen on in eight sums beside each
-//! other; then those of motion, one by one.
+//! Channels of the oracle. A channel sums its outputs of positions and forces one by one, from sixteen on as eight
+//! parallel sums; then its outputs of motion, one by one.
 
 use super::network::{Heard, Network};
 
 impl Network {
-    /// The sum of a channel.
     pub fn heard(&self, channel: usize) -> f64 {
         let (motions, plain): (Vec<_>, Vec<_>) =
             self.outputs.iter().filter(|(c, _, _)| *c == channel).partition(|o| matches!(o.2, Heard::Motion(..)));

@@ -1,7 +1,7 @@
-//! Strings of travelling waves as they are drawn in books: a shift register for each way, one wave in and one out.
+//! Strings of travelling waves in textbook form: a shift register for each direction, one wave in and one out.
 //!
-//! How long the ways are and what the filter at the far end is comes from the compiler's own tuning, whose poles have
-//! tests of their own; how waves travel and meet the junctions is written here a second time.
+//! Delays and end filters come from the compiler's own tuning, whose poles are tested elsewhere. Propagation and
+//! junctions are written here a second time.
 
 use super::expand::{Family, mat};
 use super::network::{Mat, Network};
@@ -10,24 +10,24 @@ use ca_core::internal::tuning::wave::{Loss, WaveguideSpec, tune};
 use ca_model::Item;
 use std::collections::VecDeque;
 
-/// A string: junction j takes in what comes by way 2j from the left and by way 2j + 1 from the right.
+/// A string: junction j receives waves from the left through way 2j and from the right through way 2j + 1.
 pub struct Line {
-    /// its junctions
+    /// Masses of the junctions.
     mats: Vec<usize>,
-    /// wave impedance of a side \[N per m/tick\]
+    /// Wave impedance of a side \[N per m/tick\].
     z: f64,
-    /// the waves under way, oldest first
+    /// Waves in transit, oldest first.
     ways: Vec<VecDeque<f64>>,
-    /// filters of the near and the far end, and the memories of their allpasses
+    /// Filters of the near and the far end, and the memories of their allpasses.
     ends: [Option<Loss>; 2],
     memory: [f64; 2],
-    /// what arrived in this tick, by way
+    /// Waves that arrived in this tick, by way.
     arrived: Vec<f64>,
-    /// motion of the junctions before the tick \[m\]
+    /// Motion of the junctions before the tick \[m\].
     before: Vec<f64>,
 }
 
-/// A WAVEGUIDE whose junctions have a written mass.
+/// A WAVEGUIDE whose junctions have an explicit mass.
 pub fn string(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
     let tick_dt = numbers.tick_dt;
     let num = |key: &str| numbers.maybe(i, key);
@@ -44,7 +44,7 @@ pub fn string(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
     let tuned = tune(&asked, &vec![m; n], tick_dt).expect("a string");
     let cell = m + z * tick_dt;
     let masses: Vec<usize> = (0..n).map(|_| mat(numbers, net, i, cell, 1.0 - 2.0 * z * tick_dt / cell, -0.0)).collect();
-    // to junction j from the left come waves from the junction before, from the right those of the next
+    // waves reach junction j from the junction before it on the left, and from the next on the right
     let way = |k: usize| match k {
         0 => tuned.delays[0] + usize::from(tuned.near.is_some()),
         _ if k == 2 * n - 1 => tuned.delays[n] + 3,
@@ -63,7 +63,7 @@ pub fn string(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
 }
 
 impl Line {
-    /// The waves that arrive, and their push.
+    /// Takes the waves that arrive and adds their forces.
     pub fn arrive(&mut self, mats: &mut [Mat]) {
         let last = self.ways.len() - 1;
         for (k, way) in self.ways.iter().enumerate() {
@@ -85,11 +85,11 @@ impl Line {
         }
     }
 
-    /// The waves that leave.
+    /// Sends the outgoing waves.
     pub fn depart(&mut self, mats: &[Mat]) {
         let last = self.ways.len() - 1;
         for k in 0..=last {
-            // what leaves on the left of a junction comes to the right of the one before; at the ends it comes back
+            // a wave leaving a junction to the left reaches the one before from its right; at the ends it returns
             let from = match k {
                 0 => 0,
                 _ if k == last => last,

@@ -1,4 +1,4 @@
-//! What hangs on a junction: springs of any stiffness, and how waves pass.
+//! Junctions: springs of any stiffness, and the propagation of waves.
 
 use super::{poles, radius, string};
 use crate::play::{audited, case, list, mat, num, off, scene, within};
@@ -6,14 +6,14 @@ use ca_core::{Level, tick};
 
 const FS: f64 = 48e3;
 
-/// A lossless string of 20 + 50 samples, of impedance 1, with a spring of `k` to the ground at its junction.
+/// A lossless string of 20 + 50 samples and impedance 1, with a spring of stiffness `k` from its junction to ground.
 fn sprung(k: f64, m: &str) -> String {
     let more = format!("[SOL]\nwall = {{}}\n[RES]\nspring = {{ between = [\"w[0]\", \"wall\"], k = {k:e} }}\n");
     string(&format!("f = {:?}, z = 1, at = {:?}{m}", FS / 70.0, 20.0 / 70.0), &more)
 }
 
-/// Springs up to a hundred times the impedance: no pole leaves the circle, with the mass that a junction takes by
-/// itself and with a little more than the smallest; and the certificate knows.
+/// Springs up to a hundred times the impedance keep all poles in the unit circle, with the default mass of the junction
+/// and with slightly more than the smallest. The certificate agrees.
 #[test]
 fn g02_any_spring_is_passive() {
     let c = case("G02");
@@ -26,7 +26,7 @@ fn g02_any_spring_is_passive() {
             assert_eq!(s.certificate.level, Level::Proven, "{r} {m}");
             within("G02 radius", (radius(&poles(&s)) - 1.0).abs(), tolerance);
         }
-        // below, nothing is promised; and where not even what the waves give back could hold it, that it diverges
+        // below that mass nothing is proven; it is called unstable only if even the returning waves could not hold it
         let s = scene(&sprung(k, &format!(", m = {:e}", 0.99 * least)));
         assert_eq!(s.certificate.level, Level::NotProven, "{r}");
         let s = scene(&sprung(k, &format!(", m = {:e}", 0.5 * least)));
@@ -56,8 +56,7 @@ fn g03_the_energy_of_a_sprung_junction_is_constant() {
     within("G03 drift", drift, num(c, "tolerance/rel"));
 }
 
-/// A push at one junction is felt at the other after the ticks between them, and the echo of the near end comes when
-/// it must; what stands between is not passed early.
+/// A push at one junction reaches the other after exactly the ticks between them; the near end echoes on time.
 #[test]
 fn waves_take_their_time() {
     let scene = scene(&string(
@@ -72,16 +71,14 @@ fn waves_take_their_time() {
         moved.push([s.d[mat(&scene, "w[0]")], s.d[mat(&scene, "w[1]")]]);
     }
     let first = |j: usize, from: usize| moved.iter().skip(from).position(|d| d[j].abs() > 1e-12).map(|n| n + from);
-    // 480 samples up and down, a quarter and a half of the way along: 60 samples apart, 120 from the first to the end
-    // and back
+    // 480 samples up and down, junctions at 1/4 and 1/2: 60 samples apart, 120 from the first to the end and back
     assert_eq!([first(0, 0), first(1, 0)], [Some(0), Some(60)]);
     assert_eq!(first(0, 4), Some(120));
-    // F = 2Z v: half a newton second per kilogram for a tick, on either side
+    // F = 2Z v: half a newton second per kilogram for a tick, in each direction
     let step: f64 = moved[..100].iter().map(|d| d[1]).sum();
     within("as far as the push", off(step, 0.5 / FS), 1e-4);
 }
 
-/// A string that is struck comes to rest where it was, though its far end loses at 0 Hz too.
 #[test]
 fn it_comes_back_to_where_it_was() {
     let scene = scene(&string(
@@ -99,7 +96,7 @@ fn it_comes_back_to_where_it_was() {
     within("what is left of the displacement", s.x[w].abs() / most, 1e-12);
 }
 
-/// Under a push that lasts it gives as the near part of the string does: 2Z/(D T).
+/// Under a steady push the string yields like its near part: 2Z/(D T).
 #[test]
 fn a_steady_push_is_held_by_the_near_end() {
     let scene = scene(&string(

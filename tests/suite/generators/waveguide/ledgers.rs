@@ -1,11 +1,11 @@
-//! The energy of waves is held, that of the far end is heat, and the ledgers balance.
+//! Energy ledgers of waveguides: waves store energy, the far end dissipates it, and the ledgers balance.
 
 use super::string;
 use crate::play::{TURN, audited, scene, within};
 use ca_core::tick;
 
-/// Struck by a hammer, damped by a felt, with three junctions: every tick closes, the far end only takes, and in the
-/// end all is heat.
+/// Struck by a hammer and damped by a felt, with three junctions: every tick balances, the far end only dissipates, and
+/// in the end all energy is heat.
 #[test]
 fn the_ledger_balances_and_the_far_end_only_takes() {
     for loss in ["t60 = 0.3", "t60 = 0.3, t60_high = 0.02", "t60 = 0.05, t60_high = 0.01, f_high = 2000"] {
@@ -33,8 +33,8 @@ fn the_ledger_balances_and_the_far_end_only_takes() {
     }
 }
 
-/// Pushed softly, so that nothing is caught above the corner of the junction, every partial decays alike, and energy
-/// with them: 60 dB in T60.
+/// After a soft push, without energy trapped above the corner frequency of the junction, all partials decay alike.
+/// Energy falls by 60 dB in T60.
 #[test]
 fn a_note_loses_sixty_decibels_in_its_time() {
     let scene = audited(&string("f = 480, t60 = 0.5, z = 1, at = 0.4", "[ENF]\nhand = { to = \"w[0]\" }\n"));
@@ -48,13 +48,11 @@ fn a_note_loses_sixty_decibels_in_its_time() {
     within("decibels in 0.25 s", (10.0 * (held[23_000] / held[11_000]).log10() + 30.0).abs(), 0.02);
 }
 
-/// A scene without a string of waves has nothing of them.
 #[test]
 fn without_one_there_is_no_trace() {
     let scene = scene("[CEL]\nbar = { m = 1, f = 440 }\n[SOX]\nout = { from = \"bar\" }\n");
     assert!(scene.waves == ca_core::internal::op::layout::Waves::default() && scene.state().links.mem.is_empty());
     assert!(scene.passes.forces.iter().chain(&scene.passes.moves).all(|op| !op.name().starts_with("waves")));
-    // and one that nobody hears leaves none
     let scene = crate::play::scene(
         "[CEL]\nbar = { m = 1, f = 440 }\n[SOX]\nout = { from = \"bar\" }\n[WAVEGUIDE]\nw = { f = 100, z = 1, at = 0.2 }\n",
     );

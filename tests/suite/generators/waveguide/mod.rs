@@ -1,5 +1,5 @@
-//! Waveguides: pitch and decay by the poles of the running engine (G01), junctions that hold any spring (G02, G03),
-//! how waves travel, what the ledgers say, and instruments that touch them.
+//! Waveguides: pitch and decay from the poles of the running engine (G01), junctions with any spring (G02, G03),
+//! propagation, energy ledgers, and instruments that touch a string.
 
 mod junction;
 mod ledgers;
@@ -10,13 +10,13 @@ use crate::play::TURN;
 use ca_core::internal::op::layout::Termination;
 use ca_core::{Scene, tick};
 
-/// A string of these parameters at 48 kHz, heard at its first junction, and whatever else is in the model.
+/// A string with these parameters at 48 kHz, with its first junction as the output, and `more` model text.
 fn string(parameters: &str, more: &str) -> String {
     format!("[WAVEGUIDE]\nw = {{ {parameters} }}\n[SOX]\nout = {{ from = \"w[0]\" }}\n{more}")
 }
 
-/// Poles of the running engine, as moduli and angles: it is moved a little in each number of its state, and ticks.
-/// Waves are found by how long ago they left, as their rings turn.
+/// Poles of the running engine as moduli and angles. Each number of the state is perturbed for one tick. Waves in the
+/// ring buffers are indexed by their age.
 fn poles(scene: &Scene) -> Vec<[f64; 2]> {
     let start = scene.state();
     let places: Vec<usize> = (0..scene.counts.n_mat).filter(|i| start.coef[2 * scene.counts.n_mat + i] > 0.0).collect();
@@ -56,7 +56,6 @@ fn pole(poles: &[[f64; 2]], rate: f64, f: f64) -> (f64, f64) {
     (near[1] * rate / TURN, -3.0 * std::f64::consts::LN_10 / (near[0].ln() * rate))
 }
 
-/// Largest modulus.
 fn radius(poles: &[[f64; 2]]) -> f64 {
     poles.iter().map(|p| p[0]).fold(0.0, f64::max)
 }

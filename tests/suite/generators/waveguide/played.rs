@@ -1,4 +1,4 @@
-//! A junction in the hand of each kind of link.
+//! Junctions with each kind of link.
 
 use super::string;
 use crate::play::{audited, mat, within};
@@ -6,7 +6,7 @@ use ca_core::{Level, tick};
 
 const STRING: &str = "f = 220, t60 = 3, t60_high = 0.5, z = 0.6, at = [0.13, 0.6]";
 
-/// Played for half a second by its gesture: the largest motion, and what the ledgers say of made energy.
+/// Plays half a second by the model's gesture. Returns the largest motion and the energy made, from the ledger.
 fn played(more: &str) -> (f64, f64) {
     let scene = audited(&string(STRING, more));
     let reported = scene.findings.list.iter().any(|d| d.code.starts_with('W'));
@@ -33,7 +33,7 @@ fn struck() {
     };
     let (moved, made) = played(&blow(""));
     assert!(moved > 1e-4 && made < 0.01, "{moved} {made}");
-    // solved with the waves that arrive: nothing is made
+    // solved together with the arriving waves, so no energy is made
     let (moved, made) = played(&blow("method = \"stable\""));
     assert!(moved > 1e-4);
     within("made by a stable blow", made.abs(), 1e-12);
@@ -57,7 +57,6 @@ fn bowed() {
     assert!(moved > 1e-4, "{moved}");
 }
 
-/// Two junctions support a body in space, and the string holds them.
 #[test]
 fn an_edge_of_a_body() {
     let (moved, _) = played(
@@ -67,7 +66,6 @@ fn an_edge_of_a_body() {
     assert!(moved > 1e-5, "{moved}");
 }
 
-/// Gravity, a force from outside, a cell: all that a mass may have.
 #[test]
 fn whatever_a_mass_may_have() {
     let scene = audited(&string(

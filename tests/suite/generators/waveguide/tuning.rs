@@ -1,4 +1,4 @@
-//! Pitch and decay.
+//! Pitch and decay of waveguides.
 
 use super::{pole, poles, string};
 use crate::acoustics::cents;
@@ -7,7 +7,7 @@ use ca_core::Scene;
 use ca_core::internal::op::layout::Termination;
 use ca_core::internal::tuning::wave::Loss;
 
-/// The filters of a scene's only string, from its near end to the far one, and its whole delays together.
+/// Filters of the only string of a scene, from its near end to the far one, and its total delay in whole samples.
 fn loop_of(scene: &Scene) -> (Vec<Loss>, usize) {
     let mut all = (Vec::new(), 0);
     for d in &scene.waves.delays {
@@ -17,18 +17,16 @@ fn loop_of(scene: &Scene) -> (Vec<Loss>, usize) {
             all.1 -= 3;
         }
     }
-    // taps and allpass of the near end are whole samples too
+    // taps and the allpass of the near end are whole samples too
     all.1 += 2 * (all.0.len() - 1);
     all
 }
 
-/// Gain of a round trip at `f`.
 fn gain(losses: &[Loss], f: f64) -> f64 {
     losses.iter().map(|l| l.a + 2.0 * l.b * (TURN * f / 48e3).cos()).product()
 }
 
-/// With a junction that weighs nothing the string is the loop of the reference: its delay, its filter, and a pole at
-/// the pitch.
+/// With a massless junction the string is the loop of the reference: same delay and filter, and a pole at the pitch.
 #[test]
 fn g01_the_pole_is_at_the_pitch() {
     let c = case("G01");
@@ -48,14 +46,13 @@ fn g01_the_pole_is_at_the_pitch() {
         within("G01 gain at the pitch", off(gain(&losses, f0), gain(&theirs, f0)), 1e-5);
         within("G01 gain at 5 kHz", off(gain(&losses, 5000.0), gain(&theirs, 5000.0)), 1e-5);
         within("G01 pitch of the reference", cents(f_pole, f0).abs(), num(c, "tolerance/f_cents"));
-        // that of the reference's own pole, which is not quite what the gain at the pitch promises
+        // decay of the reference's own pole, which differs slightly from the gain at the pitch
         within("G01 decay of the reference", off(t60(f0), t60_pole), 2e-3);
-        // matrices of strings of more samples take long
+        // the matrices of longer strings would take too long
         if f0 > 200.0 {
             let (f, t) = pole(&poles(&scene), scene.rate, f0);
             within("G01 pitch", off(f, f0), 1e-11);
             within("G01 decay", off(t, t60(f0)), 1e-7);
-            // a partial near 5 kHz
             let (f, t) = pole(&poles(&scene), scene.rate, partial * f0);
             within("G01 partial", off(f / (partial * f0), ratio), 1e-4);
             within("G01 decay of the partial", off(t, t60_partial), 0.02);
@@ -63,7 +60,7 @@ fn g01_the_pole_is_at_the_pitch() {
     }
 }
 
-/// Heavy junctions, two or three of them, fast decays: fundamental and decay stay where they were asked for.
+/// Heavy junctions, two or three of them, and fast decays: pitch and decay of the fundamental stay as given.
 #[test]
 fn junctions_cost_no_pitch() {
     for (f, t60, at, m) in [
@@ -79,7 +76,7 @@ fn junctions_cost_no_pitch() {
     }
 }
 
-/// The second decay is that of the loop; the partial nearest to its frequency has it, as far as it lies there.
+/// The loop has the second decay at `f_high`, and so has the partial nearest to it, as far as its frequency agrees.
 #[test]
 fn it_decays_as_asked_at_both_frequencies() {
     let scene = scene(&string("f = 440, t60 = 4, t60_high = 0.6, f_high = 5280, z = 1, at = 0.3, m = 1e-9", ""));
@@ -88,12 +85,10 @@ fn it_decays_as_asked_at_both_frequencies() {
     let (f, t) = pole(&all, scene.rate, 5280.0);
     within("T60 at 12 f", off(t, 0.6), 0.01);
     assert!(cents(f, 5280.0).abs() < 1.0, "partial 12 at {f} Hz");
-    // in between, and above, it falls all the way
     let decays: Vec<f64> = (1..=40).map(|j| pole(&all, scene.rate, 440.0 * f64::from(j)).1).collect();
     assert!(decays.windows(2).all(|d| d[1] < d[0]), "{decays:?}");
 }
 
-/// Without decay nothing is lost.
 #[test]
 fn without_t60_it_rings_for_ever() {
     let scene = scene(&string("f = 600, z = 1, at = [0.2, 0.6], m = 1e-5", ""));

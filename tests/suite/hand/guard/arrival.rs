@@ -1,4 +1,4 @@
-//! A device that appears, or comes back, anywhere: it is met gently, and whatever number it says it has a way back.
+//! A device that connects or returns anywhere, with any frame number: the scene approaches it slowly.
 
 use super::{FRAME_DT, KEY, Rig, cause, force, is_off, mode, profile};
 use crate::play::within;
@@ -6,10 +6,10 @@ use ca_haptic::frame::{Cause, Mode, flag, status};
 use ca_haptic::guard::Order;
 use ca_haptic::guard::input::FrameVerdict;
 
-/// Frames until the scene has a device that stands 8 mm away: the travel of 20 mm takes a second.
+/// Frames until the scene reaches a device 8 mm away: the travel of 20 mm takes a second.
 const WAY: u32 = 1200;
 
-/// Stands still at 8 mm while the scene goes there: no faster than it should, no force before.
+/// The device rests at `x` while the scene approaches it, no faster than allowed and without force.
 fn met(rig: &mut Rig, x: f64) {
     let most = 0.02 * FRAME_DT;
     let mut last = rig.engine.state.input[0];
@@ -27,19 +27,18 @@ fn met(rig: &mut Rig, x: f64) {
 
 #[test]
 fn a_device_that_appears_elsewhere_is_met_gently() {
-    // nothing pushes there, so only the way is waited for
+    // without a spring nothing pushes, so only the approach delays forces
     let mut rig = Rig::new(&KEY.replace("500", "0"), profile(|_| {}));
     rig.order(Order::Arm);
     met(&mut rig, 8e-3);
     let wait = (0..400).find(|_| mode(&rig.go(&[8e-3])) == Mode::Ramp).expect("a ramp");
     assert!((298..=300).contains(&wait), "a tenth of a second from there: {wait}");
-    // met once, it is followed as fast as a hand can move
+    // once reached, it is followed at the speed of a hand
     for n in 1..=60 {
         let x = 8e-3 - 1.2e-4 * f64::from(n);
         rig.go(&[x]);
         within("followed", (rig.engine.state.input[0] - x).abs(), 1e-15);
     }
-    // another process is another device
     rig.next.session += 1;
     rig.next.seq = 0;
     rig.go(&[8.8e-3]);
@@ -53,7 +52,7 @@ fn keys_that_move_all_the_time_are_met_one_by_one() {
     let two = KEY.replace("500", "0").replace("[SOL]", "other = { device = \"key\", dof = 1 }\n[SOL]");
     let mut rig = Rig::new(&two, profile(|p| p.dof = 2));
     rig.order(Order::Arm);
-    // 8 mm each way, ten times as fast as the scene may go to them, never both where it has them
+    // 8 mm each way, ten times faster than the approach, and never at both of the scene's positions at once
     let at = |n: u32| [0.0, 1.0].map(|late| 8e-3 * (25.0 * (f64::from(n) * FRAME_DT - late)).sin());
     let met = (1..6000).find(|n| mode(&rig.go(&at(*n))) == Mode::Ramp).expect("a ramp");
     assert!(met < 3000, "{met}");
@@ -72,7 +71,7 @@ fn a_number_from_nowhere_is_no_end() {
     assert_eq!(rig.send(&[0.0]), FrameVerdict::Good);
     rig.frame();
     rig.next.seq = seq;
-    // the frames go on as if nothing had been: the tenth in order is a fault, and the next the beginning
+    // frames continue in order: eleven are too old and end in a fault, the twelfth is accepted as a new beginning
     let found: Vec<_> = (0..12)
         .map(|_| {
             let verdict = rig.send(&[0.0]);
@@ -83,7 +82,7 @@ fn a_number_from_nowhere_is_no_end() {
     assert!(found[11].1 == Cause::Implausible);
     assert!(is_off(&rig.go(&[0.0]), Cause::Implausible), "and nobody armed");
     rig.on(&[0.0]);
-    // frames that stand still, or come twice, are no such order
+    // repeated frames are not in order
     for _ in 0..40 {
         rig.next.seq = 5;
         assert_eq!(rig.send(&[0.0]), FrameVerdict::Old);
@@ -96,7 +95,7 @@ fn a_number_from_nowhere_is_no_end() {
 fn nobody_is_armed_on_a_position_that_nobody_sends() {
     let mut rig = Rig::new(KEY, profile(|_| {}));
     rig.on(&[9e-4]);
-    // in one frame: a wild number, and as many old ones as begin anew; then silence
+    // one frame with a wild number, and enough old ones for a new beginning, then silence
     let seq = rig.next.seq;
     rig.next.seq = u64::MAX - 1;
     rig.send(&[9e-4]);
@@ -157,7 +156,6 @@ fn power_that_comes_late_is_no_step() {
 fn a_brake_ends_in_its_fault_whoever_arms() {
     let mut rig = Rig::new(KEY, profile(|_| {}));
     rig.on(&[0.0]);
-    // 0.6 m/s
     let braking = (1..60).find(|n| mode(&rig.go(&[2e-4 * f64::from(*n) - 5e-3])) == Mode::Damp);
     let braking = braking.or_else(|| (1..60).find(|n| mode(&rig.go(&[2e-4 * f64::from(*n)])) == Mode::Damp));
     assert!(braking.is_some());
@@ -177,7 +175,7 @@ fn a_device_that_says_again_what_it_was_sent_can_be_armed() {
         rig.next.cause = reported as u16;
         (0..10).for_each(|_| assert!(is_off(&rig.go(&[0.0]), reported)));
         rig.order(Order::Arm);
-        // it hears of it a few frames later
+        // the device hears of it a few frames later
         assert_eq!(mode(&rig.go(&[0.0])), Mode::Off, "{reported:?}");
         rig.next.cause = Cause::Disarmed as u16;
         assert_eq!(mode(&rig.on(&[0.0])), Mode::On, "{reported:?}");

@@ -1,10 +1,10 @@
-//! H14: every reason for a force to be off, made to happen.
+//! H14: provokes every cause for which forces go off.
 
 use super::{KEY, Rig, cause, is_off, mode, profile};
 use ca_haptic::frame::{CAUSES, Cause, ForceFrame, Mode, status};
 use ca_haptic::guard::Order;
 
-/// Makes the cause happen to an engine with forces on, and gives the frame that reports it.
+/// Provokes the cause in an engine with forces on, and returns the frame that reports it.
 fn provoke(rig: &mut Rig, why: Cause) -> ForceFrame {
     match why {
         Cause::None => rig.go(&[0.0]),
@@ -13,7 +13,6 @@ fn provoke(rig: &mut Rig, why: Cause) -> ForceFrame {
             rig.go(&[0.0])
         }
         Cause::Button | Cause::WatchdogOut => {
-            // the device says so itself
             rig.next.cause = why as u16;
             let f = rig.go(&[0.0]);
             rig.next.cause = 0;
@@ -53,7 +52,7 @@ fn provoke(rig: &mut Rig, why: Cause) -> ForceFrame {
             last.expect("frames")
         }
         Cause::Disconnect => {
-            // pulled and plugged: the process of the device is another one
+            // unplugged and plugged in: the device process is another one
             (rig.next.session, rig.next.seq) = (rig.next.session + 1, 0);
             rig.go(&[0.0])
         }
@@ -69,7 +68,7 @@ fn provoke(rig: &mut Rig, why: Cause) -> ForceFrame {
     }
 }
 
-/// A key, and a bar that is not tied to it.
+/// A key, and a bar that is not connected to it.
 fn text() -> String {
     format!("{KEY}\n[CEL]\nbar = {{ m = \"1 g\", f = \"100 Hz\" }}\n")
 }
@@ -92,14 +91,14 @@ fn every_cause_can_happen_is_reported_and_ends_with_arming() {
         if why == Cause::None {
             continue;
         }
-        // what was wrong is over; forces stay off, from where the hand is now
+        // the cause is over; forces stay off
         let x = rig.next.pos[0];
         for _ in 0..300 {
             let f = rig.go(&[x]);
             assert_eq!((cause(&f), f.force[0]), (why, 0.0), "{}", why.name());
         }
         if why == Cause::ModelUnstable {
-            // an instrument that diverged must be loaded again first
+            // a diverged instrument must be reloaded first
             rig.order(Order::Arm);
             assert!(is_off(&rig.go(&[x]), why));
         } else {
@@ -136,7 +135,7 @@ fn the_first_cause_stays() {
 
 #[test]
 fn what_a_device_missed_before_forces_were_on_is_no_fault() {
-    // it has heard of an engine before this one, or not yet of this one
+    // it heard of an earlier engine, or not yet of this one
     for why in [Cause::WatchdogOut, Cause::Disconnect] {
         let mut rig = Rig::new(KEY, profile(|_| {}));
         rig.order(Order::Arm);

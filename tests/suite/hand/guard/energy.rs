@@ -1,5 +1,4 @@
-//! Three accounts of the same energy: the ledger of the scene, the ledger of the guard, and what a watcher adds up from the
-//! frames on the wire.
+//! Three accounts of energy must agree: the ledgers of scene and guard, and a sum over the frames on the wire.
 
 use super::{FRAME_DT, Rig, bare, cause, mode, profile};
 use crate::play::within;
@@ -9,7 +8,7 @@ use ca_haptic::guard::Order;
 use ca_haptic::profile::Profile;
 use ca_haptic::simulated::{Device, Hand, Script};
 
-/// Two keys with hammers on strings, of other sizes than the hands'.
+/// Two keys with hammers on strings, in a scale different from the hand's.
 const INSTRUMENT: &str = r#"
 [TGR]
 low = { device = "key", dof = 0 }
@@ -29,13 +28,12 @@ d = { between = ["string[6]", "two"], k = "200 N/m", z = "0.01 N s/m", d = 0 }
 out = { from = "string[5]" }
 "#;
 
-/// α = 20 makes a hand's 10 mm 0.2 m of the model; one key is a lever, the other an amplifier.
+/// α = 20 maps 10 mm of the hand to 0.2 m of the model; one key is a lever, the other an amplifier.
 fn gains() -> Vec<Gains> {
     vec![Gains { alpha: 20.0, beta: 0.05 }, Gains { alpha: 30.0, beta: 0.02 }]
 }
 
-/// Plays a simulated hand and holds the accounts against each other. Returns (received, asked, given, removed) of key 0
-/// and the residual scale.
+/// Plays a simulated hand and compares the accounts. Returns received, asked, given and removed energy of key 0.
 fn accounts(profile: Profile, rate: &str, exact: bool) -> [f64; 4] {
     let mut p = profile;
     p.dof = 2;
@@ -82,7 +80,7 @@ fn accounts(profile: Profile, rate: &str, exact: bool) -> [f64; 4] {
 fn the_ledgers_agree_to_rounding() {
     for rate in ["", "[rate]\nborder = \"hold\"", "[rate]\nlatency = 3", "[rate]\nsound = 3000\ngesture = 3000"] {
         let [received, asked, given, removed] = accounts(bare(), rate, true);
-        // what is removed without limits: two frames of fading in, at rest, and the rounding of the wire
+        // without limits only the two frames of the fade-in, at rest, and rounding on the wire are removed
         assert!(removed.abs() < 1e-6 * received.abs(), "{rate}: {removed} of {received}");
         assert!((asked - given - removed).abs() <= 1e-15);
     }
@@ -90,7 +88,7 @@ fn the_ledgers_agree_to_rounding() {
 
 #[test]
 fn what_the_guard_keeps_is_a_line_of_its_own() {
-    // a fifth of the force: the rest is what the guard removed, and the ledger of the scene knows nothing of it
+    // with a fifth of the force, the guard removes the rest; the ledger of the scene does not include it
     let weak = profile(|p| {
         (p.force, p.guard.oscillation) = (0.2, false);
         (p.body.step, p.body.noise) = (0.0, 0.0);

@@ -1,6 +1,4 @@
-//! Whatever a device says and a model gives, the wire keeps its promises.
-//!
-//! A million frames in all in the core suite, twenty with `CA_LONG=1`.
+//! Fuzzes devices and models; frames on the wire keep the limits. A million frames, or 20 million with `CA_LONG=1`.
 
 use super::requirements::{STYLUS, angle};
 use super::{FRAME_DT, Rig, mode, profile};
@@ -9,12 +7,11 @@ use ca_haptic::frame::{Cause, DOF, DeviceFrame, ForceFrame, Mode, flag, status};
 use ca_haptic::guard::{Chain, GuardFrame, Order};
 use ca_haptic::profile::Profile;
 
-/// Frames of each of the two tests.
 fn frames() -> u32 {
     if ca_tests::long_form::long_form("nineteen of twenty frames") { 10_000_000 } else { 500_000 }
 }
 
-/// What a watcher on the wire asserts.
+/// Checks force frames on the wire.
 struct Watcher {
     p: Profile,
     last: [f64; DOF],
@@ -46,25 +43,25 @@ impl Watcher {
         self.flags |= flags;
     }
 
-    /// All that could happen did.
+    /// Checks that every mode and all these flags occurred.
     fn saw(&self, flags: u32) {
         assert!(self.modes.iter().all(|n| *n > 100), "off, ramp, on, damp, fault: {:?}", self.modes);
         assert_eq!(self.flags & flags, flags, "{:b}", self.flags);
     }
 }
 
-/// A device whose numbers make much happen in few frames.
+/// A device whose limits make much happen in few frames.
 fn eager(axes: u32, continuous: f64) -> Profile {
     profile(|p| {
         (p.dof, p.axes, p.continuous, p.guard.speed) = (3, axes, Some(continuous), 1.0);
         let l = &mut p.guard;
         (l.clear_time, l.ramp, l.stop, l.thermal) = (0.005, 0.02, 0.02, 0.1);
-        // 13 N a frame would be no limit at all
+        // the derived limit of 13 N a frame would never apply
         l.slew = Some(6000.0);
     })
 }
 
-/// Numbers nobody expects.
+/// Unusual numbers.
 const ODD: [f64; 10] =
     [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e308, -1e308, f64::MAX, 5e-324, -0.0, 1e160, -1e154];
 
@@ -81,7 +78,7 @@ fn any_force_of_a_model() {
     for (axes, continuous) in [(1, 5.0), (3, 5.0), (3, 10.0)] {
         let mut p = eager(axes, continuous);
         if continuous == p.force {
-            // nothing that turns a vector
+            // without stages that turn a vector
             (p.guard.slew, p.guard.passivity, p.guard.edge) = (Some(1e9), false, 0.0);
         }
         let (mut chain, mut hand) = (Chain::new(&p, FRAME_DT), GuardFrame::new(3, FRAME_DT));
@@ -91,7 +88,7 @@ fn any_force_of_a_model() {
         let (mut size, mut turned) = (0.0, 0);
         for n in 0..frames() / 3 {
             if n % 60 == 0 {
-                // quiet enough to arm, musical, beyond the device, beyond reason
+                // in turn: small enough to arm, normal, beyond the device, absurd
                 size = [0.0, 0.2, 3.0, 30.0, 1e5, 1e300][(n / 60 % 6) as usize];
                 chain.order(Order::Arm);
             }
@@ -102,7 +99,6 @@ fn any_force_of_a_model() {
             hand.fresh = chance(&mut rng, 1.3);
             hand.age = if chance(&mut rng, 300.0) { 40 } else { u32::from(!hand.fresh) };
             for k in 0..3 {
-                // slowly through all of the travel
                 let to = 0.0099 * (f64::from(n) * 1e-3 + k as f64).sin();
                 hand.moved[k] = if hand.fresh { to - hand.x[k] } else { 0.0 };
                 hand.x[k] += hand.moved[k];
@@ -117,9 +113,9 @@ fn any_force_of_a_model() {
             chain.pass(&mut hand);
             assert!(hand.inject.is_finite());
             w.see(hand.mode, hand.flags, &hand.force[..3], n);
-            // only cut: in the direction it was asked for
+            // a saturated force keeps its direction
             if continuous == p.force && hand.mode == Mode::On && hand.flags & flag::SATURATED != 0 && size < 1e200 {
-                // of a size whose square is a number
+                // scaled so that squares do not overflow
                 let of = |f: &[f64; DOF]| {
                     let most = f[..3].iter().fold(0.0, |m: f64, x| m.max(x.abs()));
                     [f[0] / most, f[1] / most, f[2] / most]
@@ -136,7 +132,7 @@ fn any_force_of_a_model() {
     }
 }
 
-/// A frame that may be anything.
+/// Corrupts a frame at random.
 fn spoil(f: &mut DeviceFrame, rng: &mut Random) {
     let k = ((rng.uniform() + 1.0) * 8.0) as u32;
     let bits = rng.0;
@@ -173,13 +169,13 @@ fn any_frame_of_a_device() {
             if n % 100 == 0 {
                 rig.order(Order::Arm);
             }
-            // a hand that comes to rest, then one that wanders, at times faster than it may
+            // a hand that comes to rest, then moves randomly, at times faster than allowed
             let wild = [0.0, 0.0, 0.0, 0.01, 0.03, 0.3][(n / 150 % 6) as usize];
             for k in 0..3 {
                 v[k] = if wild == 0.0 { -80.0 * x[k] } else { 0.99 * v[k] + wild * rng.uniform() };
                 x[k] = (x[k] + v[k] * FRAME_DT).clamp(-0.011, 0.011);
             }
-            // frames stay away, come twice, come wrong
+            // frames get lost, repeated or corrupted
             gap = if gap > 0 {
                 gap - 1
             } else if chance(&mut rng, 1000.0) {

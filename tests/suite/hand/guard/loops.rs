@@ -1,9 +1,9 @@
-//! The loop through a simulated hand, against docs/numerics.md §5.2 and §5.3; the passivity stage in it is
-//! `crates/ca-haptic/tests/passivity`.
+//! The loop through a simulated hand, against docs/numerics.md §5.2 and §5.3. `crates/ca-haptic/tests/passivity` tests
+//! the passivity stage in this loop.
 //!
-//! Lock-step: the position at the end of a frame is answered before the next begins, so the delay of a spring is that
-//! of its mean and of the held force, κ = 1 (1/2 at one rate). One frame of delay at the device is a reply over shared
-//! memory, used at its next tick: κ = 2.
+//! Lock-step: the position at the end of a frame is answered before the next begins. A spring has the delay of its mean
+//! force and of the hold: κ = 1 (1/2 at one rate). One frame of delay at the device models a reply over shared memory,
+//! used at its next tick: κ = 2.
 
 use super::{FRAME_DT, KEY, Rig, bare, force, mode};
 use crate::play::{case, off, rows, within};
@@ -12,14 +12,12 @@ use ca_haptic::guard::Order;
 use ca_haptic::profile::Profile;
 use ca_haptic::simulated::{Device, Hand, Script, ScriptOptions};
 
-/// The device of E02: 0.2 kg, 2 N s/m.
 fn e02() -> Profile {
     let mut p = bare();
     (p.body.mass, p.body.friction) = (0.2, 2.0);
     p
 }
 
-/// A device and an engine in lock-step.
 struct Loop {
     rig: Rig,
     device: Device,
@@ -31,15 +29,14 @@ impl Loop {
     fn new(text: &str, p: &Profile, script: Script, delay: usize) -> Loop {
         let device = Device::new(p, Hand::NONE, script, delay, 1);
         let mut rig = Rig::new(text, p.clone());
-        // on before anything moves
         rig.on(device.measured().to_vec().as_slice());
         Loop { rig, device, force: 0.0, delay: delay as u64 }
     }
 
-    /// A frame; `kick` is a force of somebody else. Position and force.
+    /// Runs a frame with an additional force `kick`. Returns position, force and flags.
     fn step(&mut self, kick: f64) -> (f64, f64, u32) {
         let x = self.device.step(&[self.force + kick], FRAME_DT)[0];
-        // the force the motors had: that of the frame before, or earlier
+        // acknowledges the force the motors had: from the last frame or earlier
         self.rig.next.ack = self.rig.engine.ports[0].out.seq - self.delay;
         let f = self.rig.go(&[x]);
         self.force = force(&f);
@@ -47,7 +44,7 @@ impl Loop {
     }
 }
 
-/// Whether a key of stiffness `k` shakes more and more after a nudge.
+/// Returns true if a key of stiffness `k` oscillates with growing amplitude after a nudge.
 fn grows(k: f64, rate: &str, delay: usize) -> bool {
     let text = format!("[rate]\n{rate}\n{}", KEY.replace("500", &format!("{k:e}")));
     let mut l = Loop::new(&text, &e02(), Script::Push { force: 0.0 }, delay);
@@ -85,8 +82,8 @@ fn e02_the_stiffest_key_is_that_of_theory() {
     }
 }
 
-/// A key pressed with 2 N against a wall of stiffness `k` for five seconds: peak-to-peak \[m\] in every half second, and
-/// the leak in the end \[J\].
+/// A key pressed with 2 N against a wall of stiffness `k` for five seconds. Returns the peak-to-peak motion \[m\] of
+/// every half second, and the final leak \[J\].
 fn pressed(k: f64) -> (Vec<f64>, f64) {
     let key = KEY.replace("[RES]", "[BUT]");
     let text = key.replace("[\"key\", \"wall\"], k = 500", &format!("[\"wall\", \"key\"], k = {k:e}"));
@@ -108,23 +105,22 @@ fn pressed(k: f64) -> (Vec<f64>, f64) {
 
 #[test]
 fn a_pressed_wall_shakes_as_theory_says() {
-    // K = 20 000 is beyond the 6007 of this device: the swing of docs/numerics.md §5.3, 2970 um; their reading has
-    // three digits
+    // K = 20 000 is above the limit of 6007 of this device: the 2970 µm of docs/numerics.md §5.3, known to three digits
     let (swing, made) = pressed(20_000.0);
     within("K = 20 000", off(swing[9], 2970e-6), 0.005);
     assert!(made > 0.1, "{made} J");
-    // K = 5500 is below: ringing that dies at (b - K T)/2m, through the 602 um that are noted there within a second
+    // K = 5500 is below: ringing that decays at (b − K T)/2m, past the reference of 602 µm within a second
     let (swing, _) = pressed(5500.0);
     assert!(swing[0] > 602e-6 && swing[1] < 602e-6, "{swing:?}");
     let rate = (2.0 - 5500.0 * FRAME_DT) / 0.4;
-    // four seconds of it; a swing is seen twice a period of 38 ms, which is half a percent of them, and the rate is of
-    // first order in ωT = 0.055
+    // over four seconds; peaks sampled twice per period of 38 ms are half a percent of that, and the rate is of first
+    // order in ωT = 0.055
     within("its decay", off((swing[1] / swing[9]).ln() / 4.0, rate), 0.02);
 }
 
 #[test]
 fn h13_a_shaking_loop_is_weakened_and_says_so() {
-    // 40 kN/m needs 13 N s/m of the device at κ = 1, which has 2: without the controller it shakes at the stop of force
+    // 40 kN/m needs 13 N s/m at κ = 1, but the device has 2: without the controller it oscillates at the force limit
     let mut p = super::profile(|p| {
         p.guard.passivity = false;
         (p.guard.edge, p.guard.speed) = (0.0, 5.0);
@@ -170,7 +166,7 @@ fn every_script_can_be_played_on_every_device() {
                 let f = rig.frame();
                 force = [0, 1, 2].map(|k| f64::from(f.force[k]));
                 on |= mode(&f) == Mode::On;
-                // a push without a hand ends in a fast motion: that is what the trip is for
+                // a push without a hand ends in a fast motion, which trips as intended
                 assert!(script == "push" || mode(&f) != Mode::Fault, "{name}, {script}: frame {n}");
             }
             assert!(on || script == "push", "{name}, {script}: forces never on");

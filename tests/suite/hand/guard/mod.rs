@@ -1,5 +1,5 @@
-//! The guard between a model and a hand: one test per requirement, one per cause, any frames and forces there can be,
-//! and the loop of a simulated device against theory. No clock: everything counts frames.
+//! The guard between a model and a hand: one test per requirement and per cause, fuzzed frames and forces, and the loop
+//! of a simulated device against theory. Time is counted in frames, without a clock.
 
 mod arrival;
 mod causes;
@@ -20,10 +20,10 @@ use ca_haptic::profile::Profile;
 pub use ca_tests::{KEY, profile};
 use std::sync::Arc;
 
-/// Gesture frames of the default rates \[s\].
+/// Gesture frame at the default rates \[s\].
 pub const FRAME_DT: f64 = 1.0 / 3000.0;
 
-/// A device that limits nothing, arms within two frames and renders what the model says.
+/// A device without limits that arms within two frames and renders the forces of the model.
 pub fn bare() -> Profile {
     profile(|p| {
         (p.force, p.range) = (1e9, [-1e3, 1e3]);
@@ -34,11 +34,11 @@ pub fn bare() -> Profile {
     })
 }
 
-/// An engine with one device, and the frames of that device.
+/// An engine with one device, and the next frame of that device.
 pub struct Rig {
     pub engine: Engine,
     pub next: DeviceFrame,
-    /// the last sound
+    /// Sound of the last frame.
     pub sound: Vec<f64>,
 }
 
@@ -61,7 +61,6 @@ impl Rig {
         assert!(self.engine.command(EngineCommand::Order(None, order)).is_none());
     }
 
-    /// A good frame at these positions.
     pub fn send(&mut self, x: &[f64]) -> FrameVerdict {
         self.next.seq += 1;
         self.next.t_device_ns += (FRAME_DT * 1e9) as u64;
@@ -70,7 +69,7 @@ impl Rig {
         self.engine.take(0, &mut f)
     }
 
-    /// A gesture frame.
+    /// Runs a gesture frame.
     pub fn frame(&mut self) -> ForceFrame {
         let out = *self.engine.answer().next().expect("one device");
         self.sound = self.engine.finish().to_vec();
@@ -82,13 +81,13 @@ impl Rig {
         self.frame()
     }
 
-    /// Arms at `x`, where nothing may push, and waits until forces are fully on.
+    /// Arms at `x`, where the model must not push, and waits until forces are fully on.
     pub fn on(&mut self, x: &[f64]) -> ForceFrame {
         self.order(Order::Arm);
         (0..6000).map(|_| self.go(x)).find(|f| mode(f) == Mode::On).expect("forces on within two seconds")
     }
 
-    /// To `x` along a line in `n` frames, and three more at rest.
+    /// Moves to `x` in a straight line over `n` frames, then rests for three.
     pub fn glide(&mut self, x: f64, n: u32) -> ForceFrame {
         let from = self.next.pos[0];
         let mut out = ForceFrame::new("key", 1);

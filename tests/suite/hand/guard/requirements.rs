@@ -1,4 +1,4 @@
-//! H1 to H11, H15 and H16, one by one. H12 and H13 are loops, in `loops.rs`; H14 is `causes.rs`.
+//! H1 to H11, H15 and H16, one by one. H12 and H13 are in `loops.rs`, H14 is in `causes.rs`.
 
 use super::{FRAME_DT, KEY, Rig, bare, cause, force, is_off, mode, profile};
 use crate::play::within;
@@ -10,7 +10,7 @@ use ca_haptic::guard::{Chain, GuardFrame, Order};
 
 const EXPLODING: &str = include_str!("../../../models/exploding_resonator.ca.toml");
 
-/// Three axes of one force vector, each on a spring of its own.
+/// Three axes of one force vector, each on its own spring.
 pub const STYLUS: &str = r#"
 [TGR]
 x = { device = "key", dof = 0 }
@@ -28,7 +28,6 @@ out = { from = "x" }
 
 #[test]
 fn h1_no_number_is_no_force_in_the_same_frame() {
-    // an equivalence that overflows, and a state that was spoiled
     let gains = vec![Gains { alpha: 1.0, beta: f64::MAX }];
     let mut rig = Rig::with(KEY, profile(|_| {}), gains, false);
     rig.on(&[0.0]);
@@ -73,7 +72,7 @@ pub fn angle(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 #[test]
 fn h3_force_does_not_jump() {
-    // 1 MN/m: 0.2 mm are 200 N, which the device cuts to 10; 40 kN/m times 0.5 m/s allow 6.67 N a frame
+    // 1 MN/m: 0.2 mm are 200 N, cut to the 10 N of the device; 40 kN/m times 0.5 m/s allow 6.67 N a frame
     let mut rig =
         Rig::new(&KEY.replace("500", "1e6"), profile(|p| (p.guard.oscillation, p.guard.speed) = (false, 0.5)));
     rig.on(&[0.0]);
@@ -99,7 +98,7 @@ fn h4_motors_stay_within_their_rating() {
     for n in 0..33_000 {
         (hand.force[0], hand.flags) = (if n < 3400 { 0.0 } else { 10.0 }, 0);
         chain.pass(&mut hand);
-        // an independent account: exponential over one second
+        // independent estimate: exponential mean over one second
         heat += (1.0 - (-FRAME_DT).exp()) * (hand.force[0] * hand.force[0] - heat);
         worst = worst.max(heat);
         peak += u32::from(hand.force[0] > 9.99);
@@ -124,14 +123,14 @@ fn h4_motors_stay_within_their_rating() {
 fn h5_forces_wait_until_nothing_pushes_and_fade_in() {
     let mut rig = Rig::new(KEY, profile(|_| {}));
     rig.order(Order::Arm);
-    // inside: 5 mm on 500 N/m
+    // inside the spring: 5 mm on 500 N/m
     for _ in 0..6000 {
         let f = rig.go(&[5e-3]);
         assert!(mode(&f) == Mode::Off && cause(&f) == Cause::None && force(&f) == 0.0);
         assert!(f.flags & flag::WAIT_CLEAR != 0);
     }
     rig.glide(9.8e-4, 50);
-    // 0.49 N of 10 is clear, 0.1 s of it is enough
+    // 0.49 N of 10 N counts as clear, for 0.1 s
     let from = (0..400).find(|_| mode(&rig.go(&[9.8e-4])) == Mode::Ramp).expect("a ramp");
     assert!((250..=300).contains(&from), "{from}");
     let (mut last, mut n) = (0.0, 0);
@@ -147,7 +146,7 @@ fn h5_forces_wait_until_nothing_pushes_and_fade_in() {
     }
     assert_eq!(n, 3000);
     within("on", (last - 0.49).abs(), 1e-6);
-    // positions that are no metres are not waited for
+    // positions of an uncalibrated device never arm
     let mut rig = Rig::new(KEY, profile(|_| {}));
     rig.next.status &= !ca_haptic::frame::status::CALIBRATED;
     rig.order(Order::Arm);
@@ -186,7 +185,7 @@ fn h6_h8_stale_input_fades_and_stays_off() {
 #[test]
 fn h7_every_frame_says_how_long_it_lives() {
     let mut rig = Rig::new(KEY, profile(|_| {}));
-    // also before anything came, and when off
+    // also before the first frame, and while off
     for n in 0..10 {
         let f = if n < 5 { rig.frame() } else { rig.go(&[0.0]) };
         assert_eq!((f.ttl_us, f.seq), (5000, n + 1));
@@ -200,7 +199,7 @@ fn h7_every_frame_says_how_long_it_lives() {
 fn h9_a_throw_is_braked_then_off() {
     let mut rig = Rig::new(KEY, profile(|p| p.range = [-10.0, 10.0]));
     rig.on(&[0.0]);
-    // 1.5 m/s, half as fast again as the trip
+    // 1.5 m/s, 50 % above the trip
     let mut x = 0.0;
     let mut damped = 0;
     for n in 0..900 {
@@ -218,7 +217,7 @@ fn h9_a_throw_is_braked_then_off() {
             _ => assert!(is_off(&f, Cause::Velocity)),
         }
     }
-    // 200 ms, of which the last is already zero
+    // 200 ms; their last frame is already zero
     assert_eq!(damped, 599);
 }
 
@@ -259,13 +258,12 @@ fn h10_frames_that_cannot_be_true_are_dropped() {
     rig.on(&[0.0]);
     rig.glide(2e-3, 60);
     for n in 0..9 {
-        // the hand stays where it was
         within("its force", (force(&spoil(&mut rig, n)) + 1.0).abs(), 1e-6);
         rig.go(&[2e-3]);
     }
     assert_eq!(rig.engine.counts.dropped, 9);
     assert!(is_off(&spoil(&mut rig, 9), Cause::Implausible));
-    // nine in any tenth of a second are none
+    // nine in any tenth of a second do not trip
     rig.glide(0.0, 400);
     rig.on(&[0.0]);
     for n in 0..200 {
@@ -287,7 +285,7 @@ fn h11_the_last_of_the_travel_is_soft() {
     within("half way", (force(&f) + 5.0).abs(), 1e-4);
     let f = rig.glide(0.012, 100);
     within("beyond", (force(&f) + 10.0).abs(), 1e-6);
-    // the model sees the hand where it is
+    // the model gets the true position
     assert_eq!(rig.engine.state.input[0], 0.012);
     let f = rig.glide(-9.5e-3, 400);
     within("the other end", (force(&f) - 5.0).abs(), 1e-4);
@@ -302,14 +300,14 @@ fn h15_h16_what_explodes_is_taken_from_hand_and_ear() {
     while !rig.engine.has_diverged() {
         frames += 1;
         assert!(frames < 9000, "it does not explode");
-        // the frame in which it is noticed has no force any more
+        // the frame that notices it already has zero force
         let f = rig.go(&[0.0]);
         peak = rig.sound.iter().fold(peak, |m, v| m.max(v.abs()));
         assert!(peak <= 1.0);
         assert_eq!(is_off(&f, Cause::ModelUnstable), rig.engine.has_diverged(), "{f:?}");
     }
     assert!(peak > 0.9, "it was loud: {peak}");
-    // with the frame in which it happened, silent within 5 ms of sound samples
+    // silent within 5 ms of sound samples, this frame included
     let mut after = rig.sound.clone();
     while after.len() < 480 {
         assert!(is_off(&rig.go(&[0.0]), Cause::ModelUnstable));
@@ -319,7 +317,7 @@ fn h15_h16_what_explodes_is_taken_from_hand_and_ear() {
     assert!(silent <= 240, "{silent} samples");
     let faded = &after[16..silent];
     assert!(faded.len() > 100 && faded.windows(2).all(|w| w[1].abs() < w[0].abs()), "no click on the way");
-    // loaded again it plays again: faded in, forces off until armed
+    // after a reload it fades in; forces stay off until armed
     let retired = rig.engine.command(EngineCommand::Reload(Box::new(first)));
     assert!(matches!(retired, Some(Retired::State(_))));
     let f = rig.go(&[0.0]);

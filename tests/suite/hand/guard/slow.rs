@@ -1,7 +1,7 @@
-//! Devices slower and coarser than the engine: what they cannot help is no fault.
+//! Devices slower and coarser than the engine must not cause faults.
 //!
-//! A simulated hand sweeps the travel at most of the speed that trips, on an 8-bit fader at 500 Hz, a stylus at 1 kHz
-//! and a key at 3 kHz; frames come a frame of the engine early or late.
+//! A simulated hand sweeps the travel at most of the trip speed, on an 8-bit fader at 500 Hz, a stylus at 1 kHz and a
+//! key at 3 kHz. Frames arrive up to one engine frame early or late.
 
 use super::{FRAME_DT, KEY, Rig, cause, mode};
 use crate::play::Random;
@@ -11,7 +11,6 @@ use ca_haptic::profile::Profile;
 use ca_haptic::simulated::{Device, Hand, Script};
 use ca_io::gesture::{Gesture, Track};
 
-/// What a sweep gave.
 struct Swept {
     faults: u64,
     stale: u32,
@@ -21,7 +20,7 @@ struct Swept {
     fastest: f64,
 }
 
-/// Sweeps back and forth for two seconds at `speed` times the trip, once forces are on.
+/// Sweeps back and forth for two seconds at `speed` times the trip speed, once forces are on.
 fn sweep(name: &str, speed: f64) -> Swept {
     let p = Profile::shipped(name).expect("shipped");
     let [low, high] = p.range;
@@ -35,7 +34,7 @@ fn sweep(name: &str, speed: f64) -> Swept {
     }
     let track = Track::points("x", points).expect("a track");
     let script = Script::File(Gesture::new(vec![track]).expect("a gesture"));
-    // a hand far stiffer than the model, so that speed is what was meant
+    // a hand far stiffer than the model, so that the speed is the one intended
     let hand = Hand { stiffness: 4e4, damping: 300.0, mass: 0.05 };
     let mut device = Device::new(&p, hand, script, 0, 11);
     let text = KEY.replace("500", "0.1").replace("dof = 0", &format!("dof = 0, x = {middle}"));
@@ -50,7 +49,7 @@ fn sweep(name: &str, speed: f64) -> Swept {
         if n == 30 {
             rig.order(Order::Arm);
         }
-        // one frame of jitter to each side for those who are slower than us
+        // one frame of jitter to each side for devices slower than the engine
         if n >= due {
             device.step(&force[..p.dof as usize], period);
             device.frame(&mut rig.next);
@@ -81,7 +80,7 @@ fn a_fast_hand_on_a_slow_device_is_no_fault() {
         let s = sweep(name, 0.7);
         assert!(s.fastest > 0.65 && s.fastest < 0.85, "{name}: {}", s.fastest);
         assert_eq!((s.faults, s.stale, s.dropped), (0, 0, 0), "{name}: {} at {}", s.why.name(), s.fastest);
-        // a frame that comes one late is counted as late and is nothing more
+        // a frame that is one late is only counted as late
         assert!(s.late < 10_500 / 3, "{name}: {} late", s.late);
     }
 }
@@ -96,7 +95,7 @@ fn a_throw_is_a_fault_on_every_one_of_them() {
 
 #[test]
 fn a_step_of_the_sensor_is_no_motion() {
-    // a resting fader that flickers between two counts, every frame
+    // a resting fader that flickers between two counts in every frame
     let p = Profile::shipped("firefader").expect("shipped");
     let step = p.body.step;
     let x = 0.05;

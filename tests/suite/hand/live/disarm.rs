@@ -1,4 +1,4 @@
-//! Whatever is full or was asked before, `disarm` is obeyed with the next frame.
+//! `disarm` takes effect with the next frame, whatever is full or was requested before.
 
 use ca_haptic::engine::{Engine, Options, Port};
 use ca_haptic::frame::{DeviceFrame, Mode};
@@ -7,7 +7,7 @@ use ca_haptic::serve::{Clock, GatewayEnds, Live, RecordIntervals, Recorder, Shar
 use ca_tests::{KEY, profile, setup};
 use std::sync::Arc;
 
-/// A recorder and an engine with one key, gone through by hand; nobody fetches records.
+/// A recorder and an engine with one key, stepped by hand; records are not fetched.
 struct Played {
     recorder: Recorder,
     live: Live,
@@ -29,7 +29,7 @@ impl Played {
         Played { recorder, live, gateway, frame }
     }
 
-    /// One frame in, one force out.
+    /// Runs one frame and returns the mode of the force frame.
     fn go(&mut self) -> Mode {
         self.frame.seq += 1;
         self.frame.t_device_ns += 333_333;
@@ -47,7 +47,7 @@ fn a_full_ring_does_not_stand_before_disarm() {
     p.recorder.order(None, Order::Arm).expect("asked");
     let on = (0..100).find(|_| p.go() == Mode::On);
     assert!(on.is_some());
-    // two seconds and more, and then so many changes that no place is left for what they leave
+    // more than two seconds, then parameter changes until all queues are full
     (0..8000).for_each(|_| assert_eq!(p.go(), Mode::On));
     for _ in 0..100 {
         let _ = p.recorder.set(&[("k".into(), 400.0)]);
@@ -63,7 +63,7 @@ fn a_full_ring_does_not_stand_before_disarm() {
 #[test]
 fn arming_that_was_asked_for_before_is_void() {
     let mut p = Played::new(KEY);
-    // both before the engine comes by
+    // both orders before the engine runs
     p.recorder.order(None, Order::Arm).expect("asked");
     p.recorder.order(Some("key"), Order::Disarm).expect("obeyed");
     (0..50).for_each(|_| assert_eq!(p.go(), Mode::Off));

@@ -1,4 +1,4 @@
-//! The real-time loop without shared memory: engine thread, rings and recorder, fed by the test.
+//! The real-time loop without shared memory: engine thread, rings and recorder, with frames from the test.
 
 mod disarm;
 
@@ -38,8 +38,8 @@ fn engine(scene: &Arc<Scene>, profile: Profile) -> Engine {
     Engine::new(scene.clone(), vec![port], Options::default())
 }
 
-/// Frame `n`, from 1: a key that goes down and up 20 times a second, further and further in the first 2000 frames, so
-/// that nothing pushes while the guard waits for that.
+/// Frame `n`, from 1: a key that moves down and up 20 times a second. The amplitude grows during the first 2000 frames,
+/// so that nothing pushes while the guard waits for that.
 fn device(n: u64) -> DeviceFrame {
     let mut f = DeviceFrame::new("key", 1);
     (f.session, f.seq, f.t_device_ns) = (3, n, n * 333_333);
@@ -47,7 +47,7 @@ fn device(n: u64) -> DeviceFrame {
     f
 }
 
-/// All a sink is given: records, sound, ticks of pictures.
+/// Everything a sink receives: records, sound, ticks of pictures.
 #[derive(Clone, Default)]
 struct Heard(Arc<Mutex<Received>>);
 type Received = (Vec<Record>, Vec<f64>, Vec<u64>);
@@ -89,13 +89,13 @@ fn start(scene: &Arc<Scene>, clock: Clock, profile: Profile) -> Running {
     Running { thread: std::thread::spawn(move || live.run(None)), gateway, recorder, shared, heard }
 }
 
-/// A device whose forces outlive a machine that stands still: with the clock of a device time is counted in its frames, and
-/// only how long the engine itself was away is not.
+/// A device whose forces survive a stall of the machine. With a device clock, time is counted in its frames; only the
+/// stall time of the engine itself is real time.
 fn lasting() -> Profile {
     profile(|p| p.guard.ttl = 60.0)
 }
 
-/// In lock-step with the clock of the device, what the threads do is what the engine alone does, to the bit.
+/// In lock-step with the clock of the device, the threads give the same bits as the engine alone.
 #[test]
 fn threads_add_nothing_to_the_engine() {
     let scene = Arc::new(scene(MODEL).scene);
@@ -104,10 +104,9 @@ fn threads_add_nothing_to_the_engine() {
     run.recorder.order(None, Order::Arm).unwrap();
     for n in 1..=4000 {
         run.gateway.frames.push((0, device(n))).unwrap();
-        // the frame that answers it
         loop {
             if let Ok((0, f)) = run.gateway.forces.pop() {
-                // when it was made is the thread's, all else the engine's
+                // the thread sets the time stamp, the engine all else
                 assert!(f.t_host_ns > 0);
                 forces.push(ForceFrame { t_host_ns: 0, ..f });
                 break;
@@ -134,7 +133,7 @@ fn threads_add_nothing_to_the_engine() {
     assert!(forces.iter().any(|f| f.force[0].abs() > 0.5));
     let heard = run.heard.0.lock().unwrap();
     assert_eq!(heard.1[..sound.len()], sound);
-    // and one frame more at the end, which says that forces are off
+    // one frame more at the end, which reports that forces are off
     assert_eq!(heard.1.len(), sound.len() + 16);
     let last = heard.0.iter().rev().find_map(|r| if let Record::Force { frame, .. } = r { Some(*frame) } else { None });
     let last = last.unwrap();
@@ -147,7 +146,7 @@ fn threads_add_nothing_to_the_engine() {
     assert_eq!(summary.frame_us.n, 4000);
 }
 
-/// Two parameters asked for together change in the same tick; a wrong one among them changes nothing.
+/// Two parameters set together change in the same tick; if one is invalid, neither changes.
 #[test]
 fn parameters_change_together_or_not_at_all() {
     let scene = Arc::new(scene(MODEL).scene);
@@ -197,12 +196,12 @@ fn parameters_change_together_or_not_at_all() {
     }
 }
 
-/// On the monotonic clock: a device that stops is noticed and forces end; nothing is lost without a count.
+/// On the monotonic clock, a device that stops is detected and forces end. Every loss is counted.
 #[test]
 fn a_device_that_stops_is_a_fault() {
     let scene = Arc::new(scene(MODEL).scene);
-    // a machine that has other things to do keeps this thread away for longer than a device would stay away, and the
-    // engine's for longer than a force lives, which would be a fault of its own
+    // a busy machine may keep this thread away for longer than a device may be silent, and the engine for longer than a
+    // force lives, which would be another fault
     let patient = profile(|p| {
         (p.guard.hold, p.guard.zero, p.guard.ttl) = (Some(0.05), 0.09, 60.0);
         (p.guard.clear_time, p.guard.ramp) = (0.001, 0.001);
@@ -211,7 +210,7 @@ fn a_device_that_stops_is_a_fault() {
     run.recorder.order(None, Order::Arm).unwrap();
     let (mut n, mut used, mut armed, mut last) = (0, 0, 0, ForceFrame::new("key", 1));
     let begin = std::time::Instant::now();
-    // one frame for each force: whatever the machine does, the device is as fast as the engine
+    // one frame for each force, so the device is as fast as the engine on any machine
     while last.mode != Mode::On as u32 && begin.elapsed().as_secs() < 60 {
         while let Ok((_, f)) = run.gateway.forces.pop() {
             last = f;
@@ -223,7 +222,7 @@ fn a_device_that_stops_is_a_fault() {
             used += 1;
         }
         run.recorder.poll();
-        // on a busy machine this thread may be away for longer than the guard allows
+        // a busy machine may keep this thread away for longer than the guard allows
         if last.mode == Mode::Fault as u32 && last.seq > armed + 100 {
             run.recorder.order(None, Order::Arm).unwrap();
             armed = last.seq;

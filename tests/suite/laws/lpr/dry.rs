@@ -1,4 +1,4 @@
-//! Set-valued friction across two worlds: the plain link where a port is held, what stops in closed form, and losses alone.
+//! Set-valued friction across two worlds: against the plain link, against a closed form, and without energy gain.
 
 use crate::methods::stable::{heat, made, only_falls, ran};
 use crate::play::{apart, audited, mat, model, off, scene, within};
@@ -8,7 +8,6 @@ use ca_tests::catalog;
 
 const DRY: &str = "curve = \"coulomb\", method = \"set-valued\"";
 
-/// A block on a belt that sticks and slips, by a link between them.
 #[test]
 fn with_a_port_held_it_is_the_plain_friction() {
     let play = |code: &str, ends: &str| {
@@ -42,8 +41,8 @@ fn with_a_port_held_it_is_the_plain_friction() {
     }
 }
 
-/// What slides in two worlds: the sum of both motions stops at what momentum leaves, after the time and with the heat of the
-/// closed form, on lines and with a port in space.
+/// The sum of two sliding motions stops at the speeds given by momentum, after the time and with the heat of the closed
+/// form, on lines and with a port in space.
 #[test]
 fn the_sum_of_two_motions_stops() {
     let (a, b, v, u, f) = (0.002, 0.005, 0.5, 0.2, 0.01);
@@ -78,8 +77,8 @@ fn the_sum_of_two_motions_stops() {
     }
 }
 
-/// A body that swings and turns in space and a cell, rubbing: the energy falls, but for what a port in space turns while it
-/// sticks, of the second order, and what is booked is all there is.
+/// A body that swings and turns in space rubs against a cell. The energy only falls, apart from the second-order term
+/// while a port in space turns and sticks, and the ledger explains all of it.
 #[test]
 fn across_a_turning_port_it_only_takes() {
     for (f, fd) in [(1e-3, 1e-3), (0.05, 0.01), (5.0, 2.0)] {
@@ -97,7 +96,7 @@ fn across_a_turning_port_it_only_takes() {
     }
 }
 
-/// Where another such link touches a mass, it is refused, and with another curve too.
+/// Refused if another link with a method touches the same mass, and with a curve other than `coulomb`.
 #[test]
 fn it_stands_alone() {
     let refused = |more: &str, code: &str, word: &str| {

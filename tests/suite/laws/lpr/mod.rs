@@ -1,4 +1,4 @@
-//! Quadripoles: energy, statics, modes, and silence of what only moves.
+//! Quadripoles: energy, statics, modes, and silent outputs under rigid motion.
 
 mod dry;
 mod plain;
@@ -11,7 +11,7 @@ const FS: f64 = 48000.0;
 /// Corners of a regular tetrahedron of edge √8.
 const CORNERS: [[f64; 3]; 4] = [[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
 
-/// A tetrahedron of edge `l` and masses `m` whose six edges are LPRs of stiffness `k`; `onto` and what it names follow.
+/// A tetrahedron of edge `l` and masses `m` whose six edges are LPRs of stiffness `k` onto `onto`.
 fn tetra(l: f64, m: f64, k: f64, onto: &str) -> String {
     let mut t = String::from("[air]\ndim = 3\n[air.MAS]\n");
     for (i, c) in CORNERS.iter().enumerate() {
@@ -23,7 +23,7 @@ fn tetra(l: f64, m: f64, k: f64, onto: &str) -> String {
     t
 }
 
-/// The same upon a chain of twelve masses of the same mass and stiffness, an edge on each two of them.
+/// The same, onto a chain of twelve masses of the same mass and stiffness, with each edge on two of them.
 fn on_chain(l: f64, m: f64, k: f64) -> String {
     let side = |first: usize| format!("{:?}", (first..12).step_by(2).map(|i| format!("c[{i}]")).collect::<Vec<_>>());
     let chain =
@@ -31,7 +31,7 @@ fn on_chain(l: f64, m: f64, k: f64) -> String {
     tetra(l, m, k, &format!("[{}, {}]", side(0), side(1))) + &chain
 }
 
-/// The same with the other ports held.
+/// The same, with the other ports held.
 fn held(l: f64, m: f64, k: f64) -> String {
     tetra(l, m, k, r#"["p", "q"]"#) + "[SOL]\np = {}\nq = {}\n[SOX]\nout = { from = \"air.v0\", along = \"x\" }\n"
 }
@@ -46,7 +46,7 @@ fn kick(scene: &Scene, s: &mut State, speed: f64, rng: &mut Random) {
     }
 }
 
-/// Energy from the first tick on: (first, smallest, largest).
+/// Energy from the first tick on: first, smallest, largest.
 fn energies(scene: &Scene, s: &mut State, steps: usize) -> [f64; 3] {
     let (mut first, mut low, mut high) = (0.0, f64::MAX, f64::MIN);
     tick(scene, s);
@@ -111,7 +111,7 @@ fn d03_flying_is_silent() {
     within("D03 max |y|", loudest, num(c, "tolerance/abs"));
 }
 
-/// T²K/M of a scene about its rest, all places, by differences of the fourth order, made symmetric by its masses.
+/// T²K/M of a scene around rest for all places, by fourth-order differences, made symmetric by the masses.
 fn stiffness(scene: &Scene, step: f64) -> Vec<Vec<f64>> {
     let n = scene.counts.n_mat;
     let force = |j: usize, x: f64| {
@@ -165,11 +165,10 @@ fn d05_modes_of_the_tetrahedron() {
     for (i, want) in list(c, "values/lam").into_iter().enumerate() {
         within(&format!("D05 λ{i}"), (found[i] - want).abs(), tolerance);
     }
-    // it flies and turns freely
     assert!(found[6..].iter().all(|l| l.abs() < tolerance), "{found:?}");
 }
 
-/// The certificate's bound is one, and what it says of the limit is what happens (docs/numerics.md §4.2).
+/// The bound is above the exact eigenvalue, and the predicted stability is what happens (docs/numerics.md §4.2).
 #[test]
 fn the_bound_of_four_ends_is_a_bound() {
     for (a, stable) in [(0.1, true), (0.3, true), (0.5, true), (0.9, false)] {
@@ -188,8 +187,9 @@ fn the_bound_of_four_ends_is_a_bound() {
     }
 }
 
-/// Spins the tetrahedron in the relative equilibrium of the scheme, each edge upon two cells of stiffness `kc`, or upon
-/// fixed points where that is infinite: the extension of the two edges across the axis, and by how much the cells move while it spins for a second.
+/// Spins the tetrahedron for a second in the relative equilibrium of the scheme. Each edge is an LPR onto two cells of
+/// stiffness `kc`, or onto fixed points if it is infinite. Returns the extension of the two edges across the axis and
+/// the largest motion of the cells.
 fn spin(turns: f64, kc: f64) -> (f64, f64) {
     let (l, m, k) = (0.02, 1e-3, 230_400.0);
     let cells = |c: char| format!("{:?}", (0..6).map(|i| format!("{c}{i}")).collect::<Vec<_>>());
@@ -202,7 +202,7 @@ fn spin(turns: f64, kc: f64) -> (f64, f64) {
     }
     let scene = scene(&(text + "[SOX]\nout = { from = \"air.v0\", along = \"x\" }\near = { from = \"p0\", dc = 0 }\n"));
     let theta = std::f64::consts::TAU * turns / FS;
-    // the scheme's own centripetal force of one corner per metre of radius
+    // centripetal force of the scheme on one corner, per metre of radius
     let pull = m * (2.0 * (0.5 * theta).sin() * FS).powi(2);
     let soft = 1.0 / k + 2.0 / kc;
     let extension = pull * soft * l / (2.0 - pull * soft);
@@ -220,7 +220,7 @@ fn spin(turns: f64, kc: f64) -> (f64, f64) {
             s.d[p + k] = at(i, 0.0)[k] - at(i, -1.0)[k];
         }
     }
-    // edges in the order of pairs: the first and the last lie across the axis
+    // edges are in the order of pairs: the first and the last are across the axis
     let loaded = [0, 5];
     for i in 0..6 {
         let y = if loaded.contains(&i) { force / kc } else { 0.0 };
@@ -244,7 +244,7 @@ fn spin(turns: f64, kc: f64) -> (f64, f64) {
 
 #[test]
 fn turning_is_silent_but_for_what_is_steady() {
-    // micrometres of docs/numerics.md §4.3, of edges whose other ports are held
+    // extensions in µm of docs/numerics.md §4.3, with the other ports held
     for (turns, published) in [(1.0, 0.0017), (5.0, 0.0428), (20.0, 0.685)] {
         let (extension, moved) = spin(turns, f64::INFINITY);
         within(&format!("extension at {turns} Hz"), (extension * 1e6 - published).abs(), 5e-4);
@@ -253,14 +253,13 @@ fn turning_is_silent_but_for_what_is_steady() {
     }
 }
 
-/// Ends that pass near each other, again and again: a softening length of 4 a l keeps the energy
-/// (docs/numerics.md §4.4).
+/// Ends that pass closely many times keep the energy with a softening length of 4 a l (docs/numerics.md §4.4).
 #[test]
 fn softening_keeps_energy_where_ends_pass_through_each_other() {
     let l = 0.02;
     for a in [1e-2, 1e-1] {
         let k = a * 1e-3 * FS * FS;
-        // a little more than the speed at which it would come to rest in the middle
+        // slightly above the speed at which it would stop in the middle
         let v = 1.2 * l * (k / 1e-3).sqrt();
         let worst = |soften: f64, miss: f64| {
             let scene = audited(&format!(

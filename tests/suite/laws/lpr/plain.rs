@@ -1,5 +1,4 @@
-//! What a quadripole is made of: the plain link where a port is held, the law that runs, worlds of any kind, zero
-//! length, and what its outputs hear.
+//! Quadripoles: the plain link with one port held, choice of law, worlds of any kind, zero length, outputs.
 
 use super::FS;
 use crate::play::{Random, apart, mat, model, scene, with, within};
@@ -9,7 +8,7 @@ use ca_core::{compute_forces, integrate, tick};
 use ca_model::{Entry, Model, Value};
 use std::fmt::Write as _;
 
-/// Two masses joined by a link or by an LPR of the same law, one port of which is held, on a line or in space.
+/// Two masses joined by a link, or by an LPR of the same law with one port held, on a line or in space.
 fn plain_and_quadripole(code: &str, list: &[Entry], space: bool, onto: bool) -> Model {
     let at = |x: f64| if space { Value::from(vec![0.6 * x, 0.8 * x, 0.0]) } else { Value::from(x) };
     let mut m = model(if space { "[room]\ndim = 3\n[room.SOL]\nnorth = {}\nsouth = {}\n" } else { "" });
@@ -38,7 +37,7 @@ fn plain_and_quadripole(code: &str, list: &[Entry], space: bool, onto: bool) -> 
 #[test]
 fn with_a_port_held_it_is_the_plain_link() {
     let mut compared = 0;
-    // those of the core, which all have an LPR
+    // the laws of the core, which all have an LPR
     let core = ca_model::catalog();
     for (plain, _) in laws().iter().filter(|(k, _)| core.get(k.code).is_some()) {
         let code = if plain.code == "REF" { "LPR".to_string() } else { format!("LPR_{}", plain.code) };
@@ -51,7 +50,7 @@ fn with_a_port_held_it_is_the_plain_link() {
             let mut list = args(plain, &mut Random(seed * 7919));
             list.retain(|e| e.key != "l0");
             for (space, onto) in [(false, false), (false, true), (true, false), (true, true)] {
-                // a contact counts from position at its first port; the second is slack at rest
+                // a contact measures from position at its first port; the second is slack at rest
                 if onto && plain.param("l0").is_none() {
                     continue;
                 }
@@ -78,7 +77,7 @@ fn with_a_port_held_it_is_the_plain_link() {
     assert!(compared > 200, "{compared}");
 }
 
-/// Without viscosity the law of the spring runs, with the kernel of a quadripole, and plays the same.
+/// Without viscosity the compiler uses the law of the spring, with the kernel of a quadripole; the result is the same.
 #[test]
 fn cheaper_laws_are_quadripoles_too() {
     let edge = |kind: &str, args: &str| {
@@ -109,7 +108,7 @@ fn cheaper_laws_are_quadripoles_too() {
     }
 }
 
-/// Space to space, and line to line: what one loses the other has.
+/// Space to space and line to line: the energy that one world loses is gained by the other.
 #[test]
 fn between_worlds_of_one_kind_the_ledger_balances() {
     let text = |dim: u8| {
@@ -162,11 +161,11 @@ fn at_zero_length_nothing_pulls_in_space() {
         integrate(&scene, &mut s);
         bar_moved = bar_moved.max(s.x[bar]);
     }
-    // the law goes on, and the other port has its force
+    // the law keeps running, and the other port still gets its force
     assert!(bar_moved > 1e-4 && s.x.iter().all(|x| x.is_finite()), "{bar_moved}");
 }
 
-/// What is steady is not heard: outputs that an LPR feeds have a high pass, others have not.
+/// Outputs fed by an LPR have a high-pass filter, others do not.
 #[test]
 fn outputs_that_a_body_in_space_feeds_lose_what_is_steady() {
     let body = "[air]\ndim = 3\n[air.SOL]\nnail = {}\n[air.MAS]\nball = { m = 0.01, x = [0.1, 0, 0] }\n[SOL]\nwall = {}\n\
@@ -192,7 +191,7 @@ fn outputs_that_a_body_in_space_feeds_lose_what_is_steady() {
     ] {
         assert_eq!(high_passes(out), many, "{out}");
     }
-    // with both ends of an LPR on lines nothing spins
+    // with both ends of an LPR on lines nothing rotates
     let flat = "[CEL]\na = { m = 0.01, k = 5e4 }\nb = { m = 0.01, k = 5e4 }\n[SOL]\nwall = {}\n[LPR]\nl = { between = \
                 [\"wall\", \"a\"], onto = [\"wall\", \"b\"], k = 1e4 }\n[SOX]\nout = { from = \"b\" }\n";
     assert!(scene(flat).out.blockers.is_empty());

@@ -1,4 +1,4 @@
-//! The bench: one mass on a spring, a string, and how a mode is heard.
+//! Shared models: one mass on a spring, a string; and the frequency of a mode.
 
 use crate::play::{PI, apart};
 use ca_core::{Scene, State, tick};
@@ -13,7 +13,7 @@ pub fn bob(rate: f64, m: f64, k: f64, z: f64) -> String {
     )
 }
 
-/// A string by masses, stiffness and viscosity of its links.
+/// A string given by masses, and stiffness and viscosity of its links.
 pub fn string(n: usize, m: f64, k: f64, z: f64) -> String {
     format!("[STRING]\ns = {{ n = {n}, m = {m:?}, k = {k:?}, z = {z:?} }}\n[SOX]\nout = {{ from = \"s[0]\" }}\n")
 }
@@ -24,8 +24,8 @@ pub fn at(scene: &Scene, place: usize, x: f64, d: f64) -> State {
     s
 }
 
-/// Frequency of a mode whose shape is an eigenvector, from one tick: λ = −⟨d, φ⟩/⟨φ, φ⟩, sin(θ/2) = √λ/2. Also how
-/// far the motion leaves the shape.
+/// Frequency of a mode whose shape is an eigenvector, from one tick: λ = −⟨d, φ⟩/⟨φ, φ⟩, sin(θ/2) = √λ/2. Also returns
+/// the largest deviation from the shape.
 pub fn mode(scene: &Scene, places: &[usize], shape: &[f64]) -> (f64, f64) {
     let mut s = scene.state();
     s.d.fill(0.0);

@@ -1,4 +1,4 @@
-//! Energy: nothing is created, the ledgers balance, and they name who makes it.
+//! Energy: none is created, the ledgers balance, and they name the module that makes energy.
 
 use super::bench::{FS, string};
 use crate::play::{PI, audited, case, mat, mats, num, off, within};
@@ -24,7 +24,6 @@ fn a09_nothing_is_created_in_ten_seconds() {
     }
     assert!(h0 > 0.0);
     within("A09 drift", drift, num(c, "tolerance/drift_rel"));
-    // the ledger's energy is that of the masses and springs, counted by hand
     let k = 0.9 * 1e-3 * FS * FS;
     let mut by_hand = 0.0;
     let ends: Vec<f64> = std::iter::once(0.0).chain(masses.iter().map(|p| s.x[*p])).chain([0.0]).collect();
@@ -98,7 +97,7 @@ fn a17_the_ledger_names_who_makes_energy() {
     let (largest_error, made) = ledger.largest_error().expect("someone makes energy");
     assert_eq!(scene.audited_name(largest_error).as_deref(), Some("contact"));
     assert!(made > 0.5 * b.scheme_error && b.scheme_error > 0.1, "{b:?}");
-    // the linear spring keeps its ledgers by theorem
+    // the linear spring balances exactly, by theorem
     let spring =
         (0..scene.counts.n_lia).find(|i| scene.audited_name(*i).as_deref() == Some("spring")).expect("the spring");
     assert_eq!(ledger.scheme_error[spring], num(c, "values/spring"));

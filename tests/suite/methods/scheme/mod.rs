@@ -1,4 +1,4 @@
-//! The scheme itself: warping, limits, tuning, energy, scale. Every number comes out of a compiled scene.
+//! The scheme itself: warping, limits, tuning, energy, scale; all numbers come from compiled scenes.
 
 mod bench;
 mod ledgers;

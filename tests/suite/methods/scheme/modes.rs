@@ -16,7 +16,6 @@ fn a07_modes_of_a_chain() {
         let (lambda, stray) = mode(&scene, &masses, &shape);
         within(&format!("A07 mode {j}"), off(heard(lambda, FS), f), num(c, "tolerance/rel"));
         within(&format!("A07 mode {j} keeps its shape"), stray, 1e-14);
-        // and it goes on as cos nθ
         let theta = TURN * f / FS;
         let mut s = scene.state();
         for (p, v) in masses.iter().zip(&shape) {
@@ -55,7 +54,6 @@ fn a08_at_the_limit_a_string_is_exactly_harmonic() {
     within("A08 one period", apart(&now(&s), &start), tolerance);
     (0..99 * period).for_each(|_| tick(&scene, &mut s));
     within("A08 a hundred periods", apart(&now(&s), &start), tolerance);
-    // the fundamental
     let shape: Vec<f64> = (1..=n).map(|i| (i as f64 * PI / (n as f64 + 1.0)).sin()).collect();
     let f = heard(mode(&scene, &masses, &shape).0, FS);
     within("A08 f₁", off(f, num(c, "values/f1")), tolerance);
@@ -85,9 +83,9 @@ fn a12_a_mesh_at_its_limit() {
         places.iter().zip(&shape).for_each(|(p, v)| s.x[*p] = *v);
         (0..20_000).for_each(|_| tick(&scene, &mut s));
         let largest = s.x.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-        // bounded by about 1/√(4 − λ) below; e^(2√1e-6 n) above
+        // below: bounded by about 1/√(4 − λ); above: e^(2√1e-6 n)
         assert_eq!(largest > 1e6, side > 0.0, "a = {a}: {largest}");
-        // the cheap bounds do not settle what is that near, a factorisation does; far below it is not needed
+        // this near the limit the cheap bounds do not decide, so a factorisation does; far below it is not needed
         let level = if side > 0.0 { Level::Unstable } else { Level::Proven };
         assert_eq!((scene.certificate.level, scene.certificate.exact), (level, true));
     }

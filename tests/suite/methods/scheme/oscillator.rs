@@ -1,4 +1,4 @@
-//! One oscillator: its solution, its start, its warping, its limit, its damping.
+//! One oscillator: solution, start, warping, limit, damping.
 
 use super::bench::{FS, at, bob, heard, mode};
 use crate::play::{PI, TURN, case, list, mat, num, off, rows, scene, within};
@@ -13,7 +13,7 @@ fn a01_the_oscillator_is_its_own_exact_solution() {
     let theta = 2.0 * (PI * num(c, "setup/f0") / FS).asin();
     let half = (0.5 * theta).sin();
     let i = mat(&scene, "bob");
-    // x₀ − x₋₁ = 1 − cos θ, written so that nothing cancels
+    // x₀ − x₋₁ = 1 − cos θ, written without cancellation
     let mut s = at(&scene, i, 1.0, 2.0 * half * half);
     let (mut worst, mut turns) = (0.0f64, Vec::new());
     for n in 0..=48000u32 {
@@ -32,7 +32,6 @@ fn a01_the_oscillator_is_its_own_exact_solution() {
     within("A01 x against cos nθ", worst, num(c, "tolerance/x_abs"));
     let (lambda, _) = mode(&scene, &[i], &[1.0]);
     within("A01 f_sim", off(heard(lambda, FS), num(c, "values/f_sim")), num(c, "tolerance/f_rel"));
-    // and by ear: zero crossings over a second
     let cycles = (turns.len() - 1) as f64 / (turns[turns.len() - 1] - turns[0]);
     within("A01 counted cycles", off(cycles * FS, num(c, "values/f_sim")), 1e-6);
 }
@@ -61,13 +60,13 @@ fn a02_warping() {
             let cents = 1200.0 * (f / row[0]).log2();
             within(&format!("A02 {} Hz in cents", row[0]), (cents - row[2]).abs(), 1e-9);
         }
-        // a cell asked for the frequency it would be heard at is not warped
+        // a cell with `f` is not warped
         let asked =
             scene(&format!("[CEL]\nbob = {{ m = 0.001, f = {:?} }}\n[SOX]\nout = {{ from = \"bob\" }}\n", row[0]));
         let f = heard(mode(&asked, &[mat(&asked, "bob")], &[1.0]).0, FS);
         within(&format!("A02 {} Hz asked", row[0]), off(f, row[0]), tolerance);
     }
-    // the highest frequency there is: a = 4
+    // the highest frequency: a = 4
     within("A02 f_max", off(FS / PI, num(c, "values/f_max")), tolerance);
 }
 
@@ -96,7 +95,7 @@ fn a03_the_limit_and_who_says_so() {
     let growth = num(c, "values/growth_per_sample_a_4_01");
     within("A03 growth", off((s.x[i] / last).abs(), growth), num(c, "tolerance/growth_rel"));
 
-    // one hertz, one kilogram: a is the very number
+    // one hertz, one kilogram: `a` is the stiffness itself
     for (a, level) in [(3.99, Level::Proven), (4.0, Level::Unstable), (4.01, Level::Unstable)] {
         let scene = scene(&bob(1.0, 1.0, a, 0.0));
         assert_eq!((scene.certificate.level, scene.certificate.bound), (level, a));
@@ -120,7 +119,6 @@ fn a04_the_damped_triangle() {
         for text in [linked, cell] {
             let scene = scene(&text);
             let i = mat(&scene, "bob");
-            // the recurrence as a matrix on (x, d), column by column
             let column = |x, d| {
                 let mut s = at(&scene, i, x, d);
                 tick(&scene, &mut s);
@@ -154,7 +152,7 @@ fn a05_a_cell_sounds_as_asked() {
         let [p, q, mobility] = [0, 1, 2].map(|i| s.coef[i * scene.counts.n_mat + mat(&scene, "bar")]);
         within(&format!("A05 compiled m at {f} Hz"), off(tick_dt * tick_dt / mobility, m), tolerance);
         within(&format!("A05 compiled k at {f} Hz"), off(-q / mobility, k), tolerance);
-        // P holds 1 − b: b is there to half a unit of the last place of 1, and not better
+        // P holds 1 − b, so b is exact only to half a unit in the last place of 1
         within(&format!("A05 compiled z at {f} Hz"), ((1.0 - p) - z * tick_dt / m).abs(), 0.5 * f64::EPSILON);
         assert_eq!(p, 1.0 - b);
     }

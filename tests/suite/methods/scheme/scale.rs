@@ -1,10 +1,10 @@
-//! Scale: powers of two change no bit, large ones little, and what is not a number stays outside.
+//! Scale: powers of two change no bit, large scales change little, and non-finite numbers stay outside.
 
 use crate::play::{apart, audited, case, list, model, num, within};
 use ca_benches::atlas::survival::{self, heard};
 use ca_core::tick;
 
-/// What is heard of the struck string, forces scaled by `k`, lengths by `l`.
+/// Output of the struck string with forces scaled by `k` and lengths by `l`.
 fn scaled(k: f64, l: f64) -> Vec<f64> {
     heard(&survival::scaled(k, l), 20_000, l)
 }

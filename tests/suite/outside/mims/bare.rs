@@ -1,5 +1,5 @@
-//! A second opinion on imported models: masses and springs read straight from the text and from the model, each by its
-//! own few lines, simulated side by side. Generators are expanded here as the documentation says, not by the compiler.
+//! Independent check of imported models: masses and springs are read from the text and from the model by separate short
+//! readers, and simulated side by side. Generators are expanded here as documented, not by the compiler.
 
 use super::shown;
 use ca_import::mims::import;
@@ -7,7 +7,7 @@ use ca_model::{Model, Value};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-/// Masses and springs by name; what is not linear is left out on both sides.
+/// Masses and springs by name. Non-linear links are left out on both sides.
 #[derive(Default)]
 struct Bare {
     mass: BTreeMap<String, f64>,
@@ -107,7 +107,7 @@ impl Bare {
         bare
     }
 
-    /// What is heard at each of 60 samples after a push at the first.
+    /// Outputs at each of 60 samples after a push at the first.
     fn run(&self) -> Vec<Vec<f64>> {
         let index: BTreeMap<&str, usize> = self.mass.keys().enumerate().map(|(i, n)| (n.as_str(), i)).collect();
         let at = |n: &String| *index.get(n.as_str()).unwrap_or_else(|| panic!("`{n}` is nowhere"));
@@ -135,7 +135,7 @@ impl Bare {
     }
 }
 
-/// Asserts that the import of `text`, with every mass heard, moves as `text` says.
+/// Asserts that the import of `text`, with every mass as an output, moves as `text` says.
 pub fn same_movement(text: &str) {
     let mut text = text.to_string() + "\n";
     let masses: Vec<String> = Bare::of_text(&text).mass.into_keys().collect();
@@ -156,7 +156,7 @@ pub fn same_movement(text: &str) {
     }
 }
 
-/// The nodes of a mesh that are held besides its edges.
+/// Nodes of a mesh that are fixed in addition to its edges.
 fn held(item: &ca_model::Item) -> Vec<[f64; 2]> {
     let list = |v: &Value| if let Value::List(l) = v { l.clone() } else { Vec::new() };
     let num = |v: &Value| if let Value::Num(n) = v { *n } else { f64::NAN };

@@ -1,4 +1,4 @@
-//! Files as others save them, and numbers that no module of ours can have: each gets a clear answer.
+//! Files as other editors save them, and values out of range: each gets a clear answer.
 
 use super::import;
 use crate::play::scene;
@@ -13,7 +13,7 @@ fn titles(text: &str) -> Vec<String> {
     import(text, "foreign.mdl").1.list.into_iter().map(|d| d.title).collect()
 }
 
-/// A number that a module cannot have is refused in the text it stands in; all others compile.
+/// A value that a module cannot have is refused with its place in the text; all others compile.
 #[test]
 fn numbers_out_of_range_are_refused_where_they_stand() {
     let lines = [
@@ -47,7 +47,7 @@ fn numbers_out_of_range_are_refused_where_they_stand() {
         assert!(!diags.has_errors(), "{text}{diags}");
         scene(&write(&model));
     }
-    // behind a name, the place where it is used and the place where it is declared
+    // behind a name: the place of use and the place of declaration
     let text = format!("@M param -1\n{WHOLE}@x mass M 0 0\n");
     let (_, diags) = import(&text, "foreign.mdl");
     let labels: Vec<_> = diags.list[0].labels.iter().map(|l| &text[l.0.start..l.0.end]).collect();
@@ -66,7 +66,7 @@ fn line_ends_of_all_systems_are_line_ends() {
         let d = &import(&wrong, "a.mdl").1.list[0];
         assert_eq!(&wrong[d.span().start..d.span().end], "@b");
     }
-    // the rows of a message are counted alike
+    // line numbers in messages count the same line ends
     let strange = |ends: &str| titles(&["# a", "@a ground 0", "what"].join(ends));
     assert_eq!(strange("\n"), strange("\r"));
     assert_eq!(strange("\n"), strange("\r\n"));
@@ -94,7 +94,7 @@ fn of_a_hundred_thousand_unknown_names_a_hundred_are_said() {
     assert!(model.items.is_empty() && diags.is_full());
     assert_eq!(diags.list.len(), KEPT + 1);
     assert!(diags.list[KEPT].title.contains("more than 100 errors"), "{}", diags.list[KEPT].title);
-    // unknown types, of which any may still be a sign of the younger dialect
+    // unknown types, each of them a possible sign of the newer dialect
     let mut text = String::from(WHOLE);
     (0..100_000).for_each(|i| _ = writeln!(text, "@r{i} gizmo{i} 0.1"));
     assert_eq!(import(&text, "a.mdl").1.list.len(), KEPT + 1);
@@ -103,7 +103,6 @@ fn of_a_hundred_thousand_unknown_names_a_hundred_are_said() {
     assert_eq!((found.list.len(), found.list[0].code, found.is_full()), (1, "E028", false));
 }
 
-/// What starts at a place or at a speed reads differently in the two dialects, so the import says how it took it.
 #[test]
 fn a_start_that_the_dialects_read_differently_is_said() {
     let with = |line: &str| titles(&format!("{WHOLE}{line}\n@o posOutput @x\n"));
@@ -111,13 +110,13 @@ fn a_start_that_the_dialects_read_differently_is_said() {
     assert_eq!(with("@x osc 1 0.1 0 0.1 0.1"), ["`x` starts at rest, at 0.1"]);
     assert_eq!(with("@x mass 1 0.1 0"), ["`x` starts at a velocity: 0.1 per sample"]);
     assert!(with("@x mass 1 0 0").is_empty());
-    // only the older dialect has it
+    // exists only in the older dialect
     assert!(with("@x massG 1 0 0.1 0.1").is_empty());
     let (_, diags) = import(&format!("{WHOLE}@x mass 1 0.1 0.1\n"), "a.mdl");
     assert!(diags.list[0].help.as_ref().unwrap().contains("MIMS4Max writes a velocity per second here"));
 }
 
-/// What of the first sample is another than in mi.lib is said, at the module that shows it.
+/// A first sample that differs from mi.lib is reported at the module that shows it.
 #[test]
 fn what_of_the_first_sample_is_another_is_said() {
     let with = |lines: &str| titles(&format!("{WHOLE}{lines}"));
@@ -125,7 +124,7 @@ fn what_of_the_first_sample_is_another_is_said() {
     assert_eq!(with("@c contact @g @a 0.1 0.01 0.5\n"), [touches]);
     assert!(with("@c contact @g @a 0.1 0.01 -0.5\n").is_empty());
     assert!(with("@c contact @g @a 0.1 0 0.5\n").is_empty());
-    // it comes from above and is there in the first sample
+    // it comes from above and touches in the first sample
     let falls = |v: &str| with(&format!("@b mass 1 0.6 {v}\n@c contact @g @b 0.1 0.01 0.5\n"));
     assert_eq!(falls("0.75")[1..], [touches]);
     assert_eq!(falls("0.65").len(), 1);

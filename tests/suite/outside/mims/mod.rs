@@ -1,8 +1,8 @@
-//! Import of MIMS models: `tests/mims/*.mdl` are ours, in the older dialect of the scripter; what each becomes, and
-//! what is said about it, stands beside it in `*.txt` (`UPDATE=1` rewrites them; read the diff).
+//! Import of MIMS models: `tests/mims/*.mdl` are our models in the older dialect of the scripter. `*.txt` beside each
+//! has the imported model and its findings (`UPDATE=1` rewrites them; read the diff).
 //!
-//! That generators stand for exactly what was written is not read off but computed: the text and the imported model are
-//! simulated side by side, each by its own few lines, and every mass must move alike.
+//! That generators equal what they replace is computed, not read off: the text and the imported model are simulated
+//! side by side, by separate short programs, and every mass must move alike.
 
 use ca_import::mims::import;
 use ca_model::diag::{Diags, Severity};
@@ -34,7 +34,7 @@ fn table(entries: &[Entry]) -> String {
     entries.iter().map(|e| format!("{} = {}", e.key, value(&e.value))).collect::<Vec<_>>().join(", ")
 }
 
-/// The content of a model and what was said about it, line by line.
+/// The content of a model and its findings, line by line.
 fn shown(model: &Model, diags: &Diags, text: &str) -> String {
     let mut out = String::new();
     for line in model.header.lines() {
@@ -133,7 +133,7 @@ fn pluck_and_bow_keep_their_curves() {
     let (f, v0, v1, fd) = (num("l13", "f"), num("l13", "v0"), num("l13", "v1"), num("l13", "fd"));
     for i in 0..=400 {
         let e = 0.0003 * f64::from(i);
-        // it pushes away
+        // it repels
         let theirs = -if e < scale / 10.0 {
             (k - k / 10.0) * e
         } else if e < scale {
@@ -202,7 +202,7 @@ fn models_of_our_own_move_as_written() {
     }
 }
 
-/// Rows and lattices with faults: a grid of masses and grounds, links missing, doubled, changed or added.
+/// Rows and lattices with faults: a grid of masses and grounds, with links missing, doubled, changed or added.
 fn faulty() -> impl Strategy<Value = String> {
     let node = prop_oneof![12 => Just('m'), 1 => Just('g'), 1 => Just('h')];
     let link =
@@ -268,7 +268,7 @@ proptest! {
 
     #[test]
     fn generators_move_as_what_they_replace(text in faulty()) {
-        // a push on a ground moves nothing, and is left out
+        // a push on a ground moves nothing and is left out
         let pushed = text.trim_end().rsplit(' ').next().unwrap();
         let fixed = text.lines().any(|l| l.starts_with(&format!("{pushed} ground")));
         same_movement(if fixed { text.rsplit_once("@f ").unwrap().0 } else { &text });
@@ -289,7 +289,7 @@ proptest! {
     }
 }
 
-/// A line that is nearly right.
+/// A nearly valid line.
 fn line() -> impl Strategy<Value = String> {
     let label = prop_oneof![8 => "@[abm][0-9]?(_[0-9])?", 1 => "@?\\PC{0,4}"];
     let ty = prop_oneof![

@@ -1,11 +1,11 @@
-//! The paper's degraded experiments, latency and no feedback, and what the ledger of the border says of them.
+//! The degraded experiments of the paper: latency and no feedback, and the ledger of the rate boundary for them.
 
 use super::{INSTRUMENT, hand};
 use crate::play::{TURN, audited, scene, within};
 use ca_core::internal::border::frame_due;
 use ca_core::{Scene, State, tick};
 
-/// What a run gave: outputs of each tick, force sent in each frame, the state at its end.
+/// Result of a run: outputs of each tick, force sent in each frame, and the final state.
 struct Run {
     sound: Vec<u64>,
     force: Vec<u64>,
@@ -30,12 +30,11 @@ fn run(scene: &Scene, x: &[f64]) -> Run {
     Run { sound, force, end: s }
 }
 
-/// A struck string, quite still until the key moves.
+/// A struck string that is silent until the key moves.
 fn still(rate: &str) -> Scene {
     scene(&still_text(rate)).scene
 }
 
-/// The same with an energy ledger.
 fn still_audited(rate: &str) -> Scene {
     audited(&still_text(rate)).scene
 }
@@ -45,7 +44,7 @@ fn still_text(rate: &str) -> String {
     format!("[rate]\n{rate}\n{}", text.replace("[TGR]\nkey = {}", "[TGR]\nkey = { x = \"0 mm\" }"))
 }
 
-/// Still for a while, then two strokes.
+/// At rest for a while, then two strokes.
 fn strokes(frames: usize) -> Vec<f64> {
     let stroke = |t: f64| if t > 0.0 { 8e-3 * (1.0 - (TURN * 9.0 * t).cos()) } else { 0.0 };
     (0..frames).map(|n| stroke(n as f64 / 3000.0 - 0.02)).collect()
@@ -111,7 +110,7 @@ fn without_feedback_the_hand_feels_nothing_and_the_sound_is_the_same() {
     }
 }
 
-/// A take is played without a ledger, and its hashes are compared by a replay that keeps one.
+/// A take is played without a ledger, and a replay with one compares its hashes.
 #[test]
 fn a_ledger_changes_no_bit_of_the_state() {
     let x = strokes(300);
@@ -135,7 +134,7 @@ fn a_ledger_changes_no_bit_of_the_state() {
 
 const WALL: &str = "[SOL]\nwall = {}\n[TGR]\nkey = {}\n[RES]\nlink = { between = [\"wall\", \"key\"], k = 2e4 }\n";
 
-/// The ledger of the border for a hand on a wall, and the same from the positions of the hand alone: received, given.
+/// Energy received and given at the boundary for a hand on a wall: by the ledger, and by a sum over positions.
 fn ledgers(rate: &str, late: usize, felt: bool) -> [f64; 4] {
     let x = [vec![0.0; 2 + late], hand(3000, 3000.0)].concat();
     let end = run(&audited(&format!("[rate]\n{rate}\n{WALL}")), &x).end;
@@ -174,7 +173,7 @@ fn the_ledger_of_the_border() {
         within(&format!("received, {rate}"), (received - want).abs() / scale, 1e-12);
         within(&format!("given, {rate}"), (given - gave).abs() / scale, 1e-12);
         if felt {
-            // a spring that answers late gives back more than it took
+            // a spring with a delay returns more energy than it received
             assert!(received - given > 1e-3 * scale, "{rate}: {received} {given}");
         } else {
             assert_eq!(given, 0.0, "{rate}");

@@ -1,10 +1,10 @@
-//! Images of the gesture rate on the sound (E04): a held position prints a staircase, a line hardly does.
+//! Images of the gesture rate in the sound (E04): strong with held positions, weak with linear interpolation.
 
 use crate::play::{TURN, case, list, num, scene, within};
 use ca_core::internal::border::frame_due;
 use ca_core::{Scene, tick};
 
-/// Level of the sound at `f` \[Hz\], dB, over one second of it.
+/// Level of a one-second sound at `f` \[Hz\], in dB.
 fn level(sound: &[f64], f: f64) -> f64 {
     let (mut re, mut im) = (0.0, 0.0);
     for (n, y) in sound.iter().enumerate() {
@@ -47,7 +47,7 @@ fn e04_images_of_the_gesture_rate() {
     }
 }
 
-/// A bar tuned to the image of a tremolo of 150 Hz rings by it.
+/// A bar tuned to the image of a 150 Hz tremolo resonates with it.
 #[test]
 fn a_staircase_is_heard() {
     let rings = |border: &str| {

@@ -1,8 +1,8 @@
-//! A device in the loop: how stiff a key may be before the hand is shaken (E02), and how late its spring is (E05).
+//! A device in the loop: the stiffest key that stays stable (E02), and the delay of its spring (E05).
 //!
-//! The device is exact (a mass with friction under a force held over each frame); the scene is compiled from text. One
-//! frame of both together is a linear map, which is measured column by column; it is stable while its spectral radius
-//! is below 1.
+//! The device is exact: a mass with friction under a force held over each frame. The scene is compiled from text. One
+//! frame of both is a linear map, measured column by column. The loop is stable while the spectral radius of the map is
+//! below 1.
 
 use crate::play::{PI, case, list, mat, num, off, rows, scene, within};
 use ca_core::internal::border::delays;
@@ -24,7 +24,7 @@ impl Device {
     }
 }
 
-/// A row of E02 as a model: ticks a frame, what `[rate]` says more, whether a damper KT/2 stands beside the spring.
+/// A row of E02 as a model: ticks per frame, further lines of `[rate]`, and whether a damper KT/2 is beside the spring.
 struct LoopRow {
     ratio: u32,
     more: &'static str,
@@ -39,7 +39,6 @@ const ROWS: [LoopRow; 5] = [
     LoopRow { ratio: 16, more: "latency = 1", damped: false },
 ];
 
-/// A wall of stiffness `k` behind a key.
 fn wall(row: &LoopRow, gesture: f64, k: f64) -> Scene {
     let z = if row.damped { k / gesture / 2.0 } else { 0.0 };
     let rate = format!("sound = {:e}\ngesture = {gesture:e}\n{}", gesture * f64::from(row.ratio), row.more);
@@ -53,7 +52,7 @@ fn frame(scene: &Scene, s: &mut State, x: f64) -> f64 {
     s.ports.border[0].force
 }
 
-/// The map of one frame, by columns: position and speed of the device, then what the border remembers.
+/// Map of one frame, by columns: position and speed of the device, then the memory of the rate boundary.
 fn map(scene: &Scene, device: &Device) -> Vec<Vec<f64>> {
     let key = mat(scene, "key");
     let mut still = scene.state();
@@ -69,7 +68,7 @@ fn map(scene: &Scene, device: &Device) -> Vec<Vec<f64>> {
         let force = frame(scene, &mut s, hand[0]);
         assert_eq!(s.x[key], s.ports.border[0].to);
         let [x, v] = device.go(hand, force);
-        // at one rate nothing is collected
+        // at one rate the boundary accumulates no force
         let sum = if scene.rates.ratio > 1 { s.ports.border[0].sum } else { 0.0 };
         [&[x, v, s.ports.border[0].to, sum], &s.ports.late[..]].concat()
     };
@@ -91,7 +90,7 @@ fn growth(map: &[Vec<f64>]) -> f64 {
     log
 }
 
-/// The stiffness at which the loop begins to grow.
+/// Stiffness at which the loop becomes unstable, by bisection.
 fn limit(row: &LoopRow, device: &Device) -> f64 {
     let grows = |k: f64| growth(&map(&wall(row, 1.0 / device.t, k), device)) > 0.0;
     let (mut lo, mut hi) = (100.0, 1e6);
@@ -110,13 +109,13 @@ fn response(scene: &Scene, k: f64) -> Vec<f64> {
     (0..8).map(|n| -frame(scene, &mut s, f64::from(u8::from(n == 2))) / k).skip(2).collect()
 }
 
-/// Friction that keeps the loop passive, over KT (Colgate and Schenkel).
+/// Friction needed for a passive loop, over KT (Colgate and Schenkel).
 fn least(h: &[f64]) -> f64 {
     let at = |w: f64| {
         let re = |n: usize| (w * n as f64).cos() - (w * (n + 1) as f64).cos();
         0.5 / (1.0 - w.cos()) * h.iter().enumerate().map(|(n, h)| h * re(n)).sum::<f64>()
     };
-    // a step from 0 on, where the limit is 0/0 and its rounding shows
+    // starts above 0, where the limit is 0/0 and rounding dominates
     (40..=40_000).map(|i| at(PI * f64::from(i) / 40_000.0)).fold(0.0, f64::max)
 }
 
@@ -131,10 +130,10 @@ fn e02_how_stiff_a_key_may_be() {
             within(&format!("{what}, {gesture} Hz"), off(limit(row, &device), k), rel);
         }
         let scene = wall(row, 3000.0, 2000.0);
-        // at the first tick of a frame a damper still feels the speed of the frame before: half of one in R
+        // at the first tick of a frame a damper still measures the speed of the frame before: an error of 1/(2R)
         let rel = if row.damped { 1.2 / (2.0 * f64::from(row.ratio)) } else { rel };
         within(&format!("{what}, friction"), off(least(&response(&scene, 2000.0)), want[0]), rel);
-        // what `ca check` says of a key; it knows nothing of a damper
+        // against the formula of `ca check`, which ignores dampers
         if !row.damped {
             let d = delays(&scene);
             assert_eq!(scene.certificate.keys[0].name, "key");
@@ -144,7 +143,7 @@ fn e02_how_stiff_a_key_may_be() {
     }
 }
 
-/// Holding the position does not make the key stiffer: the force that keeps power exact is a mean here too.
+/// Holding the position does not allow a stiffer key, because the force that conserves power is a mean here too.
 #[test]
 fn a_held_position_is_as_late_as_a_line() {
     let row = |more| LoopRow { ratio: 16, more, damped: false };
@@ -166,7 +165,7 @@ fn e05_how_late_a_spring_is() {
         let h = response(&scene, 2000.0);
         let sum: f64 = h.iter().sum();
         within("the spring", off(sum, 1.0), 1e-12);
-        // the mean of its answer, and half a frame in which the device holds it
+        // mean delay of its response, plus half a frame during which the device holds it
         let frames = h.iter().enumerate().map(|(n, h)| n as f64 * h).sum::<f64>() / sum + 0.5;
         let (is, said) = (frames * 1e3 / 3000.0, delays(&scene));
         within(&format!("E05 R = {ratio}, {more}"), (is - want).abs(), tolerance);

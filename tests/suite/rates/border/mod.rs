@@ -1,4 +1,4 @@
-//! The border between the rate of the hand and the rate of sound: what the hand gives is what the scene gets.
+//! The rate boundary: the energy that the hand gives is the energy that the scene receives.
 
 mod degraded;
 mod images;
@@ -9,13 +9,12 @@ use crate::play::{Random, TURN, audited, case, mat, num, within};
 use ca_core::internal::border::frame_due;
 use ca_core::{Scene, compute_forces, integrate};
 
-/// What the balance keeps to, far within the tolerance of its case.
+/// Tolerance of the energy balance, far below the tolerance of its case.
 const EXACT: f64 = 1e-15;
 
 const SPRING: &str = "[REF]\nlink = { between = [\"key\", \"wall\"], k = 2e4, z = 0.05 }\n";
 const ONE_SIDED: &str = "[BUT]\nlink = { between = [\"key\", \"wall\"], k = 2e4, z = 0.05, d = 0 }\n";
 
-/// A hammer on a key and a string.
 const INSTRUMENT: &str = r#"
 [TGR]
 key = {}
@@ -40,7 +39,7 @@ fn held_by(border: &str, sound: u32, gesture: u32, link: &str) -> Scene {
     audited(&format!("[rate]\n{rate}\n[SOL]\nwall = {{}}\n[TGR]\nkey = {{}}\n{link}")).scene
 }
 
-/// The hand of E01, still at the end so that the last frame is whole.
+/// The hand motion of E01, at rest at the end so that the last frame is complete.
 fn hand(frames: usize, rate: f64) -> Vec<f64> {
     let mut rng = Random(43);
     let mut walk = 0.0;
@@ -56,19 +55,19 @@ fn hand(frames: usize, rate: f64) -> Vec<f64> {
     x
 }
 
-/// What a run gave.
+/// Energies of a run.
 struct Played {
-    /// Σ F̄ ΔX over frames, as work of the hand on the scene
+    /// Σ F̄ ΔX over frames: work of the hand on the scene
     frames: f64,
     /// Σ f_j (X_{j+1} − X_{j−1})/2 over ticks
     ticks: f64,
-    /// the same by the ledger of the port
+    /// the same from the ledger of the port
     ledger: f64,
-    /// the same by the ledger of the border, frame by frame
+    /// the same from the ledger of the boundary, frame by frame
     received: f64,
     /// Σ|P|
     scale: f64,
-    /// residual of the whole ledger over its peak
+    /// residual of the whole ledger, relative to its peak
     residual: f64,
 }
 
@@ -127,7 +126,7 @@ fn e01_the_border_makes_nothing() {
                 if scene.rates.ratio > 1 {
                     within(&what, (p.frames - p.ticks).abs() / p.scale, EXACT);
                 } else {
-                    // what is sent is the force of the tick, which does make energy
+                    // at one rate the force of the tick itself is sent, which does make energy
                     assert!((p.frames - p.ticks).abs() > 1e-4 * p.scale, "{what}");
                 }
             }
@@ -150,7 +149,7 @@ fn e01_with_an_instrument_behind_the_key() {
 
 #[test]
 fn force_is_that_on_the_hand() {
-    // the key is pressed 1 mm above a wall it is tied to: the spring pulls the hand down
+    // the key is 1 mm above a wall it is tied to: the spring pulls the hand down
     for (sound, gesture) in [(48_000, 3000), (3000, 3000)] {
         let scene = held(sound, gesture, "[RES]\nlink = { between = [\"wall\", \"key\"], k = 2e4 }\n");
         let mut s = scene.state();

@@ -1,11 +1,10 @@
-//! A hand in a plane: each axis crosses the border by itself, with all that a key on a line has.
+//! A hand in a plane: each axis crosses the rate boundary separately, with everything that a key on a line has.
 
 use super::hand;
 use crate::play::{audited, case, num, within};
 use ca_core::internal::border::{delays, frame_due};
 use ca_core::tick;
 
-/// A ball on a spring to the hand, in a bowl.
 const BOWL: &str = r#"
 [plane]
 dim = 2
@@ -37,7 +36,7 @@ fn e01_in_a_plane() {
                     break;
                 }
                 let at = |n: usize| x[n.min(x.len() - 1)];
-                // the axes move apart, and both are still at the end so that the last frame is whole
+                // the axes move differently; both are at rest at the end so that the last frame is complete
                 s.input.copy_from_slice(&[at(frame), 0.5 * at(2 * frame)]);
                 frame += 1;
             }
@@ -55,7 +54,7 @@ fn e01_in_a_plane() {
             );
             assert_eq!(hand.given == 0.0, rate.contains("false"));
         }
-        // pulled along the tie, whatever its direction
+        // stiffness along the tie, whatever its direction
         let key = &scene.certificate.keys[0];
         assert_eq!((key.name.as_str(), key.k), ("plane.hand", 2000.0));
         assert!(delays(&scene).friction(key.k) > 0.6);

@@ -1,11 +1,11 @@
-//! What ticks make above half the sound rate must not fold into the sound: the filter before they are left out.
+//! The decimation filter: content of the ticks above half the sound rate does not alias into the sound.
 
 use crate::play::{TURN, apart, off, scene, with, within};
 use ca_compile::Options;
 use ca_core::internal::border::delays;
 use ca_core::{Scene, tick};
 
-/// Gain of the filter of the outputs at `f` times the rate of the ticks.
+/// Gain of the output filter at `f` times the rate of the ticks.
 fn gain(scene: &Scene, f: f64) -> f64 {
     let (middle, sides) = scene.out.lowpass.split_last().expect("a filter");
     let n = sides.len();
@@ -13,7 +13,7 @@ fn gain(scene: &Scene, f: f64) -> f64 {
     (middle + sides.iter().enumerate().map(pair).sum::<f64>()).abs()
 }
 
-/// 100 dB from half the sound rate to half the rate of the ticks, 0.001 dB below 20 kHz, late by whole samples.
+/// 100 dB from half the sound rate to half the rate of the ticks, 0.001 dB ripple below 20 kHz, delay of whole samples.
 #[test]
 fn the_filter_is_the_one_it_says() {
     for (rate, times, filter) in
@@ -33,13 +33,13 @@ fn the_filter_is_the_one_it_says() {
         within(&format!("{what}, stop"), stop.fold(0.0, f64::max), 1e-5);
         let late = delays(&scene).filter * rate;
         within(&format!("{what}, whole samples"), (late - late.round()).abs(), 1e-9);
-        // and no longer than Kaiser's band and the next whole sample
+        // no longer than Kaiser's formula and the next whole sample
         let band = TURN * (0.5 * rate - edge) / ticks;
         assert!(late.round() <= (96.05 / (2.285 * band) / 2.0 / f64::from(times)).ceil() + 1.0, "{what}: {late}");
     }
 }
 
-/// What rings above half the sound rate is not heard; what rings below is, late by the filter.
+/// Cells above half the sound rate are silent; those below are heard with the delay of the filter.
 #[test]
 fn nothing_folds_into_the_sound() {
     for times in [2, 4] {
@@ -59,7 +59,7 @@ fn nothing_folds_into_the_sound() {
                 probe.push(s.output[1]);
             }
             let what = format!("{f} Hz, {times} ticks");
-            // probes are the truth at the sample, filtered by nothing
+            // probes are exact at the sample, without a filter
             let truth: Vec<f64> = (0..4000).map(|n| (TURN * f * f64::from(n) / 48e3).cos()).collect();
             within(&format!("{what}: probe"), apart(&probe, &truth), 1e-9);
             let settled = 2 * late + 2;
@@ -74,7 +74,7 @@ fn nothing_folds_into_the_sound() {
     }
 }
 
-/// A high pass of an output stands before the filter, at its cut-off.
+/// The high pass of an output comes before the decimation filter, at its cut-off.
 #[test]
 fn a_high_pass_goes_at_the_rate_of_the_ticks() {
     let scene = scene(

@@ -1,4 +1,4 @@
-//! Limits of stability and pitch are those of the tick; advice on how many ticks would mend a scene is true.
+//! Limits of stability and pitch depend on the tick, and the advised number of ticks is right.
 
 use crate::play::{PI, TURN, mat, model, off, scene, within};
 use ca_compile::{Options, compile};
@@ -12,7 +12,7 @@ fn bob(k: f64, z: f64, times: u32) -> String {
     )
 }
 
-/// What is unstable is told how many ticks would mend it, and they do, and one less does not.
+/// The advised number of ticks makes an unstable scene stable, and one less does not.
 #[test]
 fn advice_on_ticks_is_true() {
     let advised = |scene: &ca_compile::Compiled| -> Option<u32> {
@@ -37,16 +37,15 @@ fn advice_on_ticks_is_true() {
         assert!(!grows(&text(times)), "{k} {z}: {times}");
         if z == 0.0 {
             assert!(scene(&text(times - 1)).certificate.level != Level::Proven, "{k}: {times}");
-            // at the limit itself it creeps
+            // at the limit itself growth is only linear
             assert_eq!(grows(&text(times - 1)), k != 16.0, "{k}: {times}");
             assert_eq!(advised(&scene(&text(times - 1))), Some(times), "{k}: from there too");
         }
     }
-    // more than there may be is not advised
     assert_eq!(advised(&scene(&bob(4.0 * 65.0 * 65.0, 0.0, 1))), None);
 }
 
-/// What a method refuses it refuses with finer ticks too, and a pitch may be up to half the rate of the ticks.
+/// A method refuses the same cases with finer ticks, and a pitch may be up to half the rate of the ticks.
 #[test]
 fn limits_move_with_the_ticks() {
     let found = |text: &str| compile(&model(text), &catalog(), &Options::default()).err().map(|d| d.list[0].clone());
@@ -62,7 +61,6 @@ fn limits_move_with_the_ticks() {
     assert_eq!(d.help.as_deref(), Some("stay below 48000 Hz, or raise `sound` in `[rate]`"));
     let damped = "[model]\nmethod = \"pefrl\"\n[rate]\noversample = 2\n[CEL]\nbar = { m = 1, k = 1, z = 1 }\n[SOX]\no = { from = \"bar\" }\n";
     assert_eq!(found(damped).expect("refused").code, "E028");
-    // the pitch that `ca modes` tells is that of the ticks
     let text = |times: u32| {
         format!(
             "[rate]\noversample = {times}\n[CEL]\nbar = {{ m = 1, k = {:?}, dx0 = 1 }}\n[SOX]\no = {{ from = \"bar\" }}\n",

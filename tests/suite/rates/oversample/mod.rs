@@ -1,5 +1,5 @@
-//! Scenes whose samples have several ticks: order, the same bits as at the higher rate, hands and inputs, ledgers, and
-//! what is not there where nobody asks.
+//! Scenes with several ticks per sample: order, the same bits as at the higher rate, devices and inputs, ledgers. A
+//! scene without `oversample` has none of it.
 
 mod filter;
 mod limits;
@@ -11,16 +11,16 @@ use ca_core::internal::op::Op;
 use ca_core::{InputRole, Scene, State, compute_forces, integrate, tick};
 use ca_io::perform::Performance;
 
-/// A model whose samples have `times` ticks, and the same with so many samples.
+/// A model with `times` ticks per sample, and the same model at `times` the sound rate.
 fn coarse_and_fine(text: &str, more: &str, times: u32, options: &Options) -> [Scene; 2] {
     let rate = |sound: u32, own: &str| format!("{text}\n[rate]\nsound = {sound}\n{own}\n{more}\n");
     [rate(48_000, &format!("oversample = {times}")), rate(48_000 * times, "")].map(|t| with(&t, options).scene)
 }
 
-/// A gesture, by samples of 48 kHz.
+/// A gesture as a function of the sample number at 48 kHz.
 type Hand = fn(f64) -> f64;
 
-/// Runs the finer scene by one tick. Inputs go in a straight line through a sample of `times` of its ticks.
+/// Advances the finer scene by one tick. Inputs are interpolated linearly over the `times` ticks of a sample.
 fn finer(scene: &Scene, s: &mut State, times: u32, hand: Hand) {
     let sample = s.tick.div_ceil(u64::from(times));
     let j = times - (sample * u64::from(times) - s.tick) as u32;
@@ -31,7 +31,7 @@ fn finer(scene: &Scene, s: &mut State, times: u32, hand: Hand) {
     tick(scene, s);
 }
 
-/// Writes the inputs of a tick: of devices once a frame, of ports now.
+/// Writes the inputs of a tick: device inputs once a frame, port inputs at once.
 fn give(scene: &Scene, s: &mut State, now: f64, hand: Hand) {
     let frame = s.tick.div_ceil(u64::from(scene.rates.ratio)) as f64;
     for (i, of) in scene.inputs.iter().enumerate() {
@@ -43,7 +43,7 @@ fn give(scene: &Scene, s: &mut State, now: f64, hand: Hand) {
     }
 }
 
-/// Plays both for so many samples and compares all there is, bit by bit; returns how far anything moved.
+/// Plays both for `samples` samples and compares all state bit by bit. Returns the largest displacement.
 fn same_bits(what: &str, [coarse, fine]: &[Scene; 2], samples: u32, hand: Hand) -> f64 {
     let times = coarse.oversample();
     let (mut a, mut b, mut most) = (coarse.state(), fine.state(), 0.0f64);
@@ -103,12 +103,12 @@ fn hand(sample: f64) -> f64 {
     2e-4 * (0.002 * sample).sin()
 }
 
-/// With the ledger, and what the first output listens to as a probe.
+/// Options with the ledger, and a probe at the module of the first output.
 fn audited(probe: &str) -> Options {
     Options { energy: true, probes: vec![probe.into()], ..Options::default() }
 }
 
-/// The claim of it all: samples of several ticks are the scene at the higher rate, of which some ticks are kept.
+/// Scenes with several ticks per sample match every n-th tick of the scene at the higher rate.
 #[test]
 fn it_is_the_scene_at_the_higher_rate() {
     let stable = STRUCK.replace("z = 0.2 }\n[SOX]", "z = 0.2, method = \"stable\" }\n[SOX]");
@@ -134,14 +134,13 @@ fn it_is_the_scene_at_the_higher_rate() {
             assert!(most > 1e-6, "{what}: {most}");
         }
     }
-    // of which no ledger is kept
     let text = STRUCK.replace(", z = 0.1, zo = 0.01", "").replace(", z = 0.2", "");
     let options = Options { energy: false, ..audited("s[7]") };
     let text = format!("[model]\nmethod = \"pefrl\"\n{text}");
     assert!(same_bits("pefrl", &coarse_and_fine(&text, "gesture = 3000", 3, &options), 700, hand) > 1e-6);
 }
 
-/// A hand at 3 kHz meets the border of so many more ticks, whatever its shape; and one as quick as the samples.
+/// A device at 3 kHz, or at the sound rate, is interpolated over all ticks, with every option of the rate boundary.
 #[test]
 fn a_hand_is_led_through_all_ticks() {
     for more in ["", "border = \"hold\"", "latency = 2", "feedback = false"] {
@@ -154,7 +153,7 @@ fn a_hand_is_led_through_all_ticks() {
             assert!(most > 1e-4, "{more}: {most}");
         }
     }
-    // the force of a sample is there in the first half of its tick
+    // the force of a sample is there after the first half of its tick
     let [scene, _] = coarse_and_fine(KEYED, "gesture = 3000", 4, &Options::default());
     let (mut halves, mut whole) = (scene.state(), scene.state());
     for n in 0..200 {
@@ -170,7 +169,6 @@ fn a_hand_is_led_through_all_ticks() {
     assert!(whole.ports.border[0].force.abs() > 1e-4);
 }
 
-/// A change of a live parameter takes a whole gesture frame here as there.
 #[test]
 fn a_live_parameter_is_ramped_over_the_frame() {
     let text = format!(
@@ -183,7 +181,7 @@ fn a_live_parameter_is_ramped_over_the_frame() {
         (0..samples).for_each(|_| tick(&coarse, a));
         (0..4 * samples).for_each(|_| tick(&fine, b));
     };
-    // up to the first tick of a frame, of which the finer has three more
+    // up to the first tick of a frame; the finer scene has three more ticks in it
     tick(&coarse, &mut a);
     tick(&fine, &mut b);
     run(&mut a, &mut b, 32);
@@ -203,7 +201,7 @@ fn a_live_parameter_is_ramped_over_the_frame() {
     assert!(apart(&s.x, &a.x) > 1e-9, "the change is felt");
 }
 
-/// Gestures read at samples, with corners there, are those read at each tick.
+/// A gesture with its corners at samples is the same if it is read at each tick.
 #[test]
 fn gestures_are_the_same() {
     let text = format!(
@@ -229,7 +227,6 @@ fn gestures_are_the_same() {
     within("gestures", apart(&a, &b) / most, 1e-13);
 }
 
-/// An oscillator against its closed form.
 #[test]
 fn the_error_falls_with_the_square_of_the_ticks() {
     let w = TURN * 50.0;
@@ -255,7 +252,7 @@ fn the_error_falls_with_the_square_of_the_ticks() {
     }
 }
 
-/// What is not finite counts once a sample: a position stays, a force is none.
+/// Non-finite inputs count once per sample: a position stays, a force becomes zero.
 #[test]
 fn what_is_no_number_is_refused_once_a_sample() {
     let [scene, _] = coarse_and_fine(PUSHED, "gesture = 3000", 8, &audited("s[7]"));
@@ -275,7 +272,7 @@ fn what_is_no_number_is_refused_once_a_sample() {
     assert!(s == zero);
 }
 
-/// `alg` units count samples, so the same model means the same with finer ticks.
+/// `alg` units count samples, so more ticks do not change the meaning of a model.
 #[test]
 fn units_are_of_the_sample() {
     let text = |more: &str, rate: &str| {
@@ -290,7 +287,7 @@ fn units_are_of_the_sample() {
     assert!(text("", "oversample = 4") != text("", ""));
 }
 
-/// A clone in the middle goes on as the original does, and its hash knows what is under way.
+/// A clone in the middle of a run continues identically, and the hash covers the interpolated inputs.
 #[test]
 fn it_is_part_of_the_state() {
     let [scene, _] = coarse_and_fine(BOWED, "gesture = 3000", 4, &Options::default());
@@ -330,13 +327,13 @@ fn only_who_asks_has_it() {
         assert!(plain.state() == one.state() && one.state().ports.glide.is_empty());
         let own = ["ticks between", "inputs", "low pass", "to samples", "to ticks"];
         assert!(passes(&plain).iter().all(|p| !own.contains(p)));
-        // and who asks has what it had and that, inputs only where something is given
+        // with `oversample` a scene has these passes in addition, `inputs` only if it has inputs
         let ports = four.inputs.iter().any(|i| i.role != InputRole::Device);
         let had: Vec<_> = passes(&four).into_iter().filter(|p| !own.contains(p)).collect();
         assert_eq!(had, passes(&plain));
         assert_eq!((passes(&four).contains(&"inputs"), four.state().ports.glide.is_empty()), (ports, !ports));
     }
-    // where no channel is, no filter is, and nobody listens between samples
+    // without channels there is neither a filter nor an output between samples
     let probed = "[rate]\noversample = 4\n[CEL]\nbar = { m = 1, f = 500, dx0 = 1 }\n";
     let scene = with(probed, &Options { probes: vec!["bar".into()], ..Options::default() });
     assert!(scene.out.lowpass.is_empty() && scene.state().ports.lowpass.is_empty());

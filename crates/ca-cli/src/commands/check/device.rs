@@ -1,4 +1,4 @@
-//! The demands of a model on a device, printed.
+//! Prints the demands of a model on a device.
 
 use crate::load::ticked;
 use crate::outcome::Failure;
@@ -9,7 +9,6 @@ use ca_take::demands::{DeviceDemands, newton};
 use serde_json::{Value as Json, json};
 use std::io::Write;
 
-/// For people.
 pub(super) fn text(asked: &DeviceDemands, out: &mut impl Write) -> Result<(), Failure> {
     let p = asked.profile;
     writeln!(out, "\nOn {} (`{}`):", p.title, p.name)?;
@@ -108,7 +107,6 @@ pub(super) fn text(asked: &DeviceDemands, out: &mut impl Write) -> Result<(), Fa
     Ok(())
 }
 
-/// For programs.
 pub(super) fn json(asked: &DeviceDemands) -> Json {
     let p = asked.profile;
     let keys: Vec<Json> = asked

@@ -1,4 +1,4 @@
-//! How loud each output is when the model plays by itself, and which gain would make it as loud as a sound should be.
+//! Measures the level of each output when the model plays by itself, and the gain that would bring it to a good level.
 
 use super::super::render::play;
 use crate::outcome::Failure;
@@ -10,16 +10,15 @@ use ca_model::quantity::short;
 use serde_json::{Value as Json, json};
 use std::io::Write;
 
-/// A peak that leaves room: −6 dB of full scale.
+/// Target peak with headroom: −6 dBFS.
 const WANTED: f64 = 0.5;
 
-/// A channel.
 pub(super) struct LevelRow {
     name: String,
     peak: f64,
 }
 
-/// Plays the model as `ca render` would.
+/// Plays the model as `ca render` does, and measures the peaks.
 pub(super) fn levels(scene: &Scene, show: bool) -> Result<Vec<LevelRow>, Failure> {
     let performance = Performance::new(scene, None)?;
     let seconds = ca_lab::play::seconds(&performance, None);
@@ -41,7 +40,7 @@ pub(super) fn levels(scene: &Scene, show: bool) -> Result<Vec<LevelRow>, Failure
 }
 
 impl LevelRow {
-    /// What the gain of its outputs times this makes of it.
+    /// Factor for the gain of the output that brings the peak to [`WANTED`]. `None` for a silent channel.
     fn factor(&self) -> Option<f64> {
         (self.peak > SILENT).then(|| WANTED / self.peak)
     }

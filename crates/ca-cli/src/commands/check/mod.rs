@@ -1,7 +1,6 @@
-//! `ca check`: everything that can be known of a model before it sounds.
+//! `ca check`: reports everything known about a model before it plays.
 //!
-//! Decides that findings go to stderr, where every command shows them, and that the summary, which is what was asked
-//! for, goes to stdout.
+//! Findings go to stderr, as in every command. The summary is the requested result and goes to stdout.
 
 mod args;
 mod device;

@@ -1,4 +1,4 @@
-//! The passes of one tick with the cost of each, printed.
+//! Prints the passes of one tick with the cost of each.
 
 use crate::outcome::Failure;
 use ca_accuracy::schedule::{Schedule, absent, form, pairs};
@@ -7,7 +7,6 @@ use ca_model::quantity::short;
 use serde_json::{Value as Json, json};
 use std::io::Write as _;
 
-/// For people.
 pub(super) fn text(scene: &Scene, m: &Schedule) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     writeln!(out, "\nOne tick, measured here:")?;
@@ -59,7 +58,6 @@ pub(super) fn text(scene: &Scene, m: &Schedule) -> Result<(), Failure> {
     Ok(())
 }
 
-/// For programs.
 pub(super) fn json(scene: &Scene, m: &Schedule) -> Json {
     let rows: Vec<Json> = m
         .rows

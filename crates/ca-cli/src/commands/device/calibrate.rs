@@ -1,4 +1,5 @@
-//! `ca device calibrate`: asks a person for the stops of a device, or takes them from the command line, and writes the calibration.
+//! `ca device calibrate`: reads the stops of a device with the help of a user, or from options, and writes the
+//! calibration.
 
 use super::CalibrateArgs;
 use crate::outcome::{Ended, Failure, Outcome};
@@ -48,7 +49,7 @@ pub fn run(args: &CalibrateArgs) -> Outcome {
     Ok(Ended::Well)
 }
 
-/// One number for all, or one for each.
+/// Expands a single number to all axes, or checks that there is one per axis.
 fn each(given: &[f64], n: usize, what: &str) -> Result<Vec<f64>, Failure> {
     match given.len() {
         1 => Ok(vec![given[0]; n]),
@@ -57,7 +58,7 @@ fn each(given: &[f64], n: usize, what: &str) -> Result<Vec<f64>, Failure> {
     }
 }
 
-/// Both stops of each axis, of a running device and a person; `None` where the person skips.
+/// Asks the user to move each axis of a running device to both stops. A skipped axis is `None`.
 fn asked(name: &str, n: usize) -> Result<Vec<Option<[f64; 2]>>, Failure> {
     if !std::io::stdin().is_terminal() {
         let fix = "run it in a terminal, or say what the device says with `--low` and `--high`";
@@ -79,7 +80,7 @@ fn asked(name: &str, n: usize) -> Result<Vec<Option<[f64; 2]>>, Failure> {
     Ok(stops)
 }
 
-/// Reads axis `k` at a stop; `None` where the person skips it.
+/// Reads axis `k` at a stop. Returns `None` if the user skips it.
 fn stop(reader: &mut Reader, k: usize, which: &str) -> Result<Option<StopReading>, Failure> {
     eprint!("axis {k}, {which} stop: ");
     let mut answer = String::new();

@@ -1,4 +1,4 @@
-//! `ca device conformance`: tests a device process, and prints the table.
+//! `ca device conformance`: tests a device process and prints the table.
 
 use super::ConformanceArgs;
 use crate::outcome::{Ended, Failure, Outcome};

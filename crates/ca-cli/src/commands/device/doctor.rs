@@ -1,4 +1,4 @@
-//! `ca device doctor`: looks at this machine, and prints what it lacks.
+//! `ca device doctor`: examines this machine and prints what it lacks.
 
 use crate::outcome::{Ended, Failure, Outcome};
 use ca_device_tools::doctor;

@@ -1,4 +1,4 @@
-//! `ca device list`: who speaks at this place, and what can be named with `--profile`.
+//! `ca device list`: lists the running devices and the profiles for `--profile`.
 
 use crate::outcome::{Ended, Outcome};
 use ca_device_tools::store;
@@ -10,7 +10,7 @@ use serde_json::json;
 use std::io::Write as _;
 use std::time::Duration;
 
-/// A device says who it is once a second.
+/// Wait for devices, which announce themselves once per second.
 const PATIENCE: Duration = Duration::from_millis(1500);
 
 /// Runs the command.

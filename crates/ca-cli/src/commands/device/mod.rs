@@ -1,4 +1,4 @@
-//! `ca device`: device processes, simulated and tested. The work is done by [`ca_device_tools`].
+//! `ca device`: simulates, tests and calibrates device processes, using [`ca_device_tools`].
 
 mod args;
 mod calibrate;

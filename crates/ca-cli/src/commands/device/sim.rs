@@ -1,4 +1,4 @@
-//! `ca device sim`: a device that is a process, and no hardware. The device is simulated by [`ca_device_tools::simulator`].
+//! `ca device sim`: runs a device process without hardware, using [`ca_device_tools::simulator`].
 
 use super::{ScriptKind, SimArgs};
 use crate::outcome::{Ended, Failure, Outcome};
@@ -39,7 +39,7 @@ pub fn run(args: &SimArgs) -> Outcome {
     let hand = if args.script == ScriptKind::Push {
         Hand::NONE
     } else {
-        // where nothing pushes back any hand will do
+        // without forces, the parameters of the hand do not matter
         Hand::finger(if profile.force > 0.0 { profile.force } else { 1.0 }, &profile)
     };
     let simulation = Simulation {
@@ -56,7 +56,7 @@ pub fn run(args: &SimArgs) -> Outcome {
         priority: (args.priority > 0).then_some(args.priority),
     };
     let simulator = Simulator::open(simulation)?;
-    // a handler can be set once in a process; where that fails, Ctrl-C ends the process as it would anyway
+    // a process can set only one handler; if this fails, Ctrl-C ends the process as usual
     let _ = ctrlc::set_handler(|| STOP.store(true, Relaxed));
     let summary = simulator.run(&STOP, &mut term::message)?;
     reported(&summary, args.json)?;
@@ -122,14 +122,12 @@ fn script(args: &SimArgs, profile: &Profile) -> Result<Script, Failure> {
     }
     let one = |k: usize| {
         let name = if moves(k) { name } else { "hold" };
-        // every name above is one of a script
         Script::named(name, profile, ScriptOptions { rest: Some(rest(k)), ..asked })
             .ok_or_else(|| Failure::Usage(format!("no script `{name}`")))
     };
     Ok(Script::Each((0..n).map(one).collect::<Result<_, _>>()?))
 }
 
-/// Prints the summary.
 fn reported(s: &Summary, asked: bool) -> std::io::Result<()> {
     let mut out = std::io::stdout().lock();
     let (name, rate, loops) = (&s.device, s.rate, &s.loops);

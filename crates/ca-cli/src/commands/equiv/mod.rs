@@ -1,8 +1,8 @@
-//! `ca equiv`: how large and how heavy a model is in the hand.
+//! `ca equiv`: shows and sets the size and weight of a model in the hand.
 //!
-//! Decides that what is asked becomes text first, the `[equivalence]` of the model file, and that everything shown comes
-//! from compiling that text: what is printed is what the file will do. α and β are shown to those who ask (GENESIS
-//! paper, 6.4: nobody ever has to touch them).
+//! A change is first written as text, in the `[equivalence]` section of the model file. Everything shown comes from
+//! compiling that text, so the output matches the behaviour of the file. α and β are shown only on request (GENESIS
+//! paper, 6.4: users never need to change them).
 
 mod args;
 mod table;
@@ -51,12 +51,12 @@ pub fn run(args: &EquivArgs) -> Outcome {
     if let Some(path) = args.to.write.as_deref().or(args.to.in_place.then_some(Path::new(&args.model))) {
         term::note(&format!("written to `{}`", path.display()));
     }
-    // findings that are not errors, as every command that compiles shows them
+    // prints warnings and notes, as every command that compiles does
     term::findings(&loaded.diags, &loaded.model);
     Ok(Ended::Well)
 }
 
-/// The text of a model with the section as asked.
+/// Returns the text of the model with the requested section.
 fn changed(text: &str, model: &Model, now: &Equivalence, args: &EquivArgs) -> Result<String, Failure> {
     let failed = |what: &dyn std::fmt::Display| Failure::Failed(format!("`{}`: {what}", model.file));
     let mut text = Document::read(text).map_err(|e| failed(&e))?;

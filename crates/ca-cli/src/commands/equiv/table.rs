@@ -1,4 +1,4 @@
-//! The table of equivalences, for people and for programs.
+//! Prints the table of equivalences as text or JSON.
 
 use crate::load::Loaded;
 use crate::outcome::Failure;
@@ -9,7 +9,7 @@ use ca_model::quantity::{show, six};
 use serde_json::{Value as Json, json};
 use std::io::Write;
 
-/// What there is to show.
+/// A model whose equivalences are shown.
 pub(super) struct EquivalenceTable<'a> {
     name: &'a str,
     scene: &'a Scene,
@@ -28,17 +28,15 @@ impl<'a> EquivalenceTable<'a> {
         self.e().time_unit != 1.0
     }
 
-    /// 1 of the model, in the hand.
+    /// Formats the real quantity that corresponds to 1 of the model.
     fn real(&self, row: &Quantity, g: Gains) -> String {
         digits(row.factor(g, self.e().time_unit), row.unit)
     }
 
-    /// A unit as the model has it.
     fn one(&self, row: &Quantity) -> String {
         if self.alg() { "1".into() } else { format!("1 {}", row.unit.symbol) }
     }
 
-    /// For people.
     pub(super) fn text(&self, out: &mut impl Write, verbose: bool) -> Result<(), Failure> {
         let e = self.e();
         writeln!(out, "{}", self.name)?;
@@ -78,7 +76,6 @@ impl<'a> EquivalenceTable<'a> {
         Ok(())
     }
 
-    /// For programs.
     pub(super) fn json(&self) -> Json {
         let e = self.e();
         let factors = |g: Gains| -> serde_json::Map<String, Json> {
@@ -106,7 +103,6 @@ impl<'a> EquivalenceTable<'a> {
     }
 }
 
-/// Six digits.
 fn digits(v: f64, unit: Unit) -> String {
     show(six(v), unit)
 }

@@ -1,6 +1,6 @@
-//! `ca fit`: numbers of a model found by a recorded sound.
+//! `ca fit`: fits numbers of a model to a recorded sound.
 //!
-//! This file says and writes; `ca_fit` fits.
+//! This module prints and writes; `ca_fit` computes.
 
 mod args;
 mod write;
@@ -39,7 +39,7 @@ pub fn run(args: &FitArgs) -> Outcome {
         let what = format!("a {} file cannot be written; `ca import` makes a model file of it", format.name);
         return Err(Failure::Usage(what));
     }
-    // what is varied is written with its value found, wherever it started
+    // the written text contains fitted values of varied numbers, but not values of `--set`
     if let Some((name, _)) = args.set.iter().find(|(name, _)| writes && !args.vary.contains(name)) {
         let what = format!("`--set {name}` changes what is not varied, and would not be in what is written");
         return Err(Failure::Usage(format!("{what}; write this value in the file first, or vary it too")));
@@ -48,7 +48,7 @@ pub fn run(args: &FitArgs) -> Outcome {
         write::may_be(path, args.to_file.force)?;
     }
     if writes {
-        // what has no place in the file is refused before the work is done
+        // refuses numbers without a place in the file before the work begins
         args.vary.iter().try_for_each(|name| write::place(&loaded.model, name).map(drop))?;
     }
     let recording = Recording::open(&args.to)?;
@@ -107,7 +107,7 @@ pub fn run(args: &FitArgs) -> Outcome {
     Ok(if good { Ended::Well } else { Ended::Degraded })
 }
 
-/// `low.f=80 Hz..160 Hz`
+/// Parses a range such as `low.f=80 Hz..160 Hz`.
 fn range((name, text): &(String, String)) -> Result<Range, Failure> {
     let Some((from, to)) = text.split_once("..") else {
         let what = format!("--range: `{name}={text}` has one end");

@@ -1,6 +1,6 @@
-//! The text of a model with the numbers that were found; all else of it stays.
+//! Writes fitted numbers into the text of a model and leaves everything else unchanged.
 //!
-//! Decides that a number keeps the unit its author gave it, and that one which many instances share is not touched.
+//! A number keeps the unit chosen by its author. A number shared by several instances is not changed.
 
 use crate::commands::new;
 use crate::outcome::Failure;
@@ -9,10 +9,10 @@ use ca_fit::Fit;
 use ca_model::Model;
 use std::path::Path;
 
-/// Digits of a number that is written: a thousandth of a cent and better.
+/// Digits of a written number: better than a thousandth of a cent.
 const DIGITS: usize = 8;
 
-/// Refuses a path that cannot be written, before the work is done: with the messages that writing itself has.
+/// Refuses a path that cannot be written before the work begins, with the same messages as writing.
 pub(super) fn may_be(path: &Path, force: bool) -> Result<(), Failure> {
     new::may_be(path, force)?;
     if path.is_dir() {
@@ -26,7 +26,6 @@ pub(super) fn may_be(path: &Path, force: bool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The text of the model with what was found.
 pub(super) fn text(model: &Model, found: &Fit) -> Result<String, Failure> {
     let mut text = Document::read(&model.text).map_err(|e| Failure::Failed(format!("`{}`: {e}", model.file)))?;
     for f in &found.fitted {
@@ -39,7 +38,6 @@ pub(super) fn text(model: &Model, found: &Fit) -> Result<String, Failure> {
     Ok(text.to_string())
 }
 
-/// The place of a number.
 pub(super) fn place(model: &Model, name: &str) -> Result<Place, Failure> {
     Place::of(model, name).map_err(|e| Failure::Usage(e.to_string()))
 }

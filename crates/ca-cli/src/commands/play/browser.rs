@@ -1,8 +1,8 @@
-//! Opens the page in the browser of the desktop, without its token among the arguments of a process.
+//! Opens the page in the desktop's browser without the token in the arguments of a process.
 //!
-//! Other users see the arguments of every process, and the token is enough to play. So the browser is given a file that
-//! this user alone can read, which leads it to the address. A browser in a sandbox (snap, flatpak) cannot read that file: it
-//! is not opened, and neither is an unknown program.
+//! Other users can see the arguments of every process, and the token is enough to play. So the browser opens a file
+//! that only this user can read, which redirects to the address. A sandboxed browser (snap, flatpak) cannot read that
+//! file and is not opened. Neither is an unknown program.
 
 use crate::term;
 use ca_haptic::host::Site;
@@ -13,12 +13,12 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Words of a command that starts a program in a sandbox.
+/// Parts of a command that starts a program in a sandbox.
 const SANDBOXES: [&str; 4] = ["/snap/", "snap run", "flatpak run", "bin/flatpak"];
-/// Longest script that is searched for them \[bytes\].
+/// Longest script searched for these parts \[bytes\].
 const SCRIPT: u64 = 1 << 16;
 
-/// The file that leads to the address; removed with this value.
+/// Redirecting file, removed on drop.
 pub(super) struct Redirect(PathBuf);
 
 impl Drop for Redirect {
@@ -27,7 +27,8 @@ impl Drop for Redirect {
     }
 }
 
-/// Opens an address; `None` where no file can lead there. A thread asks the desktop, which may take its time.
+/// Opens an address, or returns `None` if the redirecting file or the thread cannot be created. A thread queries the
+/// desktop, which may take a while.
 pub(super) fn open(address: &str) -> Option<Redirect> {
     let redirect = match redirect(address) {
         Ok(redirect) => redirect,
@@ -46,7 +47,7 @@ pub(super) fn open(address: &str) -> Option<Redirect> {
     started.is_ok().then_some(redirect)
 }
 
-/// Writes the file. One of a process that was killed is replaced.
+/// Writes the redirecting file. Replaces a file left by a killed process.
 fn redirect(address: &str) -> Result<Redirect, String> {
     let port = address.rsplit(':').next().and_then(|rest| rest.split('/').next()).unwrap_or_default();
     let site = Site::of_user().map_err(|e| e.to_string())?;
@@ -61,7 +62,7 @@ fn redirect(address: &str) -> Result<Redirect, String> {
     Ok(Redirect(path))
 }
 
-/// An error where the program that would open the file cannot read it, or is not known to be a browser.
+/// Fails if the program for the file is sandboxed or is not known to be a browser.
 fn readable() -> Result<(), String> {
     if !cfg!(target_os = "linux") {
         return Ok(());
@@ -76,7 +77,7 @@ fn readable() -> Result<(), String> {
     Ok(())
 }
 
-/// The command of the desktop's browser.
+/// Returns the command of the desktop's browser.
 fn desktop_command() -> Result<String, String> {
     let asked = Command::new("xdg-mime").args(["query", "default", "text/html"]).stdin(Stdio::null()).output();
     let asked = asked.map_err(|e| format!("xdg-mime: {}", crate::load::reason(&e)))?;
@@ -105,7 +106,7 @@ fn data_folders() -> impl Iterator<Item = PathBuf> {
     all.into_iter()
 }
 
-/// True if a command starts a program in a sandbox, by its words, its program or its script.
+/// Returns true if a command starts a sandboxed program, judged by its text, its program or its script.
 fn is_sandboxed(command: &str) -> bool {
     let says = |text: &str| SANDBOXES.iter().any(|s| text.contains(s));
     let word = command.split_whitespace().find(|w| *w != "env" && !w.contains('=')).unwrap_or_default();

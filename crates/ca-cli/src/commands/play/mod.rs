@@ -1,4 +1,4 @@
-//! `ca play`: a model in the browser. This is `ca serve` with a page.
+//! `ca play`: plays a model in the browser. This is `ca serve` with a page.
 
 mod args;
 mod browser;
@@ -13,10 +13,10 @@ use std::sync::Mutex;
 /// Runs the command.
 pub fn run(args: &PlayArgs) -> Outcome {
     let open = !args.no_open && has_screen();
-    // kept until the end, since its file leads the browser to the page
+    // lives until the end, because its file leads the browser to the page
     let redirect = Mutex::new(None);
     let opens = move |address: &str| {
-        // without the address nobody can play, so it stands there whatever else is quiet
+        // printed even with `--quiet`, because playing requires the address
         eprintln!("play it at {address}");
         if let (true, Ok(mut redirect)) = (open, redirect.lock()) {
             *redirect = browser::open(address);
@@ -25,13 +25,14 @@ pub fn run(args: &PlayArgs) -> Outcome {
     serve::play(&args.serve, Some(page(args)), Box::new(opens))
 }
 
-/// The options of the page.
+/// Returns the options of the page.
 pub fn page(args: &PlayArgs) -> PageOptions {
     let PlayArgs { port, framed, allow_arm, lean, .. } = *args;
     PageOptions { port, framed, allow_arm, lean }
 }
 
-/// Whether there is a screen for a browser; without one, some desktops would open a browser of text in this terminal.
+/// Returns true if there is a screen for a browser. Without one, some desktops would open a text browser in this
+/// terminal.
 fn has_screen() -> bool {
     !cfg!(target_os = "linux") || ["DISPLAY", "WAYLAND_DISPLAY"].iter().any(|v| std::env::var_os(v).is_some())
 }

@@ -90,7 +90,7 @@ pub enum SampleFormat {
 }
 
 impl SampleFormat {
-    /// True for FLAC, independent of the name of the file.
+    /// Returns true for FLAC, independent of the file name.
     pub fn is_flac(self) -> bool {
         matches!(self, SampleFormat::Flac | SampleFormat::Flac16)
     }

@@ -1,8 +1,8 @@
-//! `ca render`: a model into a WAV or FLAC file, or through a pipe.
+//! `ca render`: renders a model to a WAV or FLAC file, or to a pipe.
 //!
-//! Decides that everything that can be refused is refused before the first tick, so that a long render never ends in a
-//! spelling mistake; and that sound which is not what the model meant (cut off, diverged) is still written, finite, and after a
-//! divergence within full scale, but never called a success.
+//! All arguments are checked before the first tick, so that a long render cannot fail because of a typing error.
+//! Clipped or diverged sound is still written with finite samples, within full scale after a divergence. But the
+//! command then does not report success.
 
 mod args;
 mod play;
@@ -32,11 +32,11 @@ use ca_take::gesture;
 use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
 
-/// A probe as asked.
+/// A requested probe.
 pub(crate) struct Probe {
-    /// selector
+    /// Selector.
     pub name: String,
-    /// where to
+    /// Output file.
     pub file: PathBuf,
 }
 
@@ -50,7 +50,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
     let options = Options {
         rate: args.source.rate,
         energy: args.energy,
-        // with its probes, which keep what they hear
+        // includes the probes, which keep the modules they measure
         audited: !args.energy,
         probes: probes.iter().map(|p| p.name.clone()).collect(),
         kernel: if args.kernel == Kernel::Fast { KernelClass::Fast } else { KernelClass::Reference },
@@ -77,7 +77,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         term::note("`--threads` has no effect: one thread plays a scene");
     }
     let ending = Ending { format, flac, ceiling: args.ceiling, fade: !args.no_fade, normalize: args.normalize };
-    // before there is a file that would be left behind; a pipe that is read before it may wait for ever
+    // set before files are created, and before opening a pipe, which may wait forever for its reader
     listen();
     let wav = RenderOut::create(&output, scene.rate, scene.counts.channels, ending)?;
     let outs = open_probes(&probes, &scene)?;
@@ -133,7 +133,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
     for what in ca_lab::play::clamped(&played.performance) {
         term::warning(&what);
     }
-    // standard output is for the sound where that goes there
+    // if the sound goes to standard output, the summary goes to standard error
     let mut out: Box<dyn std::io::Write> =
         if is_stdout(&output) { Box::new(std::io::stderr().lock()) } else { Box::new(std::io::stdout().lock()) };
     if args.json {
@@ -144,7 +144,6 @@ pub fn run(args: &RenderArgs) -> Outcome {
     Ok(if summary.degraded() { Ended::Degraded } else { Ended::Well })
 }
 
-/// Where the sound goes.
 fn output(args: &RenderArgs, loaded: &Loaded) -> Result<PathBuf, Failure> {
     let Some(path) = args.output.clone() else {
         let flac = args.format.is_some_and(SampleFormat::is_flac);
@@ -159,7 +158,7 @@ fn output(args: &RenderArgs, loaded: &Loaded) -> Result<PathBuf, Failure> {
         }
         return Ok(path);
     }
-    // only plain files need an extension
+    // pipes and devices do not need an extension
     let plain = !path.exists() || path.is_file();
     if plain && !["wav", "flac"].iter().any(|e| load::has_extension(&path, e)) {
         let what = format!("`{}`: sound is written as WAV or FLAC", path.display());
@@ -168,7 +167,7 @@ fn output(args: &RenderArgs, loaded: &Loaded) -> Result<PathBuf, Failure> {
     Ok(path)
 }
 
-/// The format of samples, and true for FLAC: by `--format`, else by the name of the file.
+/// Returns the sample format, and true for FLAC. `--format` has priority over the file name.
 fn format(args: &RenderArgs, output: &Path) -> Result<(Format, bool), Failure> {
     let named = load::has_extension(output, "flac");
     let flac = named || args.format.is_some_and(SampleFormat::is_flac);
@@ -188,7 +187,7 @@ fn format(args: &RenderArgs, output: &Path) -> Result<(Format, bool), Failure> {
     }
 }
 
-/// The message of a render that Ctrl-C ended after `done` of its `seconds`.
+/// Formats the message after Ctrl-C ended a render at `done` of `seconds`.
 fn interrupted(output: &Path, done: f64, seconds: f64) -> String {
     let kept = if output.is_file() {
         format!("`{}` is as it was before", output.display())
@@ -206,7 +205,7 @@ fn probes(args: &RenderArgs, output: &Path) -> Result<Vec<Probe>, Failure> {
         if name.is_empty() || file == Some("") {
             return Err(Failure::Usage(format!("--probe: `{text}`; write it like `low[3]` or `low[3]=bridge.csv`")));
         }
-        // `*` is not for files
+        // `*` is avoided in file names
         let default = || output.with_file_name(format!("{}.npy", name.replace('*', "all")));
         let file = file.map_or_else(default, PathBuf::from);
         if list.iter().any(|p| p.name == name) {
@@ -217,7 +216,7 @@ fn probes(args: &RenderArgs, output: &Path) -> Result<Vec<Probe>, Failure> {
     Ok(list)
 }
 
-/// Opens the files of all probes, each with its columns.
+/// Opens the files of all probes, each with its number of columns.
 fn open_probes(probes: &[Probe], scene: &Scene) -> Result<Vec<(ProbeOut, usize)>, Failure> {
     let mut outs = Vec::new();
     for (i, p) in probes.iter().enumerate() {
@@ -232,18 +231,17 @@ fn open_probes(probes: &[Probe], scene: &Scene) -> Result<Vec<(ProbeOut, usize)>
     Ok(outs)
 }
 
-/// The files that a model is played from.
+/// Lists the input files: the model and its gestures.
 pub(crate) fn inputs<'a>(model: &'a str, gestures: &'a [String]) -> Vec<(&'static str, &'a Path)> {
     let gestures = gestures.iter().map(|text| ("the gesture", gesture::port_and_file(text, Path::new("")).1));
     [("the model", Path::new(model))].into_iter().chain(gestures).collect()
 }
 
-/// All gesture files as one gesture.
 pub(crate) fn gesture(args: &Playing, scene: &Scene) -> Result<Option<Gesture>, Failure> {
     Ok(gesture::open(&args.gesture, args.gesture_rate, scene, Path::new(""), &mut |what| term::note(what))?)
 }
 
-/// The longest time that it is played \[s\], and the length in samples.
+/// Returns the longest time to play \[s\], and the length in samples.
 pub(crate) fn length(args: &Playing, p: &Performance) -> (f64, Length) {
     let gesture = p.duration();
     let seconds = ca_lab::play::seconds(p, args.seconds);
@@ -255,7 +253,7 @@ pub(crate) fn length(args: &Playing, p: &Performance) -> (f64, Length) {
     (seconds, Length::of(p, args.seconds))
 }
 
-/// The body that is furthest from its rest, ports and fixed points aside.
+/// Returns the name of the mass with the largest displacement from rest, except ports and fixed points.
 fn furthest(scene: &Scene, state: &State) -> String {
     let mut most = (0.0, String::new());
     for s in scene.symbols.iter() {

@@ -1,4 +1,4 @@
-//! The loop that plays.
+//! Plays a performance with a progress bar, until its end or Ctrl-C.
 
 use crate::outcome::Failure;
 use crate::term;
@@ -9,18 +9,18 @@ use indicatif::ProgressBar;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Somebody pressed Ctrl-C.
+/// Set by Ctrl-C.
 static STOP: AtomicBool = AtomicBool::new(false);
-/// How long a render may last unseen.
+/// Playing time after which the progress bar appears.
 const PATIENCE: Duration = Duration::from_millis(500);
 
-/// Whether somebody wants no more, since [`listen`].
+/// Returns true if Ctrl-C was pressed since [`listen`].
 pub(crate) fn stopped() -> bool {
     STOP.load(Ordering::Relaxed)
 }
 
-/// Listens for Ctrl-C from now on; without, it ends the process as ever, and leaves unfinished files behind. A second Ctrl-C
-/// does that too, since a pipe without a reader blocks the process.
+/// Handles Ctrl-C from now on. Without this, Ctrl-C ends the process at once and leaves unfinished files. A second
+/// Ctrl-C still ends the process, because a pipe without a reader blocks it.
 pub(crate) fn listen() {
     let _ = ctrlc::set_handler(|| {
         if STOP.swap(true, Ordering::Relaxed) {
@@ -29,10 +29,9 @@ pub(crate) fn listen() {
     });
 }
 
-/// What is done with outputs.
 pub(crate) type Sink<'a> = dyn FnMut(&Performance, &[f64]) -> Result<(), Failure> + 'a;
 
-/// The progress bar of a play longer than half a second, and whether the play goes on.
+/// Progress bar for plays longer than half a second, and check for Ctrl-C.
 pub(crate) struct Progress {
     bar: Option<ProgressBar>,
     begin: Instant,
@@ -45,7 +44,7 @@ impl Progress {
         Progress { bar: None, begin: Instant::now(), frames, show }
     }
 
-    /// Shows how much is done. False after Ctrl-C.
+    /// Shows the progress. Returns false after Ctrl-C.
     pub(crate) fn goes_on(&mut self, done: u64) -> bool {
         if self.show && self.bar.is_none() && self.begin.elapsed() > PATIENCE {
             self.bar = Some(term::progress(self.frames));
@@ -60,7 +59,6 @@ impl Progress {
         goes_on
     }
 
-    /// Takes the bar away.
     pub(crate) fn end(&mut self) {
         if let Some(bar) = self.bar.take() {
             bar.finish_and_clear();
@@ -68,7 +66,7 @@ impl Progress {
     }
 }
 
-/// Plays for a length. After every `block` of them, `heard` gets their outputs, interleaved.
+/// Plays for a length. `heard` receives the interleaved outputs after every `block` samples.
 pub(crate) fn play<'a>(
     p: Performance<'a>,
     length: Length,
@@ -79,7 +77,7 @@ pub(crate) fn play<'a>(
     let mut progress = Progress::new(length.frames, show);
     let played = ca_lab::play::play(p, length, block, &mut |p, rows, done| {
         heard(p, rows)?;
-        // what is not finished removes itself
+        // unfinished files remove themselves
         if progress.goes_on(done) { Ok(()) } else { Err(Failure::from(ca_lab::Failure::Stopped)) }
     })?;
     progress.end();

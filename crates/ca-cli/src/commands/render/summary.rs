@@ -1,4 +1,4 @@
-//! What is said of a render: on stdout as text or JSON, on stderr what went wrong.
+//! Summary of a render: text or JSON on stdout, warnings on stderr.
 
 use super::Probe;
 use super::RenderArgs;
@@ -21,52 +21,52 @@ use ca_model::quantity::{short, show, six};
 use serde_json::{Value as Json, json};
 use std::time::Duration;
 
-/// Modules that are named in a line.
+/// Limit on the modules named in a line.
 const NAMED: usize = 3;
 
-/// All that is said.
+/// Data of the summary.
 pub(crate) struct Summary<'a> {
     pub args: &'a RenderArgs,
     pub scene: &'a Scene,
-    /// the same with the energy ledger, which knows its links by name
+    /// The same scene with the energy ledger, which names its links.
     pub audited: &'a Scene,
     pub written: &'a Written,
-    /// how samples are kept, in words
+    /// Sample format in words.
     pub format: &'static str,
     pub ended: &'a Ended,
-    /// channels of which more than half is too slow to be heard, with the share
+    /// Channels with more than half of their content too slow to be heard, with that share.
     pub slow: Vec<(usize, f64)>,
-    /// the module that is furthest from its rest at the end
+    /// Module with the largest displacement from rest at the end.
     pub furthest: String,
     pub wall: Duration,
     pub energy: Option<&'a Audit>,
     pub divergence: Option<&'a Divergence>,
     pub refused: u64,
-    /// ticks in which contacts were not solved to rounding
+    /// Ticks in which contacts were not solved to rounding.
     pub unsolved: u64,
     pub warnings: usize,
     pub probes: &'a [Probe],
 }
 
-/// A word for a shell.
+/// Quotes a word for a shell if necessary.
 fn quoted(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "._-=/+".contains(c);
     if word.chars().all(plain) { word.into() } else { format!("'{}'", word.replace('\'', r"'\''")) }
 }
 
 impl Summary<'_> {
-    /// Whether something is not as meant.
+    /// Returns true if the sound is not as intended.
     pub fn degraded(&self) -> bool {
         let energy = self.unbalanced().is_some() || self.made().is_some();
         self.divergence.is_some() || !self.written.is_faithful() || self.refused > 0 || energy
     }
 
-    /// The energy made by the scheme, if it exceeds the energy received \[J\].
+    /// Energy made by the scheme, if it exceeds the energy received \[J\].
     fn made(&self) -> Option<f64> {
         made(&self.energy.filter(|_| self.divergence.is_none())?.ledger.balance())
     }
 
-    /// The residual of the ledger, where that does not balance \[J\].
+    /// Residual of the ledger, if the ledger does not balance \[J\].
     fn unbalanced(&self) -> Option<f64> {
         unbalanced(&self.energy.filter(|_| self.divergence.is_none())?.ledger.balance())
     }
@@ -75,7 +75,7 @@ impl Summary<'_> {
         self.written.level.peak.iter().copied().fold(0.0, f64::max)
     }
 
-    /// What went wrong, on stderr.
+    /// Prints the warnings to stderr.
     pub fn warn(&self) {
         if let Some(b) = self.divergence {
             term::warning(&b.to_string());
@@ -83,7 +83,7 @@ impl Summary<'_> {
             term::warning(&format!("{} samples had no value and became silence", self.written.level.non_finite));
         }
         if self.written.level.clipped > 0 {
-            // after a divergence the peak says nothing about loudness
+            // after a divergence, the peak does not indicate loudness
             let help = if self.divergence.is_some() {
                 String::new()
             } else if self.warnings > 0 && self.loudest() > FAR {
@@ -146,7 +146,7 @@ impl Summary<'_> {
         }
     }
 
-    /// The command that shows the findings of this render.
+    /// Returns the command that shows the findings of this render.
     fn check(&self) -> String {
         let source = &self.args.source;
         let set = source.changes().map(|(name, value)| format!("--set {}", quoted(&format!("{name}={value}"))));
@@ -159,7 +159,7 @@ impl Summary<'_> {
         self.wall.as_secs_f64() / self.written.duration()
     }
 
-    /// The summary for people.
+    /// Prints the summary as text.
     pub fn text(&self, mut out: &mut dyn std::io::Write) -> Result<(), Failure> {
         let w = self.written;
         let channels =
@@ -202,10 +202,10 @@ impl Summary<'_> {
         let b = a.ledger.balance();
         let time = a.ticks as f64 * self.scene.rates.sample_dt;
         if let Some(divergence) = self.divergence {
-            // how large all was at the last tick in range measures the divergence and nothing else
+            // the energy at the last tick in range only measures the divergence
             let grows = grows(self.scene, &a.ledger);
             let found = divergence.time;
-            // an audit of the beginning that ended before does not know when
+            // a shorter audit ended before the divergence and does not know its time
             if a.diverged {
                 writeln!(out, "  energy     diverged at {time:.4} s, found at {found:.4} s{grows}")?;
             } else {
@@ -256,7 +256,7 @@ impl Summary<'_> {
         Ok(())
     }
 
-    /// The summary for programs.
+    /// Prints the summary as JSON.
     pub fn json(&self, out: &mut dyn std::io::Write) -> Result<(), Failure> {
         let w = self.written;
         let channels: Vec<Json> = (0..w.level.peak.len())
@@ -283,7 +283,7 @@ impl Summary<'_> {
         let divergence =
             self.divergence.map(|b| json!({"seconds": b.time, "module": b.module, "why": b.why, "fix": b.fix}));
         let clipped = (w.level.clipped > 0).then(|| {
-            // after a divergence the peak says nothing about loudness
+            // after a divergence, the peak does not indicate loudness
             let gain = self.divergence.is_none().then(|| gain(self.loudest()));
             json!({"samples": w.level.clipped, "gain": gain})
         });
@@ -302,7 +302,6 @@ impl Summary<'_> {
     }
 }
 
-/// What is proven, for programs.
 pub(crate) fn stability_json(c: &Certificate) -> Json {
     json!({
         "level": c.level.to_string(), "bound": c.bound, "lower": c.lower, "limit": 4.0, "margin": c.margin(),

@@ -1,4 +1,4 @@
-//! `ca serve`: a model played in real time by device processes ([`ca_live`]).
+//! `ca serve`: plays a model in real time with device processes ([`ca_live`]).
 
 mod args;
 mod summary;
@@ -19,10 +19,9 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::{Duration, Instant};
 
-/// The time after a first Ctrl-C from which a second one ends the process.
+/// Time after a first Ctrl-C from which a second one ends the process.
 const SURE: Duration = Duration::from_millis(500);
 
-/// Opens the page of a performance.
 pub(crate) type OpensPage = Box<dyn Fn(&str) + Send + Sync>;
 
 /// Runs the command.
@@ -30,7 +29,7 @@ pub fn run(args: &ServeArgs) -> Outcome {
     play(args, None, Box::new(|_| ()))
 }
 
-/// Plays in real time, with a page where there are options of one.
+/// Plays in real time. Opens a page if `page` has options for one.
 pub(crate) fn play(args: &ServeArgs, page: Option<PageOptions>, opens: OpensPage) -> Outcome {
     written(args)?;
     let word = args.source.model.clone();
@@ -45,7 +44,7 @@ pub(crate) fn play(args: &ServeArgs, page: Option<PageOptions>, opens: OpensPage
     Ok(if report.summary.is_faithful() { Ended::Well } else { Ended::Degraded })
 }
 
-/// The request that the arguments mean, of a model that `read` gives.
+/// Builds the request from the arguments. `read` reads the model.
 pub(crate) fn request(args: &ServeArgs, page: Option<PageOptions>, read: Reader) -> Result<Request, ca_lab::Failure> {
     let word = args.source.model.clone();
     Ok(Request {
@@ -72,7 +71,7 @@ pub(crate) fn request(args: &ServeArgs, page: Option<PageOptions>, read: Reader)
     })
 }
 
-/// The messages of a performance, on the terminal.
+/// Prints the messages of a performance to the terminal.
 struct Terminal {
     quiet: bool,
     opens: OpensPage,
@@ -101,8 +100,9 @@ impl Listener for Terminal {
         }
     }
 
-    /// Ctrl-C and SIGTERM end the performance; once more, half a second later, the process. A handler can be set once in a
-    /// process; without it, the signals end the process at once.
+    /// Sets the handler of Ctrl-C and SIGTERM. The first signal ends the performance, and another one at least half a
+    /// second later ends the process. A process can set only one handler; if this fails, the signals end the process at
+    /// once.
     fn begins(&self, shared: &Arc<Shared>) {
         let (stop, mut first) = (shared.clone(), None);
         let _ = ctrlc::set_handler(move || {
@@ -118,7 +118,7 @@ impl Listener for Terminal {
     }
 }
 
-/// Refuses outputs that would be written over each other, or over an input.
+/// Refuses outputs that would overwrite each other or an input.
 fn written(args: &ServeArgs) -> Result<(), Failure> {
     let file = |given: &'_ String| PathBuf::from(given.split_once('=').map_or(given.as_str(), |(_, file)| file));
     let [profiles, calibrations] = [&args.profile, &args.calibration].map(|l| l.iter().map(file).collect::<Vec<_>>());

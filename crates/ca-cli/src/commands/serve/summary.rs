@@ -1,4 +1,4 @@
-//! What is reported at the end of a performance.
+//! Summary at the end of a performance.
 
 use ca_core::Unit;
 use ca_haptic::stats::Percentiles;
@@ -8,7 +8,6 @@ use ca_model::quantity::{show, six};
 use serde_json::{Value, json};
 use std::io::{self, Write as _};
 
-/// As text, one line a thing.
 pub(super) fn text(report: &Report) -> io::Result<()> {
     let Report { name, rate, summary: s, traffic, sound, take } = report;
     let mut out = io::stdout().lock();
@@ -85,7 +84,6 @@ fn times(t: &Percentiles) -> String {
     format!("p50 {}  p99 {}  p99.9 {}  max {} us", short(t.p50), short(t.p99), short(t.p999), short(t.max))
 }
 
-/// As JSON.
 pub(super) fn value(report: &Report) -> Value {
     let mut v = serde_json::to_value(&report.summary).unwrap_or_default();
     v["model"] = json!(report.name);

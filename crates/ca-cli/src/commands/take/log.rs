@@ -1,7 +1,7 @@
-//! `ca log`: what is in a take, what can be saved of one that was cut off, and parts of it as files.
+//! `ca log`: shows the contents of a take, recovers a truncated take, and exports parts of it.
 //!
-//! Decides that a file which exists is left alone unless `--force` is given, that saving writes a new file, and that
-//! something lost is exit code 3: the command did what was asked, and the take is less than the performance was.
+//! Existing files are overwritten only with `--force`, and recovery writes a new file. Exit code 3 means that the
+//! command succeeded, but the take lacks a part of the performance.
 
 use super::{LogArgs, LogCommand};
 use crate::outcome::{Ended, Failure, Outcome};
@@ -35,7 +35,7 @@ pub fn run(args: &LogArgs) -> Outcome {
     }
 }
 
-/// Refuses to write over what is there.
+/// Refuses to overwrite the take, or without `force` any existing file.
 fn free(path: &Path, from: &Path, force: bool) -> Result<(), Failure> {
     outputs::apart(&[("-o", path)], &[("the take", from)])?;
     if path.is_file() && !force {

@@ -1,4 +1,4 @@
-//! `ca log` and `ca replay`: the contents of a take, and a take played again.
+//! `ca log` and `ca replay`: contents and replay of a take.
 
 mod args;
 pub mod log;

@@ -1,7 +1,7 @@
-//! `ca replay`: a take played again, and whether it is as it was.
+//! `ca replay`: replays a take and compares the result with the record.
 //!
-//! Decides that comparing is what a replay is for, so it always does; what differs between plain and `--verify` is only
-//! whether a difference is a failure (a test of a build) or news (another version, another machine).
+//! A replay always compares. `--verify` only decides whether a difference is a failure (test of a build) or a report
+//! (another version or machine).
 
 use super::ReplayArgs;
 use crate::outcome::{Ended, Failure, Outcome};
@@ -24,7 +24,7 @@ pub fn run(args: &ReplayArgs) -> Outcome {
         outputs::apart(&[("-o", path)], &[("the take", &args.file)])?;
     }
     let mut take = Take::open(&args.file)?;
-    // the ledger changes no bit of what is played, which the comparison shows
+    // the ledger does not change the bits of the sound, as the comparison shows
     take.header.options.energy |= args.energy;
     let mut replay = Replay::new(&take, &catalog())?;
     let channels = replay.engine.scene.counts.channels;
@@ -87,7 +87,7 @@ fn text(take: &Take, v: &ReplayVerdict, account: Option<&Account>) -> Result<(),
     Ok(())
 }
 
-/// What is said of a take that is as it was.
+/// Describes a matching replay.
 fn alike(v: &ReplayVerdict) -> String {
     if v.tolerance > 0.0 {
         format!("agrees     to {:e} of the peak", v.tolerance)
@@ -112,14 +112,14 @@ fn json_of(take: &Take, v: &ReplayVerdict, account: Option<&Account>) -> Result<
     Ok(())
 }
 
-/// The account for people, without rows in which nothing happened.
+/// Prints the account as text, without rows that are zero.
 fn account_text(account: &Account, out: &mut impl Write) -> std::io::Result<()> {
     let given = account.sources[0].1;
     let names = account.sources.iter().chain(&account.sinks).map(|r| r.0.chars().count());
     let wide = names.max().unwrap_or(0).max(28);
     for (i, (what, j)) in account.sources.iter().chain(&account.sinks).enumerate() {
         let lead = if i == 0 { "energy" } else { "" };
-        // what rounding leaves is nothing
+        // omits rows that consist of rounding errors
         if i == 0 || j.abs() > 1e-12 * account.peak {
             let part = if given > 0.0 && i > 0 { format!(" {:>8.3} %", 100.0 * j / given) } else { String::new() };
             writeln!(out, "  {lead:<10} {what:<wide$} {:>10} mJ{part}", short(1e3 * j))?;
@@ -134,7 +134,6 @@ fn account_text(account: &Account, out: &mut impl Write) -> std::io::Result<()> 
     )
 }
 
-/// The account for programs.
 fn account_json(account: &Account) -> Value {
     let rows = |list: &[(String, f64)]| list.iter().map(|(n, j)| json!({"what": n, "joules": j})).collect::<Vec<_>>();
     json!({

@@ -1,4 +1,4 @@
-//! `ca tune`: parts of a model brought to a pitch.
+//! `ca tune`: tunes parts of a model to a pitch.
 
 mod args;
 mod pitch;
@@ -42,12 +42,12 @@ pub fn run(args: &TuneArgs) -> Outcome {
     if let Some(path) = args.to.write.as_deref().or(args.to.in_place.then_some(Path::new(&args.model))) {
         term::note(&format!("written to `{}`", path.display()));
     }
-    // findings that are not errors, as every command that compiles shows them
+    // prints warnings and notes, as every command that compiles does
     term::findings(&loaded.diags, &loaded.model);
     Ok(Ended::Well)
 }
 
-/// Parts, the cells of banks one by one, and the pitches they shall have.
+/// Lists the parts, or single cells of banks, with their target pitches.
 fn targets(args: &TuneArgs, model: &Model) -> Result<Vec<PitchTarget>, Failure> {
     let usage = Failure::Usage;
     let Some((scale, root)) = args.scale.zip(args.root.as_deref()) else {

@@ -1,10 +1,10 @@
-//! Pitches as people write them: hertz, or notes with octave and cents; and scales.
+//! Parses pitches in hertz or as notes with octave and cents, and computes scales.
 
 use super::Scale;
 use ca_core::Unit;
 use ca_model::quantity;
 
-/// A pitch \[Hz\]: `220 Hz`, `220`, `A3`, `C#4`, `Bb2+14.5`.
+/// Parses a pitch and returns its frequency \[Hz\]: `220 Hz`, `220`, `A3`, `C#4`, `Bb2+14.5`.
 pub(super) fn pitch(text: &str, a4: f64) -> Result<f64, String> {
     let text = text.trim();
     let f = quantity::note(text).map(|f| f * (a4 / 440.0)).or_else(|| hertz(text));
@@ -20,7 +20,7 @@ fn hertz(text: &str) -> Option<f64> {
 }
 
 impl Scale {
-    /// Degree `n` of the scale, 0 the root: its ratio to the root.
+    /// Ratio of degree `n` of the scale to the root, which is degree 0.
     pub(super) fn degree(self, n: usize) -> f64 {
         const EQUAL: [f64; 7] = [0.0, 2.0, 4.0, 5.0, 7.0, 9.0, 11.0];
         const JUST: [f64; 7] = [1.0, 9.0 / 8.0, 5.0 / 4.0, 4.0 / 3.0, 3.0 / 2.0, 5.0 / 3.0, 15.0 / 8.0];

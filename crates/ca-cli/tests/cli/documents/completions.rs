@@ -1,8 +1,8 @@
-//! Shell completion, as bash asks for it.
+//! Tests shell completion in bash.
 
 use crate::desk::{BAR, Desk};
 
-/// Candidates of bash for the last of these words.
+/// Returns the candidates of bash for the last word.
 #[cfg(unix)]
 fn offered(desk: &Desk, words: &str) -> Vec<String> {
     let last = words.split(' ').count() - 1;

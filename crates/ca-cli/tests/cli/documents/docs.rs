@@ -1,4 +1,4 @@
-//! The pages of `docs/`: what is generated is fresh, what is written is true.
+//! Tests the pages of `docs/`: generated parts are up to date, and statements are true.
 
 use crate::desk::{Desk, blocks, from_root};
 use std::fs;
@@ -54,7 +54,7 @@ fn the_page_of_the_format_names_all_there_is() {
     }
 }
 
-/// Every key of a profile that is none of the guard stands on the page of devices, with its default where it has one.
+/// The page about devices lists every key of a profile outside the guard, with its default.
 #[test]
 fn the_page_of_devices_has_the_keys_of_profiles() {
     let page = std::fs::read_to_string(from_root("docs/devices.md")).unwrap();
@@ -74,15 +74,15 @@ fn the_page_of_devices_has_the_keys_of_profiles() {
     }
 }
 
-/// Every number of the guard stands on the page of safety with its default, every cause with its name, and the README
-/// leads there.
+/// The page about safety lists every number of the guard with its default and every cause by name. The README links to
+/// the page.
 #[test]
 fn the_page_of_safety_has_the_numbers_of_the_guard() {
     let page = std::fs::read_to_string(from_root("docs/safety.md")).unwrap();
     let defaults = serde_json::to_value(ca_haptic::profile::Limits::default()).unwrap();
     let mut seen = 0;
     for (name, value) in defaults.as_object().unwrap() {
-        // the band, the stiffness of an edge and the like are not chosen by people
+        // values such as the band and the stiffness of an edge are not set by users
         let Some(row) = page.lines().find(|l| l.contains(&format!("| `{name}` |"))) else {
             assert!(value.is_null() || value.is_array(), "`{name}` is not on the page");
             continue;
@@ -108,7 +108,7 @@ fn the_page_of_safety_has_the_numbers_of_the_guard() {
     assert!(std::fs::read_to_string(from_root("README.md")).unwrap().contains("docs/safety.md"));
 }
 
-/// The pages written by people, and those that benches write.
+/// Pages of `docs/`, including those written by benches.
 fn pages() -> Vec<PathBuf> {
     let folders = [from_root("docs"), from_root("docs/measured")].map(|f| fs::read_dir(f).unwrap().flatten());
     let files = folders.into_iter().flatten().map(|e| e.path());
@@ -125,7 +125,7 @@ fn the_index_of_the_documents_names_every_page() {
     }
 }
 
-/// Links from page to page, with sections left aside; those to others' sites are not asked for.
+/// Links between pages lead to existing files. Section anchors and external links are not checked.
 #[test]
 fn links_between_documents_lead_somewhere() {
     let mut pages = pages();
@@ -145,7 +145,6 @@ fn links_between_documents_lead_somewhere() {
     assert!(seen > 40, "{seen} links");
 }
 
-/// Files and folders that the page for contributors names from the root are there.
 #[test]
 fn what_contributors_are_sent_to_is_there() {
     let page = fs::read_to_string(from_root("CONTRIBUTING.md")).unwrap();
@@ -163,7 +162,7 @@ fn what_contributors_are_sent_to_is_there() {
 fn the_glossary_knows_every_kind() {
     let page = fs::read_to_string(from_root("docs/glossary.md")).unwrap();
     let words: Vec<&str> = page.split(|c: char| !c.is_ascii_alphanumeric()).collect();
-    // the page of kinds is made from the catalog
+    // the page of kinds is generated from the catalog
     let kinds = fs::read_to_string(from_root("docs/kinds.md")).unwrap();
     let codes = kinds.lines().filter_map(|l| l.strip_prefix("| ")?.split(' ').next());
     let codes: Vec<&str> = codes.filter(|c| c.chars().all(|c| c.is_ascii_uppercase())).collect();
@@ -173,7 +172,7 @@ fn the_glossary_knows_every_kind() {
     }
 }
 
-/// All texts below a directory that may cite a page, whatever tools have left there aside.
+/// Collects all texts below a directory that may cite a page, except output of tools.
 pub fn texts(dir: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(dir).unwrap() {
         let path = entry.unwrap().path();
@@ -189,8 +188,8 @@ pub fn texts(dir: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// The sections that a text cites of the page of numerics, as `§1.3`, `§5.2, §5.3` or `§5.2 and §5.3` behind its name.
-/// `None` where no digit follows the sign.
+/// Sections of the numerics page cited in a text, as `§1.3`, `§5.2, §5.3` or `§5.2 and §5.3` after its name. Returns
+/// `None` for a section sign without a digit after it.
 fn cited(text: &str) -> Option<Vec<String>> {
     let mut all = Vec::new();
     for rest in text.split(&["numerics", ".md "].concat()).skip(1) {
@@ -235,7 +234,7 @@ fn every_section_of_the_numerics_page_that_code_cites_exists() {
     assert!(seen >= 90, "only {seen} citations were found");
 }
 
-/// A test is named by its file, from the tests of the engine or from the root, and its name; code by its file.
+/// The numerics page names a test by its file (from `tests/suite` or the root) and function, and code by its file.
 #[test]
 fn what_the_numerics_page_names_is_there() {
     let page = fs::read_to_string(from_root("docs/numerics.md")).unwrap();

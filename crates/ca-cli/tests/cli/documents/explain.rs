@@ -1,4 +1,4 @@
-//! `ca explain`: every code has its page in the command, and a report leads there once.
+//! Tests `ca explain`: every code has a page, and a report refers to it once.
 
 use crate::desk::Desk;
 use ca_model::diag::CODES;
@@ -10,7 +10,7 @@ fn every_code_explains_itself() {
         let page = desk.ca(&["explain", code]).is(0);
         let mut lines = page.out.lines();
         assert_eq!(lines.next(), Some(format!("{code} {title}").as_str()));
-        // a report stands there as a block of a terminal, and before it what it is about
+        // the page shows a report as a terminal block, after the model that causes it
         let said = ["error", "warning", "note"].map(|w| format!("\n    {w}[{code}]: "));
         let at = said.iter().find_map(|s| page.out.find(s)).unwrap_or_else(|| panic!("no report\n{}", page.out));
         assert!(page.out[..at].contains("\n    "), "{}", page.out);
@@ -58,12 +58,13 @@ fn an_unknown_code_is_refused_with_the_nearest() {
     assert_eq!(desk.ca(&["explain", "E0000"]).is(2).out, "");
 }
 
-/// One line, at the end of the first report with an error or a warning; none for programs and none where little is asked for.
+/// The reference is one line after the first report with an error or a warning. It is omitted with `--json` and with
+/// `-q`.
 #[test]
 fn a_report_leads_to_the_page() {
     let desk = Desk::new();
     let ends = "[SOX]\nout = { from = \"bar\" }\n";
-    // a warning stands before the error, which is the worse of the two
+    // the warning comes before the error, which is more severe
     desk.put(
         "bad.ca.toml",
         &format!("[MAS]\nlone = {{ m = 1 }}\n[CEL]\nbar = {{ m = 1, f = \"2 kg\", dx0 = 1 }}\n{ends}"),
@@ -78,7 +79,6 @@ fn a_report_leads_to_the_page() {
     }
     let ran = desk.ca(&["check", "odd.ca.toml"]).is(0);
     assert!(ran.err.ends_with("\n`ca explain W101` says more\n"), "{}", ran.err);
-    // what is said is true
     desk.ca(&["explain", "W101"]).is(0).says(&["nothing hears"]);
     let more = |args: &[&str]| desk.ca(args).err.matches("says more").count();
     assert_eq!(more(&["render", "odd.ca.toml"]), 0, "its summary leads to `ca check`");
@@ -88,7 +88,7 @@ fn a_report_leads_to_the_page() {
     assert_eq!(more(&["render", "bad.ca.toml", "-q"]), 0);
     assert_eq!(more(&["check", "bad.ca.toml", "--json"]), 0);
     assert_eq!(more(&["check", "hammered_string"]), 0, "a model without errors and warnings");
-    // two reports, of the MIMS text and of what became of it, and one line at most
+    // the MIMS text and the converted model produce two reports, but at most one reference
     desk.put(
         "a.mdl",
         "@K audioParam 0.1\n@a mass 1. 0. 0.\n@b mass 1. 0. 0.\n@s springDamper @b @a 9. 0.001\n@out1 posOutput @a\n",

@@ -1,4 +1,4 @@
-//! Documents: the README and the pages of `docs/`, codes, the JSON Schema, words of the field.
+//! Tests of documents: the README, the pages of `docs/`, codes, the JSON Schema, and terminology.
 
 mod completions;
 pub mod docs;

@@ -1,4 +1,4 @@
-//! The README does what it says: its commands run, in the order and under the names it gives.
+//! Tests the README: its commands run in the given order and under the given names.
 
 mod effects;
 
@@ -38,7 +38,7 @@ fn the_first_command_renders_and_the_second_tests() {
     assert!(script.lines().any(|l| l == "tests/setup"), "what tests need is set up by the one command");
 }
 
-/// The lines of `ca` in blocks with and without a server.
+/// Lines that run `ca`, from blocks with or without a server.
 #[cfg(unix)]
 fn lines(readme: &str, serve: bool) -> Vec<Line<'_>> {
     let blocks = blocks(readme, "sh").into_iter().filter(|(_, b)| b.contains("ca serve") == serve);
@@ -53,7 +53,7 @@ fn every_ca_line_does_what_it_is_there_for() {
     let models = blocks(&readme, "toml");
     assert_eq!(models.len(), 1, "one model, saved under one name");
     for (before, model) in models {
-        // the last thing in backquotes before the model is its file
+        // the file name of the model is the last text in backquotes before it
         let name = before.rsplit('`').nth(1).unwrap();
         assert!(name.ends_with(".ca.toml"), "{name}");
         desk.put(name, model);
@@ -70,7 +70,7 @@ fn every_ca_line_does_what_it_is_there_for() {
     }
 }
 
-/// Apart from all others, since a server plays in real time.
+/// Separate from the other tests, because a server plays in real time.
 #[cfg(unix)]
 mod in_real_time {
     use super::*;
@@ -91,16 +91,15 @@ mod in_real_time {
         }
     }
 
-    /// Plays what somebody strikes, until it is felt as the README has it. On a machine that stands still watchdogs end
-    /// forces, which is what they are for: then it is played again.
+    /// Plays the strokes of a simulated device until the forces are as the README says. On a stalled machine the
+    /// watchdogs end the forces as intended, so it plays again.
     fn play(desk: &Desk, server: &Line, device: &Line) {
         const TRIES: usize = 10;
         for _ in 0..TRIES {
-            // of the try before
             desk.files().iter().for_each(|f| fs::remove_file(desk.path(f)).unwrap());
             desk.sh(device.text).is(0);
             let ran = desk.sh(server.text);
-            // it waits for the server, or for longer, and ends by itself
+            // the device waits for the server and ends by itself
             let felt = effects::felt(desk, device);
             let stood_still = ran.out.contains("WATCHDOG");
             let code = if stood_still && ran.code == 3 { 3 } else { 0 };
@@ -117,7 +116,7 @@ mod in_real_time {
     }
 }
 
-/// Commands in the text: those of a bundled model sound; of the others the words and options are known.
+/// Commands in the text: a bundled model must produce sound, and other commands must have known words and options.
 #[cfg(unix)]
 #[test]
 fn commands_in_its_sentences_are_commands() {

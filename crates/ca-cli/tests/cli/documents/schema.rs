@@ -1,5 +1,5 @@
-//! The JSON Schema as an editor uses it, by a validator of others: it takes every model and every example there is, and
-//! refuses what a schema can refuse.
+//! Tests the JSON Schema with an independent validator: it accepts every model and example, and refuses what a schema
+//! can refuse.
 
 use crate::desk::{Desk, blocks, from_root};
 use jsonschema::Validator;
@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 
-/// The validator of what `ca list --schema` prints, which is a schema itself.
+/// Validator for the output of `ca list --schema`, which must be a valid schema.
 fn validator() -> Validator {
     let schema = Desk::new().ca(&["list", "--schema"]).is(0).json();
     jsonschema::draft202012::meta::validate(&schema).unwrap_or_else(|e| panic!("no schema: {e}"));
@@ -35,18 +35,17 @@ fn table(t: &dyn TableLike) -> Json {
     Json::Object(t.iter().map(entry).collect())
 }
 
-/// The model in `text`, as an editor hands it to a validator.
+/// Parses the model in `text` as an editor passes it to a validator.
 fn document(text: &str) -> Json {
     let parsed: DocumentMut = text.parse().unwrap_or_else(|e| panic!("{e}\n{text}"));
     table(parsed.as_table())
 }
 
-/// Where and why `text` is no model, by the schema.
+/// Lists the schema errors of `text`, with their places.
 fn wrong(v: &Validator, text: &str) -> Vec<String> {
     v.iter_errors(&document(text)).map(|e| format!("{}: {e}", e.instance_path())).collect()
 }
 
-/// Model files in a folder and the folders in it.
 fn collect(folder: &Path, found: &mut Vec<(String, String)>) {
     for path in fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()) {
         if path.is_dir() {
@@ -57,7 +56,7 @@ fn collect(folder: &Path, found: &mut Vec<(String, String)>) {
     }
 }
 
-/// Every `toml` block of the pages; the plan of a sweep is none of a model.
+/// All `toml` blocks of the pages, except plans of sweeps.
 fn examples() -> Vec<(String, String)> {
     let mut pages = vec![from_root("README.md"), from_root("crates/ca-py/README.md")];
     pages.extend(fs::read_dir(from_root("docs")).unwrap().map(|e| e.unwrap().path()));
@@ -127,7 +126,7 @@ fn a_new_model_names_its_schema() {
         let text = fs::read_to_string(desk.path(args[1])).unwrap();
         let line = text.lines().next().unwrap();
         let named = line.strip_prefix("#:schema ").expect("the first line names a schema");
-        // as Taplo does: a path is one from the folder of the model
+        // like Taplo, resolves the path from the folder of the model
         let schema = fs::read_to_string(desk.path("mine").join(named)).unwrap();
         let schema: Json = serde_json::from_str(&schema).unwrap();
         assert_eq!(schema, desk.ca(&["list", "--schema"]).is(0).json());
@@ -135,7 +134,7 @@ fn a_new_model_names_its_schema() {
         assert!(text.contains(title));
         assert!(!desk.ca(&["check", args[1]]).is(0).out.contains("schema"), "a line for editors is no text for people");
     }
-    // one that is older is renewed, what is something else stays and is named
+    // an older schema is replaced; another file is kept and named
     desk.put("mine/ca.schema.json", "{\"title\": \"CORDIS-ANIMA model\"}").ca(&["new", "mine/c.ca.toml"]).is(0);
     assert!(fs::read_to_string(desk.path("mine/ca.schema.json")).unwrap().contains("\"MAS\""));
     desk.put("mine/ca.schema.json", "precious").ca(&["new", "mine/d.ca.toml"]).is(1).says(&["ca.schema.json"]);

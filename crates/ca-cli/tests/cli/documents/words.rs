@@ -1,10 +1,10 @@
-//! Words of our own that the field has terms for stay out of code, messages and documents.
+//! Checks that code, messages and documents use the terms of the field instead of private words.
 
 use crate::desk::from_root;
 use crate::documents::docs::texts;
 use std::fs;
 
-/// What is not written any more, and the term. Split, so that this file does not hold them.
+/// Words to avoid, in two parts so that this file does not match, and the proper term.
 const WORDS: [(&str, &str, &str); 63] = [
     ("goes ", "wild", "diverges"),
     ("is_", "wild", "has_diverged"),

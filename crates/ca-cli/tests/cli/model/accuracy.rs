@@ -1,10 +1,9 @@
-//! `ca accuracy`: references, orders, the front, what is recommended, and the page.
+//! Tests `ca accuracy`: references, orders, Pareto front, recommendation, and page.
 
 use crate::desk::Desk;
 use serde_json::Value as Json;
 use std::fs;
 
-/// Runs it on a model and returns its JSON.
 fn measured(text: &str, more: &[&str]) -> Json {
     let desk = Desk::new();
     desk.put("model.ca.toml", text);
@@ -26,8 +25,8 @@ fn error(found: &Json, method: &str, times: u64) -> f64 {
 const CHAIN: &str = "[SOL]\nl = {}\nr = {}\n[MAS]\na = { m = \"1 g\", dx0 = \"1 mm\" }\nb = { m = \"1 g\" }\nc = { m = \"1 g\" }\n[RES]\nk = { between = [[\"l\", \"a\", \"b\", \"c\"], [\"a\", \"b\", \"c\", \"r\"]], \
                      k = \"60 kN/m\" }\n[SOX]\nout = { from = \"a\" }\nlow = { from = \"c\" }\n";
 
-/// What is linear is held against its closed form: modes are exact, the explicit scheme and theta ¼ are of the second
-/// order, theta 1/12 of the fourth.
+/// A linear model is compared with its closed form. Modes are exact, the explicit scheme and theta ¼ have order 2, and
+/// theta 1/12 has order 4.
 #[test]
 fn a_linear_model_has_a_closed_form() {
     let found = measured(CHAIN, &["--seconds", "0.05", "--times", "1,2,4"]);
@@ -38,12 +37,12 @@ fn a_linear_model_has_a_closed_form() {
         assert!((rise - order).abs() < 0.15, "{method}: {rise}");
     }
     let plain = row(&found, "as written", 1);
-    // 1.22 kHz and above, at 48 kHz: docs/numerics.md §1.2
+    // for 1.22 kHz and above at 48 kHz: docs/numerics.md §1.2
     assert!((0.5..20.0).contains(&plain["cents"].as_f64().expect("a pitch")), "{plain}");
     assert!(row(&found, "modal", 1)["front"] == true && plain["made"].as_f64().is_some_and(|m| m < 1e-12));
 }
 
-/// A model of finer ticks is itself: its rate is that of its samples, its error that of its ticks.
+/// Oversampling keeps the sound rate of the model and has the error of the shorter ticks.
 #[test]
 fn finer_ticks_are_the_model_as_written() {
     let found = |more: &str| measured(&format!("{CHAIN}{more}"), &["--seconds", "0.05", "--times", "1,4"]);
@@ -54,7 +53,7 @@ fn finer_ticks_are_the_model_as_written() {
     assert!(error(&fine, "modal", 1) < 1e-9, "{fine:#}");
 }
 
-/// What is not is held against itself at a higher rate, and how well that is known is said.
+/// A non-linear model is compared with itself at a higher rate, and the uncertainty of that reference is reported.
 #[test]
 fn another_model_is_its_own_reference() {
     let text = format!("{CHAIN}[CUB]\nhard = {{ between = [\"l\", \"b\"], k3 = \"10 GN/m^3\" }}\n");
@@ -65,7 +64,7 @@ fn another_model_is_its_own_reference() {
         let number = |key: &str| r[key].as_f64().expect("a number");
         (r["method"].as_str().expect("a method").to_owned(), number("order"), number("known"))
     };
-    // by the method of the fourth order, where there is room to see that it is known better
+    // the method of order 4, where the margin shows its smaller uncertainty
     let (method, order, known) = reference(&found);
     assert!(method == "pefrl" && (order - 4.0).abs() < 0.1, "{found:#}");
     assert!(known < 1e-6 * error(&found, "as written", 1), "{found:#}");
@@ -73,12 +72,12 @@ fn another_model_is_its_own_reference() {
     let (method, order, known) = reference(&near);
     assert!(method == "as written" && (order - 2.0).abs() < 0.1, "{near:#}");
     assert!(known < 0.02 * error(&near, "as written", 1), "{near:#}");
-    // and both tell the same error, as far as they are known
+    // both references give the same error within their uncertainty
     let apart = (error(&near, "as written", 1) - error(&found, "as written", 1)).abs();
     assert!(apart < 2.0 * known, "{apart:e}, {known:e}");
     let rise = (error(&found, "as written", 1) / error(&found, "as written", 4)).log2() / 2.0;
     assert!((rise - 2.0).abs() < 0.15, "{rise}");
-    // what is named is good enough, and nothing that is good enough is quicker
+    // the recommended row meets the limit, and no faster row does
     let named = &found["recommended"];
     let best = row(&found, named["method"].as_str().expect("one"), named["times"].as_u64().expect("one"));
     let ns = |r: &Json| r["ns_per_sample"].as_f64().expect("a time");
@@ -88,8 +87,8 @@ fn another_model_is_its_own_reference() {
     assert!(good.clone().all(|r| ns(r) >= ns(best)) && good.count() > 1, "{found:#}");
 }
 
-/// A model that diverges as it is has its row all the same, and is never recommended; methods that it cannot take are
-/// named with the reason.
+/// A diverging model keeps its row but is never recommended. Methods that do not fit the model are named with the
+/// reason.
 #[test]
 fn what_blows_up_is_reported() {
     let text = "[SOL]\nw = {}\n[MAS]\na = { m = \"1 g\", dx0 = \"1 mm\" }\n[RES]\nk = { between = [\"w\", \"a\"], k = \"50 MN/m\" }\n\
@@ -103,8 +102,8 @@ fn what_blows_up_is_reported() {
     assert!(why.iter().any(|r| r["method"] == "implicit 1/4"), "{found:#}");
 }
 
-/// A mass on a line and the same in space, with a second and far stiffer spring across: what is heard along x is the
-/// same motion, so it has the same error.
+/// Compares a mass on a line with the same mass in space, with a much stiffer spring across. The motion along x is the
+/// same, so the error is too.
 #[test]
 fn an_output_in_space_is_measured_along_its_direction() {
     let line = "[SOL]\nw = {}\n[MAS]\na = { m = \"1 g\", dx0 = \"1 mm\" }\n[RES]\nk = { between = [\"w\", \"a\"], k = \"8 kN/m\" }\n\
@@ -121,24 +120,24 @@ fn an_output_in_space_is_measured_along_its_direction() {
     let short = ["--seconds", "0.05", "--times", "1,2"];
     let (plain, along) = (measured(line, &short), measured(&space(x), &short));
     let (both, across) = (measured(&space(&format!("{x}{z}")), &short), measured(&space(z), &short));
-    // 8 kN/m on 1 g: (ωT)²/24 of a radian per radian, and 141 radians of them
+    // 8 kN/m on 1 g: (ωT)²/24 rad per rad, over 141 rad
     assert!((5e-3..5e-2).contains(&error(&plain, "as written", 1)), "{plain:#}");
     for times in [1, 2] {
         let e = |found: &Json| error(found, "as written", times);
         let known = along["reference"]["known"].as_f64().expect("known");
         assert!((e(&along) - e(&plain)).abs() < known + 1e-9, "{} and {}", e(&along), e(&plain));
-        // each output by itself, and of two the worst
+        // each output by itself; for two outputs, the larger error
         assert!(e(&across) > 50.0 * e(&along), "{} and {}", e(&across), e(&along));
         assert!((e(&both) / e(&across) - 1.0).abs() < 1e-6, "{} and {}", e(&both), e(&across));
     }
-    // a place that is asked for by name is one thing: its error is a distance, and no worse than that of its worst axis
+    // a probed position counts as a whole: its error is a distance, at most the error of its worst axis
     let body = measured(&space(x), &[&short[..], &["--probe", "room.a"]].concat());
     let (e, all) = (error(&body, "as written", 1), [&along, &across].map(|f| error(f, "as written", 1)));
     let mean = (all.iter().map(|e| e * e).sum::<f64>() / 2.0).sqrt();
     assert!((e / mean - 1.0).abs() < 0.05, "{e} and {mean}");
 }
 
-/// Outputs that hear several things, a direction that is askew, and two ears on one channel.
+/// Covers outputs of several modules, oblique directions, and two outputs on one channel.
 #[test]
 fn what_an_output_hears_is_what_is_measured() {
     let text = |outputs: &str| CHAIN.split("[SOX]").next().map(|c| format!("{c}[SOX]\n{outputs}")).expect("a chain");
@@ -150,10 +149,10 @@ fn what_an_output_hears_is_what_is_measured() {
         .replace("\nb = {", "\ntwo = {")
         .as_str());
     assert!((two / a.max(b) - 1.0).abs() < 1e-9, "{two}, {a} and {b}");
-    // two outputs on one channel are two things that are heard
+    // two outputs on one channel are measured separately
     let mixed = of("one = { from = \"a\", channel = 0 }\ntwo = { from = \"b\", channel = 0 }\n");
     assert!((mixed / a.max(b) - 1.0).abs() < 1e-9, "{mixed}, {a} and {b}");
-    // many at once: on channels of their own each is held against its own reference
+    // outputs on separate channels are compared with separate references
     let string = "[STRING]\ns = { n = 5, m = \"1 g\", f = \"2 kHz\" }\n[MAS]\nh = { m = \"1 g\", dx0 = \"1 mm\" }\n\
                   [RES]\nk = { between = [\"h\", \"s[1]\"], k = \"2 kN/m\" }\n[SOX]\n";
     let of = |outputs: &str| error(&measured(&format!("{string}{outputs}"), &short), "as written", 1);
@@ -185,7 +184,7 @@ fn nothing_to_hear_is_a_failure() {
     desk.ca(&["accuracy", "glass", "--error", "0"]).is(2).says(&["above 0"]);
 }
 
-/// What the reference does not know is not recommended, however small a row's error seems to be.
+/// A row is not recommended if the uncertainty of the reference exceeds the limit, however small its error seems.
 #[test]
 fn no_way_is_better_than_its_reference_is_known() {
     let desk = Desk::new();
@@ -211,7 +210,6 @@ fn no_way_is_better_than_its_reference_is_known() {
     assert!(r.out.contains("the closed form is known only to 1.0e-12"), "{}", r.out);
 }
 
-/// A reference beyond all rates is refused before anything is played, with the most there may be.
 #[test]
 fn no_reference_is_beyond_all_rates() {
     let desk = Desk::new();
@@ -219,8 +217,8 @@ fn no_reference_is_beyond_all_rates() {
     desk.ca(&["accuracy", "model.ca.toml", "--reference", "256"]).is(2).says(&["at most 208 times the rate"]);
 }
 
-/// The model as written in single precision goes with it to what that holds, at every multiple of the rate; what it cannot
-/// be in is reported.
+/// The model in single precision agrees to its rounding at every multiple of the rate. Models that do not fit in single
+/// precision are reported.
 #[test]
 fn single_precision_is_a_way() {
     let found = measured(CHAIN, &["--seconds", "0.05", "--times", "1,4"]);
@@ -241,7 +239,7 @@ fn single_precision_is_a_way() {
     }
 }
 
-/// What `docs/measured/accuracy.md` says is what the command says, of scenes that are short: all but the times.
+/// `docs/measured/accuracy.md` matches the command for short scenes, except for the times.
 #[test]
 fn the_page_of_error_against_run_time_is_true() {
     use ca_benches::accuracy::{CASES, page::rows};

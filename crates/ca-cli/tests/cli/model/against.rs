@@ -1,10 +1,10 @@
-//! `ca check --device`: each limit of a device from both sides, a thousandth of it apart.
+//! Tests `ca check --device`: each limit of a device from 0.1 % below and 0.1 % above.
 
 use crate::desk::Desk;
 use serde_json::Value as Json;
 
-/// What is said of one key on a spring of stiffness `k` \[N/m\], by a device of so many degrees of freedom, stiffness
-/// \[N/m\], force \[N\], friction \[N s/m\] and frames a second; and whether the command is content.
+/// A key on a spring of stiffness `k` \[N/m\], and a device with degrees of freedom, stiffness \[N/m\], force \[N\],
+/// friction \[N s/m\] and frame rate \[Hz\]. `asked` returns the exit code, the JSON and the text.
 struct Key {
     k: f64,
     of: u32,
@@ -15,7 +15,7 @@ struct Key {
     rate: f64,
 }
 
-/// A device that takes all this without a word.
+/// A device that renders the key without complaint.
 const EASY: Key = Key { k: 1000.0, of: 0, dof: 1, stiffness: 40e3, force: 100.0, friction: 50.0, rate: 3000.0 };
 
 impl Key {
@@ -45,7 +45,7 @@ impl Key {
     }
 }
 
-/// The limit in `at` of the JSON is passed by the second and not by the first, and the words say so.
+/// Checks that `above` exceeds the limit at `at` in the JSON and `below` does not, and that the text agrees.
 #[track_caller]
 fn between(below: &Key, above: &Key, at: &str, words: &str) {
     let passed = |j: &Json| !matches!(j.pointer(at).unwrap(), Json::Null | Json::Bool(false));
@@ -71,13 +71,13 @@ fn what_stays_passive_ends_where_the_page_says() {
 
 #[test]
 fn a_key_beyond_what_stays_passive_is_softened_to_it() {
-    // 2 N s/m, 3 kHz, each force a frame later
+    // 2 N s/m, 3 kHz, and forces one frame later
     let wall = |k: f64| Key { k, friction: 2.0, ..EASY };
     let (code, soft, said) = wall(20e3).asked();
     let felt = soft["keys"][0]["felt"].as_f64().unwrap();
     assert!((felt - 1500.0).abs() < 1e-6 && code == 3, "{felt} N/m, {code}");
     assert!(said.contains("× 6.67 what stays passive, softened to 1.5 kN/m"), "{said}");
-    // from 0.9 of the limit on
+    // softening begins at 0.9 of the limit
     let (code, passive, said) = wall(2.9e3).asked();
     assert_eq!((passive["keys"][0]["felt"].as_f64(), code), (Some(felt), 0));
     assert!(said.contains("softened to 1.5 kN/m") && !said.contains("× "), "{said}");
@@ -87,7 +87,7 @@ fn a_key_beyond_what_stays_passive_is_softened_to_it() {
 
 #[test]
 fn a_force_within_the_travel_passes_that_of_the_device_from_its_limit_on() {
-    // 10 mm either way
+    // 10 mm in each direction
     let at = |k: f64| Key { k, force: 10.0, ..EASY };
     between(&at(1000.0 * 0.999), &at(1000.0 * 1.001), "/keys/0/saturates", "the force passes 10 N");
 }
@@ -105,7 +105,7 @@ fn degrees_of_freedom_end_at_their_number() {
     assert!(said.contains("beyond the 3 it has"), "{said}");
 }
 
-/// A power law alone holds this key, so that the line names no link.
+/// Only a power law holds this key, so the line names no link.
 #[test]
 fn a_law_that_stiffens_begins_a_line_by_itself() {
     let desk = Desk::new();

@@ -1,4 +1,4 @@
-//! What the commands say and change of the border and of the output stage.
+//! Tests the output of commands about the rate boundary and the output stage, and the options for them.
 
 use crate::desk::{Desk, KEY, STRUCK, peak};
 
@@ -35,7 +35,7 @@ fn check_tells_delays_and_what_a_key_asks_of_a_device() {
     desk.ca(&one).is(0).says(&["the force of the tick", "0.0208 N s/m"]);
 }
 
-/// Oversampling: what is reported, and that a render is the plain one, late by the filter, but for what the scheme bends.
+/// Oversampling is reported. Its sound is the plain one delayed by the filter, apart from the error of the scheme.
 #[test]
 fn finer_ticks_are_reported_and_heard() {
     let desk = Desk::new();
@@ -77,10 +77,10 @@ fn a_render_is_late_without_a_force_or_filtered() {
     assert!(peak(&plain) > 0.1);
     assert!(play(&["--no-feedback"]) == plain);
     let late = play(&["--latency", "30"]);
-    // two channels, sixteen ticks a frame
+    // two channels, sixteen ticks per frame
     assert!(late[2 * 16 * 30..] == plain[..plain.len() - 2 * 16 * 30]);
     assert!(play(&["--border", "hold"]) != plain);
-    // 24 ticks late, and otherwise the same below the edge
+    // 24 ticks late, and otherwise equal below the edge
     let filtered = play(&["--set", "rate.filter=18 kHz"]);
     let off = filtered[48..].iter().zip(&plain).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(off < 1e-3 * peak(&plain), "{off}");
@@ -119,7 +119,6 @@ fn what_is_asked_of_a_border_that_is_not_there_is_said() {
     desk.ca(&["check", "bar.ca.toml", "--border", "cubic"]).is(2).says(&["linear", "hold"]);
 }
 
-/// A group at the gesture rate: what is of it, and what a frame of it takes against the tick.
 #[test]
 fn a_group_at_the_gesture_rate_is_reported() {
     let desk = Desk::new();
@@ -145,7 +144,8 @@ fn a_group_at_the_gesture_rate_is_reported() {
     assert!(desk.ca(&["check", "struck.ca.toml", "--json"]).is(0).json()["summary"]["slow"].is_null());
 }
 
-/// A border that may make energy is said to, and what it made is shown; one that is exact has no such line.
+/// A rate boundary that may make energy is reported with the energy it made. For an exact boundary, this line is
+/// absent.
 #[test]
 fn a_compensated_border_has_an_account() {
     let desk = Desk::new();

@@ -1,4 +1,4 @@
-//! `ca check`, `ca list`, `ca new`, `ca import`.
+//! Tests `ca check`, `ca list`, `ca new` and `ca import`.
 
 use crate::desk::{Desk, STRUCK, mims, peak};
 use std::fs;
@@ -27,7 +27,7 @@ fn check_tells_what_it_knows() {
     let passes = j["schedule"]["passes"].as_array().unwrap();
     assert!(passes.iter().any(|p| p["pass"] == "REF" && p["stride"] == 1 && p["modules"] == 21));
     assert!(passes.iter().all(|p| p["ns_per_tick"].as_f64().is_some()));
-    // what is predicted is in ns and in instructions, for each pass and for the tick
+    // each pass and the tick have predictions in ns and in instructions
     let of = |j: &serde_json::Value, key: &str| j[key].as_f64().unwrap_or_else(|| panic!("no {key} in {j}"));
     let each = of(&j["schedule"], "ns_per_instruction");
     for p in passes.iter().chain([&j["schedule"]]) {
@@ -35,7 +35,7 @@ fn check_tells_what_it_knows() {
     }
     let sum: f64 = passes.iter().map(|p| of(p, "instructions_predicted")).sum();
     assert!(of(&j["schedule"], "instructions_predicted") > sum);
-    // a mesh is one pass, of all its links
+    // a mesh is one pass with all its links
     let mesh = "[MESH]\nm = { nx = 20, ny = 20, m = 1e-3, k = 1e3 }\n[MAS]\nh = { m = 1e-3, v = 1 }\n[BUT]\nb = { between = \
                 [\"h\", \"m[3,3]\"], k = 1e3 }\n[SOX]\no = { from = \"m[7,7]\" }\n";
     desk.put("mesh.ca.toml", mesh);
@@ -43,7 +43,7 @@ fn check_tells_what_it_knows() {
     let links: Vec<_> = j["schedule"]["passes"].as_array().unwrap().iter().filter(|p| !p["stride"].is_null()).collect();
     let [contact, mesh] = links[..] else { panic!("{links:?}") };
     assert_eq!((&contact["modules"], &mesh["modules"]), (&1.into(), &j["summary"]["modules"]["RES"]));
-    // a high pass of motion is a high pass
+    // a high pass of motion is listed as a high pass
     desk.put(
         "speed.ca.toml",
         "[CEL]\nc = { m = 1e-3, f = 200, v = 1 }\n[SOX]\no = { from = \"c\", hear = \"speed\", dc = \"20 Hz\" }\n",
@@ -70,17 +70,16 @@ fn list_shows_kinds_models_and_pages() {
     let text = desk.ca(&["list"]).is(0).out;
     for code in &codes {
         let page = desk.ca(&["list", &code.to_lowercase()]).is(0).says(&["Example", "Sources"]);
-        // behind the page of a part that is called so
+        // a part of the same name comes first
         assert!(page.out.starts_with(code) || page.out.contains(&format!("\n\n{code}  ")), "{}", page.out);
         assert!(text.contains(code) && table.contains(&format!("| {code} | ")));
         let page = desk.ca(&["list", code, "--json"]).is(0).json();
         assert!(page["sources"].as_array().unwrap().iter().all(|s| s["reference"].as_str().unwrap().len() > 20));
-        // the example of a page is a model that sounds
         desk.put("example.ca.toml", page["example"].as_str().unwrap());
         desk.ca(&["render", "example.ca.toml", "--seconds", "500 ms", "-q"]).is(0);
         assert!(peak(&desk.wav("example.wav").1) > 0.001, "the example of {code} is silent");
     }
-    // cells hold no bare bar: every row has as many as the head
+    // cells do not contain an unescaped bar, so every row has as many as the head
     let bars = |l: &str| l.replace("\\|", "").matches('|').count();
     assert!(table.lines().filter(|l| l.starts_with('|')).all(|l| bars(l) == 6), "{table}");
     desk.ca(&["list", "BUT"]).is(0).says(&["[N/m] ≥ 0", "outside | inside", "hal-01089222", "hammer"]);
@@ -101,7 +100,7 @@ fn the_page_of_each_part_is_shown() {
         let first = if j.is_array() { &j[0] } else { &j };
         assert!(first["params"].as_array().is_some_and(|p| !p.is_empty()), "{j}");
     }
-    // what else is called so follows; the kind alone has its own name
+    // other pages with the name follow; the exact name of the kind finds only that kind
     desk.ca(&["list", "piano_key"]).is(0).says(&["ca render piano_key"]);
     desk.ca(&["list", "bow"]).is(0).says(&["\n\nBOW  "]);
     assert!(desk.ca(&["list", "BOW"]).is(0).out.starts_with("BOW  "));
@@ -116,7 +115,7 @@ fn bundled_models_have_a_title_and_no_errors() {
         let (name, title) = (model["name"].as_str().unwrap(), model["title"].as_str().unwrap());
         assert!(!title.is_empty());
         desk.ca(&["list", name]).is(0).says(&[title, "ca render"]);
-        // some are there to show what diverges
+        // some models exist to demonstrate divergence
         let r = desk.ca(&["check", name, "--json"]);
         assert!(r.code == 0 || r.code == 3, "{name}: {}", r.out);
     }
@@ -160,13 +159,13 @@ fn a_mims_model_is_imported_and_compiled() {
     assert_eq!(first, fs::read(desk.path("gut.ca.toml")).unwrap());
     desk.ca(&["render", "string.mdl", "-q"]).is(0);
     assert_eq!(desk.wav("string.wav").0.sample_rate, 44_100);
-    // as an old editor saved it: Latin-1, lines that end with a carriage return
+    // as saved by an old editor: Latin-1, with lines that end in a carriage return
     let old = [b"# corde fix\xe9e\r".to_vec(), b"@g ground 0\r@a mass 1 0 0\r@r spring @g @a 0.1\r".to_vec()].concat();
     fs::write(desk.path("old.mdl"), [&old[..], b"@o posOutput @a\r"].concat()).unwrap();
     desk.ca(&["import", "old.mdl"]).is(0).says(&["lines from 5", "it compiles", "2 MAT"]);
     fs::write(desk.path("wrong.mdl"), [&old[..], b"@o posOutput @b\r"].concat()).unwrap();
     desk.ca(&["import", "wrong.mdl"]).is(1).says(&["wrong.mdl:5:14", "unknown name: `b`"]);
-    // what cannot be is refused in the file it stands in, and nothing is written
+    // an invalid value is refused with its place in the original file, and nothing is written
     desk.put("light.mdl", "@a mass -1 0 0\n@o posOutput @a\n");
     desk.ca(&["import", "light.mdl"]).is(1).says(&["light.mdl:1:9", "`M` of `a` is out of range: -1"]);
     assert!(!desk.path("light.ca.toml").exists());
@@ -176,7 +175,7 @@ fn a_mims_model_is_imported_and_compiled() {
     desk.ca(&["import", "no.mdl"]).is(1);
 }
 
-/// Commands that change a model file say at once that they change none of another program; a copy may be written beside it.
+/// Commands that change a model file refuse a foreign one at once. A copy may be written beside it.
 #[test]
 fn a_mims_model_is_not_changed() {
     let desk = Desk::new();
@@ -193,7 +192,7 @@ fn a_mims_model_is_not_changed() {
     desk.ca(&["check", "heavy.ca.toml"]).is(0);
 }
 
-/// Files that never end are refused as takes, and a calibration stays in its folder.
+/// Endless files are refused as takes, and a calibration stays in its folder.
 #[cfg(unix)]
 #[test]
 fn a_take_is_a_file_and_a_device_has_a_plain_name() {

@@ -1,9 +1,10 @@
-//! `ca equiv` and `ca check --device`: the scale of a model in the hand, as shown, as written, and against a device.
+//! Tests `ca equiv` and `ca check --device`: the scale of a model in the hand, shown, written, and compared with a
+//! device.
 
 use crate::desk::{Desk, STRUCK};
 use std::fs;
 
-/// Per-sample units at 44.1 kHz, with comments that an author wants to keep.
+/// A model in per-sample units at 44.1 kHz, with comments to be kept.
 const PAPER: &str = r#"# mine
 [model]
 units = "alg"             # as in GENESIS
@@ -44,7 +45,6 @@ fn a_row_is_set_and_the_others_follow() {
     let shown = desk.ca(&both).is(0).says(&["per sample of 44.1 kHz", "777924 N", "15558.5 J"]);
     assert!(!shown.out.contains("alpha"), "{}", shown.out);
     desk.ca(&[&both[..], &["--verbose"]].concat()).is(0).says(&["alpha 50 ", "beta 777924"]);
-    // nothing was written
     assert_eq!(fs::read_to_string(desk.path("paper.ca.toml")).unwrap(), PAPER);
 }
 
@@ -63,14 +63,14 @@ fn a_file_is_changed_there_and_nowhere_else() {
     go(&["--set", "mass=20 g:1"]);
     near(factor(&table(), "position"), 0.02);
     near(factor(&table(), "force"), 777_924.0);
-    // the weight stays while the travel is set; then energy is set and the weight held
+    // the weight stays while the travel is set; then the energy is set with the weight as the anchor
     go(&["--set", "position=10 mm:1"]);
     near(factor(&table(), "mass"), 0.02);
     near(factor(&table(), "position"), 0.01);
     go(&["--set", "energy=1 J:1", "--anchor", "viscosity"]);
     near(factor(&table(), "mass"), 0.02);
     near(factor(&table(), "energy"), 1.0);
-    // the padlock alone changes no number, and is used from then on
+    // a new anchor alone changes no number, and applies to later changes
     let before = table();
     go(&["--anchor", "force"]);
     assert_eq!(table()["rows"], before["rows"]);
@@ -83,9 +83,8 @@ fn a_file_is_changed_there_and_nowhere_else() {
     let j = table();
     near(j["keys"][0]["factors"]["stiffness"].as_f64().unwrap(), 4.0 * factor(&j, "stiffness"));
     assert_eq!((&j["keys"][0]["lever"], &j["keys"][1]["energy_gain"]), (&true.into(), &1.5.into()));
-    // what an author wrote is where it was
     assert!(read().starts_with(PAPER), "{}", read());
-    // and what is reported of the key elsewhere is in units of the hand
+    // other commands report the key in units at the hand
     desk.ca(&["check", "paper.ca.toml"]).is(0).says(&["`key3`: springs sum to"]);
 }
 
@@ -131,15 +130,15 @@ fn check_says_what_a_device_cannot_render() {
     );
     near(j["device"]["passive"].as_f64().unwrap(), 2.0 / (2.0 / 3000.0));
     assert_eq!((&key["beyond_stiffness"], &key["beyond_passive"]), (&false.into(), &true.into()));
-    // from rest in the middle: 10 N at 10/7779.24 m, found to a step of the travel
+    // from rest in the middle: 10 N at 10/7779.24 m, to within a step of the travel
     let x = key["saturates"].as_f64().unwrap();
     assert!((x - 10.0 / 7779.24).abs() < 0.02 / 2000.0 + 1e-12, "{x}");
     near(key["force"].as_f64().unwrap(), 7779.24 * 0.01);
-    // the second key wants a degree of freedom that twelve keys have not
+    // the second key needs a degree of freedom beyond the twelve keys
     assert_eq!(j["device"]["keys"][1]["there"], false);
     let reported = desk.ca(&["check", "paper.ca.toml", "--device", "tgr12"]).is(3);
     reported.says(&["× 2.59 what stays passive", "`shank`", "beyond the 12 it has", "not on this device"]);
-    // a profile of one's own, stiffer and slower
+    // a user profile, stiffer and slower
     let own = "name = \"mine\"\ntitle = \"Mine\"\nsource = \"me\"\ndof = 15\nrange = [-0.01, 0.01]\nforce = 100\nstiffness = 5000\nrate = 1000\n[body]\nfriction = 20\n";
     desk.put("mine.toml", own);
     let reported = desk.ca(&["check", "paper.ca.toml", "--device", "mine.toml"]).is(3);
@@ -156,7 +155,7 @@ fn check_says_what_a_device_cannot_render() {
 #[test]
 fn check_compares_what_the_gesture_asks_for_with_the_travel() {
     let desk = Desk::new();
-    // as written 90 mm of the model are 20 mm of the hand, and 40 mm of it are asked for
+    // as written, 90 mm of the model are 20 mm at the hand, and the gesture needs 40 mm of the model
     let asks = |file: &str, code: i32| {
         let j = desk.ca(&["check", file, "--device", "tgr12", "--json"]).is(code).json();
         let key = &j["device"]["keys"][0];
@@ -167,7 +166,7 @@ fn check_compares_what_the_gesture_asks_for_with_the_travel() {
     near(span[0], -0.04 * 20.0 / 90.0);
     near(span[1], 0.04 * 20.0 / 90.0);
     assert!(!beyond);
-    // as large in the hand as in the model it does not fit
+    // at scale 1, the gesture exceeds the travel
     desk.ca(&["equiv", "rattle", "--set", "position=1 m:1 m", "--write", "plain.ca.toml"]).is(0);
     let reported = desk.ca(&["check", "plain.ca.toml", "--device", "tgr12"]).is(3);
     let reported = reported.says(&["`key_x` is to go from -40 mm to 40 mm, the device goes from -10 mm to 10 mm"]);
@@ -176,21 +175,21 @@ fn check_compares_what_the_gesture_asks_for_with_the_travel() {
     near(span[0], -0.04);
     near(span[1], 0.04);
     assert!(beyond);
-    // scaled to the hand it fits, and not by a hair more
+    // the gesture fits up to the exact scale of the travel
     for (real, fits) in [("10 mm", true), ("9.9 mm", true), ("10.1 mm", false)] {
         let set = format!("position={real}:40 mm");
         desk.ca(&["equiv", "rattle", "--set", &set, "--write", "small.ca.toml", "--force"]).is(0);
         let (span, beyond) = asks("small.ca.toml", if fits { 0 } else { 3 });
         assert_eq!(beyond, !fits, "{real}: {span:?}");
     }
-    // a key that rests where the device cannot be
+    // a key with a rest position outside the range of the device
     desk.put("far.ca.toml", "[TGR]\nkey = { device = \"tgr12\", x = \"11 mm\" }\n[SOX]\nout = { from = \"key\" }\n");
     desk.ca(&["check", "far.ca.toml", "--device", "tgr12"]).is(3).says(&["from 11 mm to 11 mm"]);
 }
 
 #[test]
 fn a_law_that_stiffens_is_measured() {
-    // k = 0 at rest, F = c e^3: its slope at the end of the travel is 3 c e^2
+    // k = 0 at rest, F = c e^3: the slope at the end of the travel is 3 c e^2
     let desk = Desk::new();
     let hard = "[TGR]\nkey = { device = \"tgr12\" }\n[SOL]\nwall = {}\n[CUB]\nhard = { between = [\"key\", \"wall\"], k = 1, k3 = 1e7 }\n[SOF]\nout = { from = \"hard\" }\n";
     desk.put("hard.ca.toml", hard);

@@ -1,4 +1,4 @@
-//! `ca fit`: what it prints and writes, and a recording that is none of ours.
+//! Tests `ca fit`: its output, the written files, and third-party recordings.
 
 use crate::desk::{Desk, blocks, from_root};
 use crate::skipped::skipped;
@@ -6,7 +6,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
-/// Comments and units are its author's.
+/// A model with comments and units to be kept.
 const MINE: &str = r#"# mine
 [param]
 weight = { value = 12, unit = "g", min = 1, max = 90 }   # of the hammer
@@ -44,7 +44,7 @@ fn a_model_is_fitted_and_written_with_its_comments() {
     assert!(text.contains("f = \"112.3") && text.contains(" Hz\"") && text.contains("value = "), "{text}");
     let page = fs::read_to_string(desk.path("fit.html")).unwrap();
     assert!(page.contains("Before and after") && page.contains("low.f"));
-    // what was written is what was found
+    // the written model sounds like the target
     desk.ca(&["render", "found.ca.toml", "-o", "f.wav", "--seconds", "0.5", "--no-fade", "-q"]).is(0);
     let (a, b) = (desk.wav("t.wav").1, desk.wav("f.wav").1);
     let left: f64 = a.iter().zip(&b).map(|(a, b)| (a - b) * (a - b)).sum();
@@ -74,7 +74,7 @@ fn what_cannot_be_fitted_gets_an_answer() {
             "in kg, not in Hz",
         ),
         (&["mine.ca.toml", "--to", "t.wav", "--vary", "low.f", "--range", "low.f=90..130 s"], 1, "E008"),
-        // before the fit: there is no such recording
+        // refused before the fit, since the recording does not exist
         (&["mine.ca.toml", "--to", "no.wav", "--vary", "low.f", "--write", "x.toml"], 2, "ends in `.ca.toml`"),
         (&["mine.ca.toml", "--to", "no.wav", "--vary", "low.f", "--write", "mute.ca.toml"], 1, "`--force` overwrites"),
         (&["mine.ca.toml", "--to", "no.wav", "--vary", "low.f", "--write", "no/x.ca.toml"], 1, "no such directory"),
@@ -89,7 +89,7 @@ fn what_cannot_be_fitted_gets_an_answer() {
     assert_eq!(desk.files(), ["mine.ca.toml", "mute.ca.toml", "not.wav", "t.wav"]);
 }
 
-/// A number that is varied may start elsewhere and still be written, into the file itself too.
+/// A varied number may start from `--set` and is written, even into the model file itself.
 #[test]
 fn what_is_set_and_varied_is_written() {
     let desk = Desk::new();
@@ -104,7 +104,7 @@ fn what_is_set_and_varied_is_written() {
     assert!(text.contains("f = \"112.3") && text.contains("value = 12,"), "{text}");
 }
 
-/// A search that ends too early prints no deviation and says what to do.
+/// A search that ends too early prints no deviation and gives advice.
 #[test]
 fn a_search_that_is_cut_short_has_no_deviations() {
     let desk = Desk::new();
@@ -121,7 +121,7 @@ fn a_search_that_is_cut_short_has_no_deviations() {
     );
 }
 
-/// A sound that no string makes: no deviations, and nothing written where the model came no nearer.
+/// A sound that no string produces: no deviations are printed, and nothing is written without improvement.
 #[test]
 fn a_sound_that_is_no_such_instrument_is_not_explained() {
     let desk = Desk::new();
@@ -141,7 +141,6 @@ fn a_sound_that_is_no_such_instrument_is_not_explained() {
     assert_eq!(fs::read_to_string(desk.path("mine.ca.toml")).unwrap(), MINE);
 }
 
-/// The commands of docs/fit.md, one after the other.
 #[cfg(unix)]
 #[test]
 fn the_commands_of_the_page_run() {
@@ -155,7 +154,8 @@ fn the_commands_of_the_page_run() {
     assert_eq!(desk.files(), ["fit.html", "target.wav"]);
 }
 
-/// A guitar, plucked: a string of six numbers, gain and delay among them, beside two damped sinusoids of four each.
+/// A plucked guitar: a string with six numbers including gain and delay, compared with two damped sinusoids of four
+/// each.
 fn guitar(hertz: f64) -> String {
     format!(
         r#"
@@ -171,7 +171,7 @@ pull = [[0, 0], [0.05, "1 N"], [0.0501, 0]]
     )
 }
 
-/// Recordings of two guitars from a package of others, whose licence is MIT; nothing of it is kept in the project.
+/// Recordings of two guitars from a third-party package with an MIT licence. The project does not store them.
 fn recordings() -> Option<PathBuf> {
     let made = Command::new("bash").arg(from_root("tests/python/recordings")).stderr(Stdio::piped()).output().ok()?;
     if !made.status.success() {
@@ -181,9 +181,10 @@ fn recordings() -> Option<PathBuf> {
     Some(PathBuf::from(String::from_utf8(made.stdout).ok()?.trim()))
 }
 
-/// Two seconds that were not fitted are predicted better than by as many numbers of sinusoids: levels, as of eleven of the twelve
-/// strings that were recorded, and of one the samples too. Samples of the others are not: the strongest partials have phases that
-/// a body gave them, of which this string knows nothing (docs/fit.md has all twelve).
+/// The model predicts two seconds outside the fit better than sinusoids with as many numbers. This holds for the
+/// levels, as for eleven of the twelve recorded strings, and for one string also for the samples. It fails for the
+/// samples of the others: the guitar body sets the phases of their strongest partials, and this string does not model
+/// it (docs/fit.md has all twelve).
 #[test]
 fn a_recorded_guitar_is_explained_by_a_string() {
     let Some(folder) = recordings() else { return };
@@ -206,7 +207,7 @@ fn a_recorded_guitar_is_explained_by_a_string() {
             assert!(of("model", "samples_db") < of("sinusoids", "samples_db") - 2.0, "{name}: {b:#}");
             assert!(of("model", "samples_db") < -1.0, "{name}: {b:#}");
         }
-        // with stretched partials it is above `f`
+        // stretched partials make the pitch higher than `f`
         let f = printed["pitch"]["found_hz"].as_f64().unwrap();
         assert!((1200.0 * (f / heard).log2()).abs() < 5.0, "{name}: {f} Hz");
     }

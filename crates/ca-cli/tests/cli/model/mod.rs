@@ -1,4 +1,4 @@
-//! Commands about a model: check, list, new, import, modes, tune, equiv, accuracy, fit.
+//! Tests of commands about a model: check, list, new, import, modes, tune, equiv, accuracy, fit.
 
 mod accuracy;
 mod against;

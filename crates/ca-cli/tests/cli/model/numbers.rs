@@ -1,8 +1,8 @@
-//! Numbers nobody can count are shown with an exponent, wherever they come from.
+//! Tests that very large and very small numbers have an exponent in all output.
 
 use crate::desk::{Desk, Ran};
 
-/// Digits and points in a row, at most.
+/// Longest run of digits and points.
 fn longest(r: &Ran) -> usize {
     let all = format!("{} {}", r.out, r.err);
     all.split(|c: char| !c.is_ascii_digit() && c != '.').map(str::len).max().unwrap_or(0)
@@ -39,12 +39,12 @@ fn no_number_has_more_digits_than_a_float_has() {
         }
         desk.put("far.ca.toml", &text);
     }
-    // and it is not because nothing is said
+    // the numbers do appear in the output
     desk.ca(&["equiv", "far.ca.toml", "--set", "mass=1e99:1.0"]).is(1).says(&["[1e99, 1.0]"]);
     desk.ca(&["render", "far.ca.toml", "--set", "a.k=1e99"]).says(&["too stiff for its mass", "e91"]);
 }
 
-/// What was computed is shown with six digits: rates that do not divide, what is drawn in a sweep. All of it has its unit.
+/// Computed values have six digits and a unit: rates that do not divide, and values drawn in a sweep.
 #[test]
 fn what_was_computed_has_six_digits_and_its_unit() {
     let desk = Desk::new();
@@ -63,12 +63,11 @@ fn what_was_computed_has_six_digits_and_its_unit() {
     {
         assert!(line(name).contains(unit) && longest(&r) <= 8, "{}", r.out);
     }
-    // two million runs of some milliseconds are hours, not milliseconds
+    // two million runs of a few milliseconds take hours
     let whole = line("all of them ").split("all of them ").nth(1).unwrap_or_default();
     assert!([" min", " h", " days"].iter().any(|unit| whole.contains(unit)), "{whole}");
 }
 
-/// A sound that has left every range is not reported by its level, nor is one that nobody could hear.
 #[test]
 fn levels_beyond_any_loudspeaker_are_words() {
     let desk = Desk::new();
@@ -88,8 +87,8 @@ fn levels_beyond_any_loudspeaker_are_words() {
     desk.ca(&["render", "model.ca.toml", "--seconds", "0.1"]).is(0).says(&["faint silent", "nothing sounds", "`gain`"]);
 }
 
-/// Energy out of nothing is not the model's: who made it is named, and the exit code says that it is not as meant. What falls by its
-/// weight has its energy of that.
+/// A link that makes energy is named, and the exit code is 3. Energy of a falling mass comes from its weight and is not
+/// reported.
 #[test]
 fn a_link_that_makes_most_of_the_energy_is_named() {
     let desk = Desk::new();
@@ -116,7 +115,8 @@ fn a_link_that_makes_most_of_the_energy_is_named() {
     }
 }
 
-/// A pluck that is unstable while it holds makes hundreds of joules from millijoules. Its viscosity takes a part of them again.
+/// An unstable pluck makes hundreds of joules from millijoules while it holds, and its viscosity removes a part of
+/// them.
 #[test]
 fn energy_that_viscosity_takes_again_is_not_received() {
     let desk = Desk::new();
@@ -131,7 +131,6 @@ fn energy_that_viscosity_takes_again_is_not_received() {
     }
 }
 
-/// What a certificate is about, in the commands that show it.
 #[test]
 fn what_was_not_judged_and_what_has_no_limit_is_said() {
     let desk = Desk::new();

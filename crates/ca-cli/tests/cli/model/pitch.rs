@@ -1,9 +1,9 @@
-//! `ca modes` and `ca tune`: modes of a model, before and after it is tuned.
+//! Tests `ca modes` and `ca tune`: modes of a model before and after tuning.
 
 use crate::desk::Desk;
 use std::fs;
 
-/// Strings by frequency and by stiffness, one that follows a parameter and drags a mass along, a cell and a bank.
+/// Strings by frequency and by stiffness, a string that follows a parameter and drives a mass, a cell, and a bank.
 const PARTS: &str = r#"# mine
 [param]
 tension = { value = "9 kN/m", unit = "N/m", live = true, min = 1, max = 1e6 }   # of the third
@@ -44,7 +44,7 @@ fn modes(desk: &Desk, file: &str) -> Vec<serde_json::Value> {
     desk.ca(&["modes", file, "--json"]).is(0).json()["modes"].as_array().unwrap().clone()
 }
 
-/// The lowest mode that a port hears more of than of any other.
+/// Frequency of the lowest mode that is much stronger at this port than at any other.
 fn heard(desk: &Desk, file: &str, port: &str) -> f64 {
     let list = modes(desk, file);
     let at = |m: &serde_json::Value, p: &str| m["ports"][p].as_f64().unwrap().abs();
@@ -67,7 +67,7 @@ fn modes_are_reported_with_pitch_decay_and_where_they_are_heard() {
     let list = modes(&desk, "parts.ca.toml");
     let low = list.iter().find(|m| cents(m["heard_hz"].as_f64().unwrap().max(1e-9), 110.0) < 1e-5).expect("the string");
     assert!((low["t60_s"].as_f64().unwrap() / 2.0 - 1.0).abs() < 1e-6, "{low}");
-    // the weight on the third string leads its damper into all its modes
+    // the weight on the third string couples its damper to all modes
     assert!(list.iter().any(|m| m["coupled"].as_f64().unwrap() > 1e-6));
     desk.ca(&["modes", "parts.ca.toml", "--shapes", "shapes.csv"]).is(0);
     let csv = fs::read_to_string(desk.path("shapes.csv")).unwrap();
@@ -100,7 +100,6 @@ fn parts_are_tuned_and_the_rest_of_the_file_stays() {
     for kept in ["# mine\n", "# of the third\n", "# by frequency\n", "mid = { n = 20, k = \"", "k = \"tension\""] {
         assert!(text.contains(kept), "{kept}\n{text}");
     }
-    // once more is no change
     desk.ca(&["tune", "tuned.ca.toml", "top=300 Hz", "--in-place"]).is(0);
     assert!(cents(heard(&desk, "tuned.ca.toml", "c"), 300.0) < 0.01);
 }
@@ -127,20 +126,19 @@ fn what_cannot_be_tuned_is_reported() {
     no(&["low"], 2, &["write it like `low=A2`"]);
     no(&["weight=A2"], 2, &["neither `f` nor `k`"]);
     no(&["bell=A2"], 2, &["3 pitches", "--scale"]);
-    // two parts of one parameter cannot have two pitches
+    // two parts that share a parameter cannot have two pitches
     desk.put("two.ca.toml", &PARTS.replace("mid = { n = 20, k = \"20 kN/m\"", "mid = { n = 20, k = \"tension\""));
     desk.ca(&["tune", "two.ca.toml", "mid=100", "top=300"]).is(1).says(&["`mid`", "one parameter"]);
     no(&["low=A2", "--mode", "40"], 1, &["20 modes"]);
     no(&["low=30 kHz"], 1, &["`low`"]);
-    // what the file says of its parameter holds, and what would diverge is not written
+    // limits of the parameter in the file apply, and an unstable result is not written
     no(&["top=5 kHz", "--in-place"], 1, &["`tension`"]);
     no(&["mid=23.9 kHz", "--mode", "19", "--in-place"], 1, &["mid"]);
     desk.ca(&["tune", "hammered_string", "low=A2", "--in-place"]).is(2).says(&["a bundled model is not yours"]);
     assert_eq!(fs::read_to_string(desk.path("parts.ca.toml")).unwrap(), PARTS);
 }
 
-/// A string of waves is in no matrix: both commands say so, and what to do instead.
-/// What nothing hears is not in the scene: that is the cause, and not that it has no modes.
+/// Modules without an output are not in the scene. The message gives this cause instead of missing modes.
 #[test]
 fn what_nothing_hears_is_said_to_be_unheard() {
     let desk = Desk::new();
@@ -174,7 +172,7 @@ fn waveguides_are_left_out_and_said_to_be() {
     desk.ca(&["modes", "both.ca.toml"]).is(0).says(&["1 modes that swing", "`low` (WAVEGUIDE)"]);
 }
 
-/// What tunes a string serves as a MIDI note too, and stays one.
+/// A number written as a note, which also sets the MIDI note, stays a note.
 #[test]
 fn a_note_stays_a_note() {
     let desk = Desk::new();
@@ -189,7 +187,6 @@ fn a_note_stays_a_note() {
     desk.ca(&["check", "t.ca.toml"]).is(0);
 }
 
-/// A part whose number is written in hertz keeps its unit.
 #[test]
 fn hertz_stay_hertz() {
     let desk = Desk::new();

@@ -1,8 +1,8 @@
-//! What a model and a part are played by, as the commands say it; what a probe of a port is.
+//! Tests the output about the ports of models and parts, and probes of ports.
 
 use crate::desk::{Desk, peak};
 
-/// Twelve keys alike but for their notes, one by a controller, one that nothing moves.
+/// Twelve keys that differ only in their notes, a port with a controller, and a port without an input.
 const KEYS: &str = r#"
 [part.note.param]
 note = {}
@@ -39,7 +39,7 @@ fn inputs_are_shown_with_rest_and_range_and_alike_ones_in_a_line() {
     ] {
         assert!(r.out.contains(line), "{line}\n{}\n{}", r.out, r.err);
     }
-    // one that rests elsewhere is not like the others, and of many the names remain
+    // a port with another rest is listed separately; for many ports only the names remain
     let port = |i: usize| format!("p{i} = {{ x = \"{} mm\" }}\n", i + 1);
     let ports = |n: usize| (0..n).map(port).collect::<Vec<_>>().concat();
     let more = |n: usize| {
@@ -64,7 +64,6 @@ fn a_silent_model_names_the_notes_that_play_it() {
     r.says(&["nothing sounds", "`note[0].key`", "a MIDI file plays it by the notes C4 to B4"]);
 }
 
-/// The line that is shown plays the part.
 #[test]
 fn a_part_is_listed_with_its_ports_and_a_gesture_that_plays_it() {
     let desk = Desk::new();
@@ -78,14 +77,14 @@ fn a_part_is_listed_with_its_ports_and_a_gesture_that_plays_it() {
     desk.put("m.ca.toml", &format!("{model}{line}\n"));
     desk.ca(&["render", "m.ca.toml", "--seconds", "0.3"]).is(0);
     assert!(peak(&desk.wav("m.wav").1) > 0.01);
-    // of one that a controller moves, and whose rest is a parameter
+    // a port moved by a controller, with a parameter as its rest
     let bow = desk.ca(&["list", "bow"]).is(0);
     assert!(bow.out.contains("\"bow.press\" = [[0, \"0 m\"], [1, \"0.25 m\"]]"), "{}", bow.out);
     let json = desk.ca(&["list", "mallet", "--json"]).is(0).json();
     assert_eq!((&json["ports"][0]["rest"], &json["ports"][0]["unit"]), (&"-8 mm".into(), &"m".into()));
 }
 
-/// A probe is how far from rest, a gesture where.
+/// A probe gives the displacement from rest; a gesture gives the position.
 #[test]
 fn a_probe_of_a_port_is_its_displacement() {
     let desk = Desk::new();
@@ -117,7 +116,7 @@ fn modes_name_an_output_of_speed_once() {
     assert!(r.out.contains("are left out: `coil`, `head`\n"), "{}", r.out);
 }
 
-/// A bank of an instance follows the parameter of its first pitch, and what is no variable is said to be none.
+/// A bank in an instance follows the parameter of its first pitch. A number that is not a variable is reported.
 #[test]
 fn a_bank_of_an_instance_is_tuned_by_its_first_pitch() {
     let desk = Desk::new();

@@ -1,4 +1,4 @@
-//! `ca check --watch`: a file is checked again each time it is saved.
+//! Tests `ca check --watch`: a file is checked each time it is saved.
 
 use crate::desk::Desk;
 use std::io::{BufRead as _, BufReader};
@@ -10,7 +10,7 @@ fn a_file_is_checked_whenever_it_is_saved() {
     desk.put("mine.ca.toml", good);
     let mut child = desk.start(&["check", "mine.ca.toml", "--watch"]);
     let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
-    // all that is said until it waits again
+    // collects the messages until the command waits again
     let mut said = || {
         let mut all = Vec::new();
         for line in lines.by_ref() {
@@ -28,7 +28,7 @@ fn a_file_is_checked_whenever_it_is_saved() {
     assert!(wrong.contains("mine.ca.toml") && wrong.contains("error"), "{wrong}");
     desk.put("mine.ca.toml", &good.replace("100 Hz", "200 Hz"));
     assert_eq!(said(), "");
-    // and when a file is saved that it takes a part from, which was not there before
+    // a part file that did not exist before is watched too
     let uses = format!("{good}[use]\nx = \"part.ca.toml\"\n");
     desk.put("mine.ca.toml", &uses);
     let missing = said();

@@ -1,4 +1,4 @@
-//! Sessions: serve, takes and their replay, shared memory.
+//! Tests of sessions: serving, takes and their replay, shared memory.
 
 mod serve;
 mod shm;

@@ -1,4 +1,4 @@
-//! `ca serve` and what is said to it while it runs.
+//! Tests `ca serve` and requests to it while it runs.
 
 use crate::desk::Desk;
 use std::process::Child;
@@ -21,7 +21,7 @@ string = { between = ["wall", "bob"], k = 20000, z = 0.1 }
 out = { from = "bob", gain = 100 }
 "#;
 
-/// A process that does not outlive its test, whatever happens.
+/// A process that is killed on drop.
 struct Server(Option<Child>);
 
 impl Drop for Server {
@@ -33,7 +33,7 @@ impl Drop for Server {
     }
 }
 
-/// A server that answers.
+/// Starts a server and waits until it answers.
 fn serve(desk: &Desk, args: &[&str]) -> Server {
     desk.put("key.ca.toml", MODEL);
     let mut server = Server(Some(desk.start(&[&["serve", "key.ca.toml"], args].concat())));
@@ -74,10 +74,9 @@ fn the_examples_of_the_control_run_against_a_server() {
     assert_eq!(status["fields"]["devices"][0]["device"], "tgr12");
     assert_eq!(status["fields"]["params"][0]["value"], 900.0);
 
-    // a second server is refused, and says by whom
+    // a second server is refused, and the message names the first
     let args = ["serve", "key.ca.toml", "--seconds", "1", "-o", "second.wav", "--log", "second.mcap"];
     desk.ca(&args).is(1).says(&["a server runs at"]);
-    // a take that is there is another one, and stays
     desk.put("older.mcap", "a take");
     desk.ca(&["serve", "key.ca.toml", "--seconds", "1", "--log", "older.mcap"]).is(1).says(&["never overwritten"]);
     assert_eq!(std::fs::read(desk.path("older.mcap")).unwrap(), b"a take");
@@ -102,7 +101,7 @@ fn the_examples_of_the_control_run_against_a_server() {
     assert!(crate::desk::peak(&samples) > 0.01);
     desk.ca(&["status"]).is(1).says(&["no server runs", "ca serve"]);
 
-    // all of it again from the take: forces, sound and state, also what was changed while it ran
+    // the replay reproduces forces, sound and state, including changes during the run
     assert_eq!(reported["take"]["lost"], 0);
     let again = desk.ca(&["replay", "take.mcap", "--verify", "--json", "-o", "again.wav"]).is(0).json();
     assert_eq!(again["identical"], true, "{again}");
@@ -129,19 +128,19 @@ fn what_cannot_be_served_is_refused() {
     assert_eq!(desk.files(), ["bad.toml", "cal.toml", "key.ca.toml"]);
 }
 
-/// On the clock of a device that is not there time passes all the same, and few frames are made in it.
+/// With the clock of an absent device, the time still passes, and only few frames are made.
 #[test]
 fn a_device_that_never_comes_ends_with_the_seconds() {
     let desk = Desk::new();
     desk.put("key.ca.toml", MODEL);
     let r = desk.ca(&["serve", "key.ca.toml", "--clock", "device", "--seconds", "0.5", "--json"]).is(0).json();
     let [frames, missed] = ["frames", "missed"].map(|k| r[k].as_u64().unwrap());
-    // 1500 periods: a frame for each tenth of a second, and the one that says that forces are off
+    // 1500 periods: one frame per tenth of a second, and one that reports that forces are off
     assert!(frames + missed >= 1500, "{frames} frames, {missed} periods left out");
     assert!(frames <= 6, "{frames} frames");
 }
 
-/// A scene without devices and live parameters: no shared memory, no thread but the engine's.
+/// A scene without devices and live parameters uses neither shared memory nor a thread besides the engine.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_scene_without_devices_opens_nothing() {
@@ -162,7 +161,7 @@ fn a_scene_without_devices_opens_nothing() {
     let threads = tasks(pid);
     let maps = std::fs::read_to_string(format!("/proc/{pid}/maps")).unwrap();
     assert!(!threads.iter().any(|t| t.contains("gateway")), "{threads:?}");
-    // the command itself, the engine, and the one that waits for Ctrl-C
+    // the command itself, the engine, and the thread that waits for Ctrl-C
     assert!(threads.len() <= 3, "{threads:?}");
     assert!(!maps.contains("/dev/shm") && !maps.contains("iox2"), "{maps}");
     assert!(!desk.shm().exists());
@@ -190,7 +189,7 @@ fn a_build_without_sound_devices_says_how_to_get_them() {
     assert_eq!(desk.files(), ["key.ca.toml"]);
 }
 
-/// Two outputs into one file leave one of them; an input that is written over is lost.
+/// Two outputs to one file would lose one of them, and an overwritten input is lost.
 #[test]
 fn outputs_have_files_of_their_own() {
     let desk = Desk::new();
@@ -214,7 +213,7 @@ fn outputs_have_files_of_their_own() {
     desk.ca(&["device", "sim", "--wait", "--script", "push"]).is(2).says(&["--wait", "no beginning"]);
 }
 
-/// A file of events with times is not a stream of them, and times are also given in minutes.
+/// A Standard MIDI File is not a raw stream. Times can also be given in minutes.
 #[test]
 fn what_is_not_raw_midi_says_what_plays_it() {
     let desk = Desk::new();

@@ -1,4 +1,4 @@
-//! `ca shm` on a folder of its own: what is dead is shown and removed, what lives is kept.
+//! Tests `ca shm` in a private folder: files of dead processes are listed and removed, files of living ones are kept.
 
 use crate::desk::Desk;
 use std::fs;

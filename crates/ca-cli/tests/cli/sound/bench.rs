@@ -1,4 +1,4 @@
-//! `ca bench`: its tables, its page, and what it says of a name it does not know. How fast this machine is, no test asks.
+//! Tests `ca bench`: tables, page, and the message for an unknown name. The speed of this machine is not tested.
 
 use crate::desk::Desk;
 use std::fs;
@@ -43,7 +43,7 @@ fn a_name_that_is_misspelt_gets_an_answer() {
     desk.ca(&["bench", "--only", "mesh,zzzzzz"]).is(2).says(&["no network is called `zzzzzz`", "string, cells, mesh"]);
 }
 
-/// Whoever misspells it would compare a processor with itself.
+/// A misspelt value would compare a processor with itself.
 #[test]
 fn vectors_that_there_are_not_are_refused() {
     let desk = Desk::new();

@@ -1,4 +1,4 @@
-//! `ca render` of what is not as meant, exit code 3: what diverges, and what is cut off.
+//! Tests `ca render` with exit code 3: divergence and clipping.
 
 use crate::desk::{BAR, Desk, KEY, STRUCK, peak};
 
@@ -13,7 +13,7 @@ spring = { between = ["wall", "bob"], k = "20 MN/m", z = "1 mN s/m" }
 out = { from = "bob", gain = 100 }
 "#;
 
-/// Two walls far too hard for the bar between them.
+/// Two walls much too hard for the bar between them.
 const RATTLE: &str = r#"
 [CEL]
 bar = { m = "2 g", f = "330 Hz", t60 = "1 s" }
@@ -31,7 +31,7 @@ out = { from = "bar", gain = 100 }
 push = [[0, 0], [0.01, "200 N"], [0.02, 0]]
 "#;
 
-/// Its first half second is audited, and at rest until a port moves it later.
+/// The audited first half second is at rest; a port moves the model later.
 #[test]
 fn a_model_that_diverges_after_its_audit_is_not_told_a_time_that_nobody_saw() {
     let desk = Desk::new();
@@ -60,7 +60,7 @@ fn an_unstable_model_is_named_and_silenced() {
         assert_eq!(samples.len(), 48_000);
         assert!(samples.iter().all(|s| s.is_finite() && s.abs() <= 1.0));
         assert!(peak(&samples) > 0.01 && peak(&samples[4800..]) == 0.0);
-        // the ledger stops in time, and says the same
+        // the ledger stops in time and names the same module
         let j = desk.ca(&["render", &file, "--seconds", "1", "--energy", "--json"]).is(3).json();
         assert_eq!(j["blown_up"]["module"].as_str(), Some(*module));
         assert!(j["energy"]["relative_residual"].as_f64().unwrap() < 1e-9, "{j:#}");
@@ -68,12 +68,12 @@ fn an_unstable_model_is_named_and_silenced() {
     }
     desk.ca(&["check", "bad.ca.toml"]).is(3).says(&["W103", "unstable"]);
     desk.ca(&["check", "rattle.ca.toml"]).is(0).says(&["W117", "`up` is the stiffest", "no value is without growth"]);
-    // between the cheap bounds a factorisation decides, and on request says how near the limit is
+    // between the cheap bounds, a factorisation decides, and on request reports the distance from the limit
     let r = desk.ca(&["check", "harmonic_chain", "--exact"]).is(0);
     for word in ["stability  proven", "decided by a factorisation", "largest eigenvalue 3.99"] {
         assert!(r.out.contains(word), "{}", r.out);
     }
-    // what is linearised says by how much its energy may rise: λ = 0.2, 0.4/3.8
+    // a linearised certificate reports the largest rise in energy: λ = 0.2, 0.4/3.8
     desk.put(
         "room.ca.toml",
         "[room]\ndim = 3\n[room.SOL]\na = { x = [-1, 0, 0] }\nb = { x = [1, 0, 0] }\n[room.MAS]\nm = { m = 1e-3, \
@@ -88,7 +88,7 @@ fn an_unstable_model_is_named_and_silenced() {
     assert!(proven["level"] == "proven" && proven["ripple"].is_null(), "{proven:#}");
 }
 
-/// A gram with a speed on a table that is steep beyond a millimetre.
+/// A mass of one gram with a speed, on a table that is steep beyond one millimetre.
 fn table(v: f64) -> String {
     format!(
         "[SOL]\nw = {{}}\n[MAS]\nb = {{ m = 1e-3, v = {v:?} }}\n[LNL]\nc = {{ between = [\"w\", \"b\"], spring = [[-0.01, -1e5], [-0.001, -1], [0.001, \
@@ -96,8 +96,8 @@ fn table(v: f64) -> String {
     )
 }
 
-/// A render compares the energy made by a table with the energy received, not with a peak that the table made itself. A table is not
-/// unstable if its energy does not reach the steep part.
+/// A render compares the energy made by a table with the energy received, not with a peak made by the table. A table is
+/// not reported as unstable if the energy does not reach its steep part.
 #[test]
 fn energy_that_is_made_is_compared_with_what_was_received() {
     let desk = Desk::new();
@@ -109,7 +109,7 @@ fn energy_that_is_made_is_compared_with_what_was_received() {
     }
     desk.ca(&["check", "soft.ca.toml"]).is(0).says(&["rule of thumb, which `c` decides"]);
     desk.ca(&["check", "steep.ca.toml"]).is(0).says(&["W107", "decides: as steep as"]);
-    // weight gives energy that is not there at load
+    // weight gives energy that is not present at load
     desk.put(
         "falls.ca.toml",
         "[g]\ngravity = 9.81\n[g.SOL]\nfloor = {}\n[g.MAS]\nball = { m = \"10 g\", x = \"1 cm\" }\n[BUT]\nhit = { between = [\"g.floor\", \"g.ball\"], \
@@ -178,7 +178,7 @@ fn what_blows_is_reported_with_the_command_that_shows_why() {
     let r = desk.ca(&args).is(3).says(&["findings", "`ca check struck.ca.toml --set 'strike.k=1e15 N/m'`"]);
     assert!(!r.err.contains("multiply the gain"), "{}", r.err);
     desk.ca(&["check", "struck.ca.toml", "--set", "strike.k=1e15 N/m"]).says(&["W117", "`strike`"]);
-    // the slope of a power is that at a depth, which for an absurd stiffness is none that a blow could have
+    // the slope of a power law is taken at a depth; for an absurd stiffness that depth is too small for any blow
     let hard = |k: &str| {
         let r = desk.ca(&["check", "hammered_string", "--set", k, "--json"]).is(0).json();
         let depth = &r["summary"]["stability"]["depth"];

@@ -1,10 +1,9 @@
-//! Files as they are written and read: whole or not at all, and never without end.
+//! Tests that files are written completely or not at all, and that endless files are refused.
 
 use crate::desk::{BAR, Desk};
 use std::fs;
 
-/// What is there stays, and nothing half written beside it, where the disk is full: a file that may not grow any more
-/// stands for it.
+/// On a full disk, existing files stay and no partial file remains. A limit on the file size simulates the full disk.
 #[cfg(unix)]
 #[test]
 fn what_does_not_fit_on_the_disk_replaces_nothing() {
@@ -28,13 +27,13 @@ fn what_does_not_fit_on_the_disk_replaces_nothing() {
         desk.sh(&format!("ulimit -f {blocks}; trap '' XFSZ; ca {}", line.trim_end_matches(" --force"))).is(1);
         assert_eq!(desk.files(), ["bar.ca.toml"], "{line} leaves nothing");
     }
-    // the schema beside a model that fits
+    // the model fits, but not the schema beside it
     desk.sh("ulimit -f 20; trap '' XFSZ; ca new y.ca.toml").is(1).says(&["ca.schema.json"]);
     assert_eq!(desk.files(), ["bar.ca.toml", "y.ca.toml"]);
     desk.ca(&["equiv", "bar.ca.toml", "--write", "y.ca.toml"]).is(1).says(&["it exists", "--force"]);
 }
 
-/// What has no end, or no text in it, is refused at once; so is what is too large, by its size.
+/// Endless files and binary files are refused at once, and files that are too large by their size.
 #[cfg(unix)]
 #[test]
 fn nothing_is_read_without_end() {
@@ -47,7 +46,7 @@ fn nothing_is_read_without_end() {
     sparse("nul.csv", 300_000_000);
     sparse("nul.mdl", 1000);
     sparse("nul.toml", 1000);
-    // little room stands for a large file
+    // a memory limit makes the test fail if a large file is read
     let ca = |line: &str| desk.sh(&format!("ulimit -v 2000000; ca {line}")).is(1);
     ca("check /dev/zero").says(&["`/dev/zero`", "byte 0 is NUL", "saved as UTF-8"]);
     ca("check big.ca.toml").says(&["`big.ca.toml`", "larger than the 256 MB", "STRING"]);
@@ -64,7 +63,7 @@ fn nothing_is_read_without_end() {
     ca("sweep nul.toml").says(&["byte 0 is NUL"]);
 }
 
-/// A part comes from a file below the folder of the model, and from nothing that would be waited for.
+/// A part must be a regular file below the folder of the model. A FIFO is refused without waiting for it.
 #[cfg(unix)]
 #[test]
 fn a_part_is_a_file_beside_its_model() {
@@ -102,11 +101,11 @@ fn a_name_of_many_instances_is_set_and_probed_in_each() {
     desk.ca(&["render", "kalimba", "--set", "tine[*].tumb.m=3 g"]).is(2).says(&["did you mean"]);
 }
 
-/// A MIDI file with one note of each velocity, a second apart.
+/// A MIDI file with one note of each velocity, one second apart.
 fn strokes(note: u8, velocities: &[u8]) -> Vec<u8> {
     let mut track = Vec::new();
     for (i, v) in velocities.iter().enumerate() {
-        // ticks since the event before, 480 to half a second: 720 is 85 50 in MIDI's digits of seven bits
+        // ticks since the previous event, 480 per half second; 720 is 85 50 as a variable-length quantity
         track.extend(if i == 0 { vec![0] } else { vec![0x85, 0x50] });
         track.extend([0x90, note, *v, 0x81, 0x70, 0x80, note, 0]);
     }
@@ -125,13 +124,13 @@ fn velocity_is_how_loud_a_pluck_is() {
         desk.ca(&["render", model, "-q", "--seconds", "2.9", "--gesture", "strokes.mid", "-o", "x.wav"]).is(0);
         let (spec, sound) = desk.wav("x.wav");
         let second = spec.sample_rate as usize * usize::from(spec.channels);
-        // what a stroke adds: the first 0.2 s after each
+        // peak in the first 0.2 s after each stroke
         let loud: Vec<f64> = (0..3).map(|i| crate::desk::peak(&sound[i * second..i * second + second / 5])).collect();
         assert!(loud[1] > 1.3 * loud[0] && loud[2] > 1.3 * loud[1], "{model}: {loud:?}");
     }
 }
 
-/// A link that leads nowhere: a file that is written goes where it leads, and one that is read is not suggested.
+/// Dangling links: an output is written to the target, and an input is not suggested.
 #[cfg(unix)]
 #[test]
 fn links_to_files_that_are_not_there() {
@@ -148,7 +147,7 @@ fn links_to_files_that_are_not_there() {
     symlink("loop.ca.toml", desk.path("loop.ca.toml")).unwrap();
     let r = desk.ca(&["check", "loop.ca.toml"]).is(2).says(&["a symbolic link that leads to no file"]);
     assert!(!r.err.contains("did you mean"), "{}", r.err);
-    // nor is it for a word that is like it
+    // nor is it suggested for a similar word
     let r = desk.ca(&["check", "lop.ca.toml"]).is(2);
     assert!(!r.err.contains("loop"), "{}", r.err);
 }

@@ -1,8 +1,8 @@
-//! MIDI files as `ca render` plays them. Each file in `tests/data/midi` shows one property of files that people have.
+//! Tests MIDI files in `ca render`. Each file in `tests/data/midi` shows one property of real files.
 
 use crate::desk::{Desk, from_root, peak};
 
-/// A bar that is pushed by two notes, C3 and D3.
+/// A bar pushed by two notes, C3 and D3.
 const KEYS: &str = r#"
 [model]
 seconds = 0.3
@@ -15,7 +15,6 @@ high = { to = "bar", midi = { note = "D3", to = "1 N", attack = "1 ms", release 
 out = { from = "bar", gain = 2000 }
 "#;
 
-/// A file of `tests/data/midi`.
 fn file(name: &str) -> String {
     from_root("tests/data/midi").join(name).display().to_string()
 }
@@ -44,7 +43,7 @@ fn files_that_other_players_read_are_read() {
     }
 }
 
-/// A string with a plectrum, whose note is a parameter of the part around both.
+/// A string with a plectrum whose note is a parameter of the part around both.
 const PLUCKED: &str = r#"
 [model]
 seconds = 0.2
@@ -68,9 +67,8 @@ fn a_note_that_is_passed_on_is_used_and_keys_with_notes_share_a_degree_of_freedo
     assert!(!check.err.contains("W109") && !check.err.contains("N204"), "{}", check.err);
     let render = desk.ca(&["render", "plucked.ca.toml", "-q"]).is(0);
     assert!(!render.err.contains("W109"), "{}", render.err);
-    // it arrives, in each of them
     desk.ca(&["check", "plucked.ca.toml"]).says(&["v[0..2].pick.key", "notes D3, E3"]);
-    // a parameter of a part within that nothing refers to is still one too many
+    // a parameter of an inner part without a use is still reported
     let unused =
         PLUCKED.replace("[part.v.use]", "[part.w.param]\nx = 1\n[part.w.MAS]\nm = { m = \"1 g\" }\n[part.v.use]");
     desk.put(
@@ -86,7 +84,7 @@ fn a_note_that_is_passed_on_is_used_and_keys_with_notes_share_a_degree_of_freedo
 fn the_pedal_holds_a_key_and_what_else_nothing_follows_is_told() {
     let desk = Desk::new();
     desk.put("keys.ca.toml", KEYS);
-    // the key comes up at 0.25 s, the pedal at 1.25 s
+    // the key is released at 0.25 s, the pedal at 1.25 s
     let file = file("m16_pedal.mid");
     let r = desk.ca(&["render", "keys.ca.toml", "--gesture", &file, "--seconds", "2", "--probe", "bar=bar.csv"]).is(0);
     assert!(!r.err.contains("follows"), "the pedal is no longer ignored: {}", r.err);
@@ -94,17 +92,16 @@ fn the_pedal_holds_a_key_and_what_else_nothing_follows_is_told() {
     let at = |time: f64| -> f64 {
         csv.lines().nth(1 + (time * 48_000.0) as usize).unwrap().split(',').nth(1).unwrap().parse().unwrap()
     };
-    // a static force on a spring, once its motion has died away
+    // a static force on a spring after its motion has died away
     let pushed = 100.0 / 127.0 / (2e-3 * (std::f64::consts::TAU * 440.0_f64).powi(2));
     assert!((at(1.2) / pushed - 1.0).abs() < 5e-3, "{} {pushed}", at(1.2));
     assert!(at(1.8).abs() < 1e-3 * pushed, "{}", at(1.8));
-    // a model that binds the pedal itself has none
+    // a model that binds the pedal itself does not sustain notes by it
     desk.put("own.ca.toml", &KEYS.replace("[SOX]", "damp = { to = \"bar\", midi = { cc = 64, to = 0 } }\n[SOX]"));
     desk.ca(&["render", "own.ca.toml", "--gesture", &file, "--seconds", "2", "--probe", "bar=bar.csv"]).is(0);
     let csv = std::fs::read_to_string(desk.path("bar.csv")).unwrap();
     let line = csv.lines().nth(1 + 48_000).unwrap();
     assert!(line.split(',').nth(1).unwrap().parse::<f64>().unwrap().abs() < 1e-3 * pushed, "{line}");
-    // other events
     let mut bytes = b"MThd\0\0\0\x06\0\0\0\x01\x01\xe0MTrk\0\0\0\x1c".to_vec();
     bytes.extend([0, 0xb0, 7, 100, 0, 0x90, 48, 100, 0, 0x90, 60, 1, 0, 0xe0, 0, 0, 0, 0xd0, 9]);
     bytes.extend([0x83, 0x60, 0x80, 48, 0, 0, 0xff, 0x2f, 0]);
@@ -126,16 +123,16 @@ fn a_midi_file_is_played_until_its_last_note_has_died_away() {
     let midi = file("m16_pedal.mid");
     let midi = ["--gesture", midi.as_str()];
     assert_eq!(frames(KEYS, &[]), 0.3);
-    // the port is back at 1.251 s, and the bar is 60 dB down at most 0.2 s later; half a second of that
+    // the port is at rest at 1.251 s and the bar decays by 60 dB within 0.2 s; the end is half a second later
     let length = frames(KEYS, &midi);
     assert!((1.751..2.0).contains(&length), "{length}");
     assert_eq!(frames(KEYS, &[&midi[..], &["--seconds", "0.5"]].concat()), 0.5);
-    // what does not die away ends 10 s after the last event
+    // an undamped sound ends 10 s after the last event
     let long = frames(&KEYS.replace("t60 = \"0.2 s\"", "t60 = \"1000 s\""), &midi);
     assert!((long - 11.251).abs() < 1e-3, "{long}");
 }
 
-/// A piano has 88 keys, a frame of a device 32 places.
+/// A piano has 88 keys, and a device frame has 32 degrees of freedom.
 #[test]
 fn a_device_may_have_fewer_keys_than_the_model() {
     let desk = Desk::new();
@@ -150,7 +147,6 @@ fn a_device_may_have_fewer_keys_than_the_model() {
     );
     desk.put("piano.ca.toml", &model);
     desk.ca(&["check", "piano.ca.toml"]).is(0);
-    // the highest key, by a note
     let mut bytes = b"MThd\0\0\0\x06\0\0\0\x01\x01\xe0MTrk\0\0\0\x0d".to_vec();
     bytes.extend([0, 0x90, 108, 127, 0x83, 0x60, 0x80, 108, 0, 0, 0xff, 0x2f, 0]);
     std::fs::write(desk.path("top.mid"), bytes).unwrap();
@@ -158,7 +154,7 @@ fn a_device_may_have_fewer_keys_than_the_model() {
     assert!(peak(&desk.wav("piano.wav").1) > 0.01);
     let r = desk.ca(&["serve", "piano.ca.toml", "--seconds", "0.05"]).is(0);
     r.says(&["`keys`: a device has at most 32 degrees of freedom; MIDI and gestures alone move 56 ports from `key[32].key` on"]);
-    // the limit of MIDI stays
+    // the limit of MIDI still applies
     let far = model.replace("dof = [0, ", "dof = [128, ");
     desk.put("piano.ca.toml", &far).ca(&["check", "piano.ca.toml"]).is(1).says(&["E009", "127"]);
 }

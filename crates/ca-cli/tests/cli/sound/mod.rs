@@ -1,4 +1,4 @@
-//! Commands whose result is a sound, a page or a table: render, report, sweep, bench.
+//! Tests of commands that produce a sound, a page or a table: render, report, sweep, bench.
 
 mod bench;
 pub mod degraded;

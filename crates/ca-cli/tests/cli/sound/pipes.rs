@@ -1,4 +1,4 @@
-//! Sounds through pipes, FLAC, and models from standard input.
+//! Tests sounds through pipes, FLAC, and models from standard input.
 
 use crate::desk::{BAR, Desk, STRUCK};
 use std::fs;
@@ -23,28 +23,27 @@ fn a_pipe_gets_the_sound_of_the_file() {
         ] {
             let r = desk.sh(&line.replace("MORE", more)).is(0);
             assert!(fs::read(desk.path("p")).unwrap() == whole, "{line} {more}");
-            // what is said of it does not stand in it
+            // the summary is not mixed into the sound
             assert_eq!(r.out, "");
             r.says(&["0.100 s", "margin"]);
         }
-        // what was there before stays
+        // existing content is kept
         desk.sh(&format!("printf before > p; ca render bar.ca.toml {more} -o - >> p 2> said; rm said")).is(0);
         assert!(fs::read(desk.path("p")).unwrap() == [b"before", &whole[..]].concat(), "{more}");
     }
     let r = desk.sh("ca render bar.ca.toml --json -o - > p").is(0);
     let (_, json) = r.err.split_once('\n').unwrap();
     assert_eq!(serde_json::from_str::<serde_json::Value>(json).unwrap()["file"], "-");
-    // a probe too, whose head holds its length
+    // a probe works too, although its header contains the length
     desk.sh("ca render bar.ca.toml -q --probe bar=b.npy; mkfifo f.npy; cat f.npy > p & ca render bar.ca.toml -q --probe bar=f.npy; wait")
         .is(0);
     assert!(fs::read(desk.path("b.npy")).unwrap() == fs::read(desk.path("p")).unwrap());
-    // a performance says what it has to say on standard output
+    // a performance needs standard output for its summary
     desk.sh("ca serve bar.ca.toml -o - --seconds 1 | cat; ca serve bar.ca.toml -o /dev/stdout --seconds 1 || exit $?")
         .is(2)
         .says(&["the summary goes to standard output"]);
 }
 
-/// A closed pipe is not an error, as for printed text.
 #[cfg(unix)]
 #[test]
 fn a_listener_who_goes_away_is_no_failure() {
@@ -62,7 +61,7 @@ fn a_listener_who_goes_away_is_no_failure() {
     assert_eq!((o.status.code(), String::from_utf8(o.stderr).unwrap()), (Some(0), String::new()));
 }
 
-/// Another decoder finds the integers of the WAV file.
+/// An independent decoder reads the integers of the WAV file.
 #[test]
 fn flac_holds_the_samples_of_wav() {
     let desk = Desk::new();

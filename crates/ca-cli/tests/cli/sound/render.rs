@@ -1,4 +1,4 @@
-//! `ca render`.
+//! Tests `ca render`.
 
 use crate::desk::{BAR, Desk, KEY, STRUCK, peak};
 use crate::sound::degraded::UNSTABLE;
@@ -15,7 +15,6 @@ fn a_model_sounds_by_its_own_gesture() {
     let (spec, samples) = desk.wav("struck.wav");
     assert_eq!((spec.sample_rate, spec.channels, samples.len()), (48_000, 2, 2 * 192_000));
     assert!((0.1..=1.0).contains(&peak(&samples)));
-    // both strokes sound
     assert!(peak(&samples[..2 * 2400]) == 0.0 && peak(&samples[..2 * 24_000]) > 0.1);
     assert!(peak(&samples[2 * 70_000..2 * 72_000]) < 0.9 * peak(&samples[2 * 72_000..2 * 80_000]));
 }
@@ -87,7 +86,7 @@ fn parameters_and_rates_are_set() {
     assert_eq!(of(&["--rate", "44100"]).0.sample_rate, 44_100);
     assert_eq!(of(&["--seconds", "0.25"]).1.len(), 12_000);
     desk.ca(&["render", "bar.ca.toml", "--set", "bar.m=1 s"]).is(1).says(&["E008", "`m` of `bar`"]);
-    // the model fixes 3 kHz: the nearest rate is named
+    // the model sets 3 kHz; the message names the nearest rate
     let r = desk.ca(&["render", "struck.ca.toml", "--rate", "44.1 kHz"]).is(1);
     assert!(r.err.contains("E020") && r.err.contains("45000 Hz"), "{}", r.err);
     desk.ca(&["render", "struck.ca.toml", "--rate", "44.1 kHz", "--set", "rate.gesture=2940 Hz", "-q"]).is(0);
@@ -108,7 +107,7 @@ fn probes_are_readable() {
     assert_eq!(shape, [48_000, 40]);
     let (shape, point) = npy("low@0.3.npy");
     assert_eq!(shape, [48_000]);
-    // 41 intervals from end to end: 0.3 of the way is 12.3, between the masses 11 and 12
+    // 41 intervals from end to end: 0.3 of the length is 12.3, between masses 11 and 12
     for n in [4000, 20_000] {
         let want = 0.7 * all[40 * n + 11] + 0.3 * all[40 * n + 12];
         assert!(want != 0.0 && (point[n] - want).abs() < 1e-9 * want.abs(), "{n}: {want} {}", point[n]);
@@ -129,12 +128,10 @@ fn a_gesture_file_plays() {
     desk.put("key.csv", KEY).put("still.csv", "time,key\n0,-0.003\n");
     desk.ca(&["render", "struck.ca.toml", "--gesture", "key.csv", "-q"]).is(0);
     assert!(peak(&desk.wav("struck.wav").1) > 0.1);
-    // takes the place of the built-in one
     desk.ca(&["render", "struck.ca.toml", "--gesture", "still.csv"])
         .is(0)
         .says(&["nothing sounds, what its gesture moves does", "`key`"]);
     assert_eq!(peak(&desk.wav("struck.wav").1), 0.0);
-    // two files together
     desk.put("z.csv", "time,z\n0,1\n3.5,5\n5,5\n");
     let args = ["render", "struck.ca.toml", "--gesture", "key.csv", "--gesture", "z.csv"];
     desk.ca(&args).is(0).says(&["the gesture lasts 5.000 s"]);
@@ -143,7 +140,6 @@ fn a_gesture_file_plays() {
     desk.ca(&args).is(1).says(&["two tracks"]);
 }
 
-/// A gesture beyond the range of its parameter is no failure, and said once.
 #[test]
 fn a_gesture_out_of_range_is_said() {
     let desk = Desk::new();
@@ -204,7 +200,7 @@ fn ctrl_c_leaves_nothing_behind() {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    // both files stand: the handler was in place before
+    // both files exist, so the handler is already set
     let stand = || {
         let parts = fs::read_dir(&desk.0).unwrap().map(|f| f.unwrap());
         parts.filter(|f| f.file_name().to_string_lossy().ends_with(".part")).count() == 2
@@ -226,7 +222,7 @@ fn ctrl_c_leaves_nothing_behind() {
 fn a_midi_file_plays_through_the_mapping_of_the_port() {
     let desk = Desk::new();
     desk.put("struck.ca.toml", STRUCK);
-    // one note, an eighth at 120 to the minute
+    // one note, an eighth at 120 beats per minute
     let note = |velocity: u8| {
         let mut b = b"MThd\0\0\0\x06\0\0\0\x01\0\x60MTrk\0\0\0\x0c".to_vec();
         b.extend([0, 0x90, 60, velocity, 48, 0x80, 60, 0, 0, 0xff, 0x2f, 0]);
@@ -263,7 +259,7 @@ fn the_energy_ledger_is_shown() {
     assert_eq!(j["channels"][1]["name"], "right");
 }
 
-/// A body thrown at the floor, from a file beside the model.
+/// A body thrown at the floor, loaded from a file beside the model.
 const BODY: &str = r#"
 [room]
 dim = 3
@@ -316,7 +312,7 @@ fn probes_of_several_are_called_by_their_modules() {
     desk.ca(&[&render[..], &["--probe", "*"]].concat()).is(1).says(&["`*` is not a selector"]);
 }
 
-/// `-q` leaves what warns of the model; what is only good to know it leaves out.
+/// `-q` keeps the warnings about the model and omits its notes.
 #[test]
 fn quiet_is_not_silent_about_the_model() {
     let desk = Desk::new();
@@ -336,7 +332,7 @@ fn quiet_is_not_silent_about_the_model() {
     assert_eq!((r.out.as_str(), r.err.as_str()), ("", ""));
 }
 
-/// No rate is advised that no model may have.
+/// Advice never suggests a rate beyond the allowed range.
 #[test]
 fn advice_can_be_followed() {
     let desk = Desk::new();

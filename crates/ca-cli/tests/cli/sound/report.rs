@@ -1,4 +1,4 @@
-//! `ca report`: what is on the page, and that a browser draws it without asking anybody.
+//! Tests `ca report`: the contents of the page, and that a browser draws it without a network request.
 
 use crate::desk::{BAR, Desk, KEY, STRUCK};
 use crate::session::take::performer;
@@ -9,7 +9,7 @@ use serde_json::Value as Json;
 use std::fs;
 use std::process::Command;
 
-/// A page as written: its text, and the data of its plots.
+/// A written page: its text and the data of its plots.
 struct Page {
     html: String,
     plots: Vec<Json>,
@@ -36,13 +36,13 @@ impl Page {
         self.html.split("<h2>").skip(1).map(|rest| rest.split("</h2>").next().unwrap()).collect()
     }
 
-    /// The plot whose axis up has this label.
+    /// Plot whose vertical axis has this label.
     #[track_caller]
     fn plot(&self, label: &str) -> &Json {
         self.plots.iter().find(|p| p["y"]["label"] == label).unwrap_or_else(|| panic!("no plot of {label}"))
     }
 
-    /// Bytes that are not sound.
+    /// Size of the page without sound, in bytes.
     fn weight(&self) -> usize {
         let sounds = self.html.split("data:audio/wav;base64,").skip(1);
         self.html.len() - sounds.map(|s| s.split('"').next().unwrap().len()).sum::<usize>()
@@ -70,16 +70,16 @@ fn a_model_is_reported_whole() {
     );
     page.says(&["rule of thumb", "The ledger balances to", "45 MAT", "Peak: ", "data:image/png;base64,"]);
     page.says(&["[STRING]", "real-time factor"]);
-    // as long as the model says, 16 bits, two channels
+    // length of the model, 16 bits, two channels
     let wav = page.html.split("data:audio/wav;base64,").nth(1).unwrap().split('"').next().unwrap();
     assert_eq!(wav.len().div_ceil(4), (4 * 48_000 * 4 + 44_usize).div_ceil(3));
     assert_eq!(names(page.plot("sample")), ["left", "right"]);
-    // what the outputs hear, in the words of the model, and the key
+    // the modules measured by outputs, named as in the model, and the key
     let motion = names(page.plot("displacement"));
     assert!(motion.contains(&"key") && motion.len() == 3, "{motion:?}");
     assert!(names(page.plot("energy")).starts_with(&["stored", "of it in motion", "lost"]));
     assert!(page.weight() < 300_000, "{} bytes beside the sound", page.weight());
-    // the first modes are marked where they are heard
+    // the first modes are marked at the frequencies that are heard
     let j = desk.ca(&["modes", "struck.ca.toml", "--json"]).is(0).json();
     let marks = page.plot("level of a sine")["marks"].as_array().unwrap();
     assert!(marks.len() > 20, "{}", marks.len());
@@ -87,12 +87,11 @@ fn a_model_is_reported_whole() {
         let number: usize = mark[2].as_str().unwrap().parse().unwrap();
         let mode = &j["modes"][number - 1];
         assert_eq!(mark[0], mode["heard_hz"]);
-        // the hammer on its shank swings too, and is not heard
+        // the hammer on its shank also oscillates but is not heard
         assert!(["left", "right"].iter().any(|o| mode["ports"][o].as_f64().unwrap().abs() > 0.0), "{mode}");
     }
     assert!((marks[0][0].as_f64().unwrap() - 110.0).abs() < 0.01, "the string begins at its pitch");
 
-    // probes, gestures, changes; quiet
     let more = ["--probe", "strike", "--probe", "low[3]", "--gesture", "key.csv", "--seconds", "500 ms", "-q"];
     let args =
         [&["report", "struck.ca.toml", "-o", "b.html", "--set", "low.n=20", "--set", "right.gain=1000"][..], &more]
@@ -111,7 +110,7 @@ fn the_energy_on_the_page_is_that_of_the_render() {
     desk.ca(&["report", "bar.ca.toml"]).is(0);
     let j = desk.ca(&["render", "bar.ca.toml", "--energy", "--json"]).is(0).json();
     let held = j["energy"]["at_load"].as_f64().unwrap();
-    // one cell, a gram at 220 Hz, a millimetre out: half k x², up to the scheme's own k
+    // one cell of 1 g at 220 Hz, displaced by 1 mm: ½kx², up to the k of the scheme
     let omega = std::f64::consts::TAU * 220.0;
     let want = 0.5 * 1e-3 * omega * omega * 1e-6;
     assert!((held / want - 1.0).abs() < 2e-3, "{held} J, by hand {want} J");
@@ -119,7 +118,7 @@ fn the_energy_on_the_page_is_that_of_the_render() {
     Page::of(&desk, "bar.html").says(&[&cell]);
 }
 
-/// Pages of what is silent, mute, short, broken or too loud; each says so.
+/// Covers silent, mute, short, diverging and clipped sounds. Each page reports its problem.
 #[test]
 fn what_is_odd_still_has_a_page() {
     let desk = Desk::new();
@@ -140,7 +139,7 @@ fn what_is_odd_still_has_a_page() {
     Page::of(&desk, "wild.html").says(&["class=\"note warning\"", "diverged", "unstable", "A mode grows"]);
     desk.ca(&["report", "bar.ca.toml", "-o", "one.html", "--seconds", "20 us"]).is(0);
     assert_eq!(Page::of(&desk, "one.html").plot("sample")["grid"][2], 1);
-    // no rate is high enough to know the error at this one
+    // the reference rate for this sound rate would be too high
     desk.ca(&["report", "bar.ca.toml", "-o", "fast.html", "--rate", "400 kHz", "--seconds", "2 ms"]).is(0);
     Page::of(&desk, "fast.html").says(&["is beyond 1e7 Hz"]);
     desk.ca(&["report", "bar.ca.toml", "-o", "loud.html", "--set", "loud=5000"]).is(3).says(&["beyond full scale"]);
@@ -148,7 +147,7 @@ fn what_is_odd_still_has_a_page() {
     browse(&desk, &["quiet.html", "mute.html", "empty.html", "wild.html", "one.html", "loud.html"]);
 }
 
-/// What an output hears is drawn on the axis of its quantity: a coil hears a speed, and no metres.
+/// An output is drawn on the axis of the quantity it measures: a coil measures speed, not displacement.
 #[test]
 fn what_outputs_hear_is_drawn_in_its_unit() {
     let desk = Desk::new();
@@ -176,7 +175,7 @@ fn what_outputs_hear_is_drawn_in_its_unit() {
     }
 }
 
-/// An output that hears a force may hear every mode: none of them is called silent, all are marked.
+/// An output of a force may measure every mode, so no mode is called silent and all are marked.
 #[test]
 fn modes_are_not_silent_to_who_hears_forces() {
     let desk = Desk::new();
@@ -197,7 +196,7 @@ fn modes_are_not_silent_to_who_hears_forces() {
     }
 }
 
-/// What is said of the energy of a model that diverged is not the size of the divergence.
+/// The reported energy of a diverged model is not the size of the divergence.
 #[test]
 fn the_energy_of_a_divergence_is_no_number() {
     let desk = Desk::new();
@@ -220,7 +219,7 @@ fn the_energy_of_a_divergence_is_no_number() {
     }
 }
 
-/// Titles, names of files and comments are text, whatever is in them.
+/// Titles, file names and comments remain text, whatever they contain.
 #[test]
 fn no_word_of_a_model_becomes_markup() {
     let desk = Desk::new();
@@ -254,7 +253,7 @@ fn a_take_is_reported_as_it_was() {
     assert_eq!((names(page.plot("position")), names(page.plot("force"))), (vec!["key"], vec!["key"]));
     assert_eq!(page.plot("force")["marks"][0][2], "SOFTWARE");
     assert!(page.weight() < 300_000, "{} bytes beside the sound", page.weight());
-    // every gesture frame in order: the last point stands where the take ends
+    // every gesture frame is included in order: the last point is at the end of the take
     let grid: Vec<f64> = serde_json::from_value(page.plot("position")["grid"].clone()).unwrap();
     let end = grid[0] + grid[1] * (grid[2] - 1.0);
     let seconds = p.engine.due() as f64 / 48_000.0;
@@ -263,7 +262,6 @@ fn a_take_is_reported_as_it_was() {
     for args in [&["--set", "bar.f=1"][..], &["--seconds", "1"], &["--probe", "bar"], &["--rate", "44100"]] {
         desk.ca(&[&["report", "take.mcap"], args].concat()).is(2).says(&["as it was played"]);
     }
-    // cut off, and no take at all
     let bytes = fs::read(desk.path("take.mcap")).unwrap();
     fs::write(desk.path("cut.mcap"), &bytes[..bytes.len() * 2 / 3]).unwrap();
     desk.ca(&["report", "cut.mcap"]).is(3).says(&["cut off"]);
@@ -273,14 +271,13 @@ fn a_take_is_reported_as_it_was() {
     browse(&desk, &["take.html", "cut.html"]);
 }
 
-/// A real loop has real times: their histograms count all frames.
 #[test]
 fn a_real_loop_has_its_times_on_the_page() {
     let desk = Desk::new();
     let line =
         "ca device sim --profile tgr12 --seconds 3 > sim.txt 2>&1 & ca serve piano_key --seconds 1 --arm --log t.mcap";
     let served = desk.sh(&format!("{line}; wait"));
-    // a slow machine may lose frames, which is no matter here
+    // lost frames on a slow machine do not matter here
     assert!(served.code == 0 || served.code == 3, "{}", served.err);
     let r = desk.ca(&["report", "t.mcap"]);
     assert!(r.code == 0 || r.code == 3, "{}", r.err);
@@ -295,7 +292,7 @@ fn a_page_is_drawn_without_a_request() {
     desk.put("struck.ca.toml", STRUCK);
     desk.ca(&["report", "struck.ca.toml", "-o", "a.html", "--probe", "strike", "--probe", "low[3]"]).is(0);
     browse(&desk, &["a.html"]);
-    // what the script of the page is for is what it counts: a page that is broken is seen to be
+    // checks that the counters of the page detect a broken page
     let broken = fs::read_to_string(desk.path("a.html"))
         .unwrap()
         .replace("const players", "fetch('http://127.0.0.1:9');undefined.x;const players");
@@ -306,7 +303,8 @@ fn a_page_is_drawn_without_a_request() {
     }
 }
 
-/// Ticks of an axis of few decades are 1, 2 and 5 of each, those of other axes are multiples of such a step, and all say so.
+/// Ticks of a logarithmic axis over few decades are 1, 2 and 5 of each decade; other ticks are multiples of such a
+/// step. All have labels.
 #[test]
 fn a_tick_says_what_it_stands_for() {
     let desk = Desk::new();
@@ -320,7 +318,7 @@ fn a_tick_says_what_it_stands_for() {
     assert!(dom.contains(&want), "{dom}");
 }
 
-/// The document as Chromium leaves it; `None` without Chromium.
+/// Returns the final document of Chromium; `None` without Chromium.
 #[track_caller]
 fn dom(desk: &Desk, page: &str) -> Option<String> {
     let profile = tempfile::tempdir().unwrap();
@@ -335,7 +333,7 @@ fn dom(desk: &Desk, page: &str) -> Option<String> {
     Some(String::from_utf8_lossy(&reported.stdout).into_owned())
 }
 
-/// Opens pages: every plot is drawn, no script fails, nothing is asked of anybody.
+/// Opens pages and checks that every plot is drawn without script errors or network requests.
 #[track_caller]
 fn browse(desk: &Desk, pages: &[&str]) {
     for name in pages {
@@ -345,10 +343,10 @@ fn browse(desk: &Desk, pages: &[&str]) {
         for want in [format!("data-ready=\"{plots}\""), "data-errors=\"0\"".into(), "data-violations=\"0\"".into()] {
             assert!(root.contains(&want), "{name}: no {want} in {root}>");
         }
-        // and one for the moving instrument
+        // the moving instrument has one more canvas
         let film = dom.matches("id=\"filmCanvas\"").count();
         assert_eq!(dom.matches("<canvas").count() - film, plots, "{name}: a canvas for each plot");
-        // the names of curves stand below the canvas
+        // the names of curves are below the canvas
         assert_eq!(dom.matches("class=\"chart\"").count(), plots, "{name}");
     }
 }

@@ -1,4 +1,4 @@
-//! `ca sweep`: the same runs for anybody, whole chunks, and bad runs as rows.
+//! Tests `ca sweep`: reproducible runs, complete chunks, and rows for failed runs.
 
 use crate::desk::{Desk, blocks, from_root};
 use ca_sweep::{Column, RunTable};
@@ -6,7 +6,6 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// The plan of the page.
 pub fn plan() -> String {
     let page = fs::read_to_string(from_root("docs/sweep.md")).unwrap();
     blocks(&page, "toml")[0].1.to_owned()
@@ -20,7 +19,6 @@ fn the_plan_of_the_help_is_a_plan() {
     desk.put("help.sweep.toml", plan).ca(&["sweep", "help.sweep.toml", "--dry-run"]).is(0).says(&["200"]);
 }
 
-/// A quick one.
 const SMALL: &str = r#"
 model = "struck.ca.toml"
 seconds = 0.05
@@ -37,7 +35,6 @@ fn small() -> String {
     format!("{SMALL}{VARIED}")
 }
 
-/// What is played: a string that is struck.
 const STRUCK: &str = r#"
 [STRING]
 low = { n = 20, k = "4 kN/m", m = "1 g", z = "1 mN s/m", t60 = "1 s" }
@@ -60,7 +57,6 @@ const VARIED: &str = r#"
 "low.n" = [10, 20, 40]
 "#;
 
-/// All files of a folder, by their path in it.
 fn files(root: &Path) -> BTreeMap<String, Vec<u8>> {
     fn walk(root: &Path, at: &Path, all: &mut BTreeMap<String, Vec<u8>>) {
         for file in fs::read_dir(at).unwrap().flatten() {
@@ -77,7 +73,7 @@ fn files(root: &Path) -> BTreeMap<String, Vec<u8>> {
     all
 }
 
-/// Those that do not hold times.
+/// Files that do not contain times.
 fn same_every_time(root: &Path) -> BTreeMap<String, Vec<u8>> {
     let timed = |name: &str| name.ends_with("rows.parquet") || name == "times.parquet";
     files(root).into_iter().filter(|(name, _)| !timed(name)).collect()
@@ -114,7 +110,7 @@ fn threads_parts_and_resumption_give_the_same_files() {
     desk.ca(&["sweep", "s.sweep.toml", "--threads", "3", "-o", "three"]).is(0);
     assert_eq!(same_every_time(&desk.path("three")), one);
 
-    // in parts, the last first; only with all of them there is a manifest
+    // in parts, the last first; only the complete set has a manifest
     let part = |k: &str| desk.ca(&["sweep", "s.sweep.toml", "-o", "parts", "--shard", k]).is(0).out;
     assert!(part("3/3").contains("other parts are not there yet"));
     assert!(!desk.path("parts/manifest.parquet").exists());
@@ -122,7 +118,7 @@ fn threads_parts_and_resumption_give_the_same_files() {
     assert!(part("2/3").contains("all runs are there"));
     assert_eq!(same_every_time(&desk.path("parts")), one);
 
-    // a chunk that is lost is done again, nothing else
+    // only a missing chunk is computed again
     fs::remove_dir_all(desk.path("parts/runs-000010")).unwrap();
     fs::create_dir(desk.path("parts/.runs-000010.gone1-0.part")).unwrap();
     let again = desk.ca(&["sweep", "s.sweep.toml", "-o", "parts", "--json"]).is(0).out;
@@ -151,7 +147,7 @@ fn a_run_is_a_render() {
         assert_eq!(mine, fs::read(desk.path("r.wav")).unwrap(), "run {run}: the same bytes");
         let loudest = reported["channels"].as_array().unwrap().iter().map(|c| c["peak"].as_f64().unwrap());
         let (mine, loudest) = (peaks[run].unwrap(), loudest.fold(0.0, f64::max));
-        // a number of JSON is read to its last digit but one
+        // the JSON parser may round the last digit
         assert!((mine / loudest - 1.0).abs() < 1e-15, "{mine} {loudest}");
     }
 }
@@ -173,14 +169,14 @@ fn a_bad_run_is_a_row() {
     assert!(numbers(&table, "residual")[1].is_some_and(|r| r < 1e-9));
     let k: Vec<f64> = numbers(&table, "low.k").into_iter().flatten().collect();
     assert_eq!(k, [-1.0, 4e3, 4.0, 1e9], "in SI units, whatever units they are");
-    // what diverged has no pitch
+    // a pitch is missing for a diverged run
     assert!(numbers(&table, "partial")[1].is_some_and(|f| f > 20.0) && numbers(&table, "partial")[3].is_none());
 }
 
 #[test]
 fn folders_that_were_left_or_shared_go_on() {
     let desk = desk();
-    // called like its model, beside which the folder stands
+    // the folder is beside the plan and named like it
     desk.put(
         "plucked_string.sweep.toml",
         "model = \"plucked_string\"\nseconds = 0.01\n[vary]\n\"low.f\" = [\"110 Hz\"]\n",
@@ -188,7 +184,7 @@ fn folders_that_were_left_or_shared_go_on() {
     for _ in 0..2 {
         desk.ca(&["sweep", "plucked_string.sweep.toml"]).is(0).says(&[]);
     }
-    // two at once share the work
+    // two processes share the work
     desk.put("s.sweep.toml", &small().replace("runs = 23", "runs = 200").replace("seconds = 0.05", "seconds = 0.5"));
     let both: Vec<_> = (0..2).map(|_| desk.start(&["sweep", "s.sweep.toml", "--threads", "1"])).collect();
     for child in both {
@@ -196,13 +192,13 @@ fn folders_that_were_left_or_shared_go_on() {
     }
     let whole = same_every_time(&desk.path("s"));
     assert_eq!(whole.len(), 200 + 2);
-    // rows without their end, and none at all, are done again
+    // truncated and missing rows are computed again
     fs::write(desk.path("s/runs-000000/rows.parquet"), b"PAR1").unwrap();
     fs::remove_file(desk.path("s/runs-000010/rows.parquet")).unwrap();
     let again = desk.ca(&["sweep", "s.sweep.toml"]).is(0).out;
     assert!(again.contains("10 of 200 runs"), "{again}");
     assert_eq!(same_every_time(&desk.path("s")), whole);
-    // a number and its text are not the same plan
+    // a number and its text are different plans
     desk.put("n.sweep.toml", "model = \"struck.ca.toml\"\nseconds = 0.01\n[vary]\n\"low.n\" = [10, 20]\n");
     desk.ca(&["sweep", "n.sweep.toml"]).is(0);
     desk.put("n.sweep.toml", "model = \"struck.ca.toml\"\nseconds = 0.01\n[vary]\n\"low.n\" = [\"10\", \"20\"]\n");
@@ -263,7 +259,6 @@ fn what_makes_no_sense_is_said_with_its_line() {
     desk.put("p.sweep.toml", &small());
     desk.ca(&["sweep", "p.sweep.toml", "--shard", "3/2"]).is(2).says(&["1/2"]);
 
-    // folders of something else
     fs::create_dir(desk.path("mine")).unwrap();
     desk.put("mine/a.txt", "");
     desk.ca(&["sweep", "p.sweep.toml", "-o", "mine"]).is(2).says(&["not empty"]);
@@ -272,7 +267,7 @@ fn what_makes_no_sense_is_said_with_its_line() {
     desk.ca(&["sweep", "p.sweep.toml"]).is(2).says(&["another sweep", "sweep.toml"]);
 }
 
-/// Units are those of a model, and what is wrong is said with the one place where it stands.
+/// Units are checked as in a model, and an error names one place.
 #[test]
 fn units_and_places_of_a_plan_are_said_as_of_a_model() {
     let desk = desk();
@@ -301,10 +296,9 @@ fn units_and_places_of_a_plan_are_said_as_of_a_model() {
     says(&format!("[vary]\n\"low.k\" = {range}\n"), 2, &["p.sweep.toml:3: `steps` is a whole number"]);
     says("[vary]\n\"low.k\" = { from = 1, to = 2 }\n", 2, &["p.sweep.toml:3: ", "`runs`"]);
     says("[vary]\n\"rate.sound\" = [44100]\n", 2, &["p.sweep.toml:3: ", "one rate"]);
-    // a dot without quotes
+    // a name with a dot, without quotes
     says("[vary]\nlow.k = [1, 2]\n", 2, &["p.sweep.toml:3: ", "write `\"low.k\" = …`"]);
     says("[set]\nlow.k = 1\n[vary]\n", 2, &["p.sweep.toml:3: ", "write `\"low.k\" = …`"]);
-    // one name twice
     let twice = "[set]\n\"low.k\" = 1000\n[vary]\n\"low.k\" = [1000, 2000]\n";
     says(twice, 2, &["p.sweep.toml:3: `low.k` is set here, and varied in line 5"]);
     assert!(!desk.path("p").exists());
@@ -319,7 +313,7 @@ fn what_is_stopped_goes_on() {
     for signal in ["INT", "KILL"] {
         let child = desk.start(&["sweep", "s.sweep.toml", "--threads", "2"]);
         let end = std::time::Instant::now() + std::time::Duration::from_secs(60);
-        // while it goes on, what is not finished comes and goes
+        // temporary files appear and disappear meanwhile
         let count = || {
             fs::read_dir(desk.path("s"))
                 .unwrap()

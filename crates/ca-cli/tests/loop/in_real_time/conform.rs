@@ -1,4 +1,4 @@
-//! `ca device conformance`: what keeps the rules passes, and every lie is found by the row that is about it.
+//! Tests `ca device conformance`: a correct device passes, and the row for each fault finds it.
 
 use crate::liar::{Liar, Lie};
 use crate::stage::{Ran, Stage, until};
@@ -7,9 +7,9 @@ use std::sync::RwLock;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::Duration;
 
-/// Conformance tests at a time: each takes about a fifth of a core.
+/// Limit on conformance tests at a time; each takes about a fifth of a core.
 const AT_ONCE: usize = 6;
-/// Tries of one beside others.
+/// Attempts while other tests run.
 const FEW: usize = 6;
 
 fn row(v: &Value, name: &str) -> (bool, String) {
@@ -22,8 +22,8 @@ fn tested(stage: &Stage, name: &str) -> Ran {
     stage.ca(&["device", "conformance", name, "--json"])
 }
 
-/// Passes within a few tries: it is measured by the clock of a machine that may be busy, and forces come on only where
-/// nothing stands still for a tenth of a second.
+/// Repeats the test until it passes. Measurements depend on a possibly busy machine, and forces come on only if nothing
+/// stalls for 100 ms.
 fn passes(stage: &Stage, name: &str) -> Value {
     let mut last = Value::Null;
     for _ in 0..30 {
@@ -46,9 +46,8 @@ fn simulated_devices_pass() {
         assert!(v["rows"].as_array().unwrap().len() >= 20, "{v:#}");
         let (pass, found) = row(&v, "watchdog");
         assert!(pass && found.contains("WATCHDOG_OUT"), "{found}");
-        // forces were really there
         assert!(row(&v, "measured").1.contains("were asked"), "{v:#}");
-        // with the profile it has, and on a spring that is known
+        // with the profile of the device, and on a spring of known stiffness
         assert!(row(&v, "serve").1.contains(&format!("profile `{name}`")), "{v:#}");
         assert!(row(&v, "spring").1.contains("N of the spring"), "{v:#}");
         let seen = device.stop().is(0);
@@ -67,7 +66,7 @@ fn a_device_without_our_client_passes() {
     passes(&stage, "key");
 }
 
-/// The option that is suggested for a device without a profile is one that this command has.
+/// The option suggested for a device without a profile exists in this command.
 #[test]
 fn a_device_without_a_profile_is_given_one_as_suggested() {
     let stage = Stage::beside();
@@ -82,18 +81,16 @@ fn a_device_without_a_profile_is_given_one_as_suggested() {
 
 #[test]
 fn a_device_that_cannot_be_had_is_an_error() {
-    // nobody is there
     let stage = Stage::new();
     stage.ca(&["device", "conformance", "nobody"]).is(1).says(&["no device of that name", "ca device list"]);
-    // the server has it
     let _server = stage.serve("key.ca.toml", &["--quiet"]);
     let _device = stage.key(&["--script", "hold"]);
     until("it speaks", || stage.state().2 > 100);
     stage.ca(&["device", "conformance", "key"]).is(1).says(&["has a server already"]);
 }
 
-/// The row that finds a lie; it comes after others, at which a device that is stopped by a busy machine is left. What is not found
-/// in a few tries is tried with no other at the same time.
+/// Repeats the test of a faulty device until the row `name` appears; a busy machine may fail an earlier row first.
+/// After a few attempts, it runs without other tests at the same time.
 fn found(lie: Lie, name: &str, beside: &RwLock<()>) {
     let stage = Stage::beside();
     let _device = Liar::new(&stage.site, "key", lie);
@@ -104,7 +101,7 @@ fn found(lie: Lie, name: &str, beside: &RwLock<()>) {
         let ran = tested(&stage, "key");
         drop((with_others, by_itself));
         if ran.err.contains("no device of that name speaks") {
-            // it says who it is twice a second, where the machine lets it
+            // the device announces itself twice per second, if the machine allows it
             std::thread::sleep(Duration::from_millis(500));
             continue;
         }
@@ -126,7 +123,7 @@ fn found(lie: Lie, name: &str, beside: &RwLock<()>) {
     }
 }
 
-/// Every lie, a few at a time: a conformance test waits most of its time.
+/// Tests all faults, a few at a time, because a conformance test mostly waits.
 #[test]
 fn lies_are_found() {
     let lies = [
@@ -140,7 +137,7 @@ fn lies_are_found() {
         (Lie::Sign, "spring"),
         (Lie::Moves, "spring"),
         (Lie::Watchdog, "watchdog"),
-        // one that has no force to begin with is not said to end it
+        // a device that never applies a force fails earlier than at its end
         (Lie::NoForce, "arms again"),
         (Lie::GoesOn, "goes on"),
         (Lie::Restart, "restart"),

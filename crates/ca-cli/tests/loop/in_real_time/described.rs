@@ -1,5 +1,5 @@
-//! A device that nobody has described is what it says of itself: one degree of freedom or three, before the server or
-//! after it; and a key that presses while somebody arms is named.
+//! Tests devices without a profile: they describe themselves, with one or three degrees of freedom, before or after the
+//! server starts. A key that presses while it is armed is named.
 
 use crate::liar::{Liar, Lie};
 use crate::stage::{Stage, until};
@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// A spring of 500 N/m from where the finger is at first.
+/// A spring of 500 N/m from the initial position of the finger.
 const FINGER: &str = r#"
 [TGR]
 key = { device = "finger", dof = 0 }
@@ -22,17 +22,17 @@ spring = { between = ["key", "wall"], k = 500, l0 = 0 }
 out = { from = "key" }
 "#;
 
-/// A device of our own client that is where it is told to be, and remembers the forces it was given.
+/// A device that moves as requested and stores its forces, through the client of this project.
 struct TestDevice {
     stop: Arc<AtomicBool>,
-    /// there, or back
+    /// True to go to the end of the motion, false to go back.
     goes: Arc<AtomicBool>,
-    /// largest force so far, and that now \[uN\]
+    /// Largest force so far and present force \[uN\].
     forces: Arc<[AtomicU64; 2]>,
     thread: Option<JoinHandle<()>>,
 }
 
-/// How far it goes \[m\], in how long \[s\].
+/// Length \[m\] and duration \[s\] of the motion.
 const DEPTH: f64 = 1.5e-3;
 const TIME: f64 = 0.5;
 
@@ -55,7 +55,7 @@ impl TestDevice {
             while !end.load(Relaxed) {
                 let step = if go.load(Relaxed) { 1e-3 } else { -1e-3 };
                 way = (way + step / TIME).clamp(0.0, 1.0);
-                // a hand that begins and ends at rest
+                // begins and ends at rest
                 frame.pos[0] = DEPTH * way * way * (3.0 - 2.0 * way);
                 frame.t_device_ns = start.elapsed().as_nanos() as u64;
                 device.send(&mut frame).unwrap();
@@ -63,7 +63,7 @@ impl TestDevice {
                 let size = (force[..n].iter().map(|f| f * f).sum::<f64>().sqrt() * 1e6) as u64;
                 to[0].fetch_max(size, Relaxed);
                 to[1].store(size, Relaxed);
-                // what stood still goes on at its rate
+                // after a stall, continues at its rate
                 due = (due + Duration::from_millis(1)).max(Instant::now());
                 std::thread::sleep(due.saturating_duration_since(Instant::now()));
             }
@@ -71,7 +71,6 @@ impl TestDevice {
         TestDevice { stop, goes, forces, thread: Some(thread) }
     }
 
-    /// Largest force so far, and that now \[N\].
     fn forces(&self) -> [f64; 2] {
         [0, 1].map(|k| self.forces[k].load(Relaxed) as f64 * 1e-6)
     }
@@ -87,11 +86,11 @@ impl Drop for TestDevice {
     }
 }
 
-/// The finger goes down, until it has the force of its spring.
+/// Moves the finger until it receives the force of its spring.
 fn press(stage: &Stage, finger: &TestDevice) {
     until("it is held", || {
         if stage.state().0 != "on" {
-            // forces that a stall took away wait for a hand that presses nothing
+            // after a stall, forces return only while the hand presses nothing
             finger.goes.store(false, Relaxed);
             stage.on();
         }
@@ -100,7 +99,7 @@ fn press(stage: &Stage, finger: &TestDevice) {
     });
 }
 
-/// Forces stay on where this machine stands still for a while: its watchdogs are not what this is about.
+/// Keeps forces on while this machine stalls for a while, because watchdogs are not tested here.
 fn stage() -> Stage {
     let stage = Stage::new();
     let unknown = include_str!("../../../../ca-haptic/profiles/unknown.toml");
@@ -123,7 +122,7 @@ fn a_key_without_a_profile_is_felt_whoever_comes_first() {
         let reported = ran.json();
         assert_eq!(reported["devices"][0]["dropped"], 0, "{reported:#}");
         assert!(ran.err.contains("finger: it says: ") && ran.err.contains("1 degrees of freedom"), "{}", ran.err);
-        // what it said is in the take
+        // the take contains the description
         stage.ca(&["replay", "take.mcap", "--verify"]).is(0);
         stage.ca(&["report", "take.mcap", "-o", "take.html"]).is(0);
         assert!(stage.read("take.html").contains("1 degrees of freedom; at most 2 N"));
@@ -133,7 +132,7 @@ fn a_key_without_a_profile_is_felt_whoever_comes_first() {
 #[test]
 fn three_axes_of_a_device_without_a_profile_are_one_force() {
     let stage = stage();
-    // 4 N on each axis, once the parameter is played
+    // 4 N on each axis, once the parameter is set
     let mut model = String::from("[param]\nk = { value = 0, unit = \"N/m\", live = true, min = 0, max = 10 }\n[TGR]\n");
     for d in 0..3 {
         model = format!("{model}p{d} = {{ device = \"finger\", dof = {d} }}\n");
@@ -163,7 +162,7 @@ fn a_device_with_too_little_is_reported_of_and_gives_nothing() {
     ran.says(&["finger: the model uses 2 of its degrees of freedom and it has 1: it is not played"]);
     assert_eq!(finger.forces()[0], 0.0);
     drop(finger);
-    // the same where somebody has described it
+    // with a profile, the device is refused too
     let server = stage.serve("two.ca.toml", &["--profile", "finger=falcon", "--arm", "--seconds", "2"]);
     let _finger = TestDevice::new(&stage.site, 1, 1);
     server.end().says(&["its profile `falcon` 3: its frames are not used", "`dof = 1`"]);
@@ -197,12 +196,12 @@ fn conformance_asks_whether_it_would_be_served() {
         (r["pass"].as_bool().unwrap(), r["found"].as_str().unwrap().to_owned())
     };
     {
-        // nobody has described it: it is what it says
+        // without a profile, its description applies
         let _device = Liar::new(&stage.site, "finger", Lie::None);
         let (pass, found) = row(&stage.ca(&["device", "conformance", "finger", "--json"]).json(), "serve");
         assert!(pass && found.contains("profile `unknown`, at most 2 N"), "{found}");
     }
-    // twelve keys are shipped under this name, and it has one
+    // the bundled profile of this name has twelve keys, and the device has one
     let _device = Liar::new(&stage.site, "tgr12", Lie::None);
     let ran = stage.ca(&["device", "conformance", "tgr12", "--json"]).is(1);
     let (pass, found) = row(&ran.json(), "serve");
@@ -212,7 +211,7 @@ fn conformance_asks_whether_it_would_be_served() {
 #[test]
 fn a_key_that_presses_while_somebody_arms_is_named_again_and_again() {
     let stage = Stage::new();
-    // 1.5 N where the key rests; of 10 N, 0.5 N count as nothing
+    // 1.5 N at the rest of the key; up to 0.5 N of 10 N count as nothing
     let model = crate::stage::KEY.replace("0.9 mm", "3 mm");
     assert!(model.contains("3 mm"));
     stage.put("presses.ca.toml", &model);
@@ -226,7 +225,7 @@ fn a_key_that_presses_while_somebody_arms_is_named_again_and_again() {
     let ran = server.stop();
     assert!(ran.out.contains("key: off to the end; armed, but `key` presses with 1.5 N"), "{}", ran.out);
     device.stop().is(0);
-    // one that is disarmed waits for nobody
+    // a disarmed device does not report what it waits for
     let server = stage.serve("presses.ca.toml", &["--seconds", "1"]).end();
     assert!(server.out.contains("key: off to the end") && !server.out.contains("armed, but"), "{}", server.out);
 }

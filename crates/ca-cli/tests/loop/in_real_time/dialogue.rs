@@ -1,4 +1,4 @@
-//! `ca device calibrate` asked in a terminal: a person who brings a device to its stops, skips an axis, lets it move.
+//! Tests `ca device calibrate` in a terminal: a user brings a device to its stops, skips an axis, and lets it move.
 
 use crate::liar::Liar;
 use crate::skipped::skipped;
@@ -10,7 +10,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicI64, Ordering::Relaxed};
 
-/// The command in a terminal of its own, which `script` of util-linux makes. Ends with its value.
+/// The command in a terminal created by `script` of util-linux. It is killed on drop.
 struct Terminal {
     child: Child,
     shown: std::path::PathBuf,
@@ -26,7 +26,6 @@ impl Terminal {
         c.stdin(Stdio::piped()).stdout(File::create(&shown).unwrap()).stderr(Stdio::null());
         Terminal { child: c.spawn().unwrap(), shown, seen: 0 }
     }
-    /// Waits for words that were not there yet.
     fn shows(&mut self, words: &str) {
         until(words, || {
             let all = std::fs::read(&self.shown).unwrap();
@@ -45,7 +44,6 @@ impl Terminal {
 
 impl Drop for Terminal {
     fn drop(&mut self) {
-        // one that ended already cannot be killed
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -60,7 +58,7 @@ fn a_person_is_asked_for_each_stop() {
     let stage = Stage::new();
     let profile = crate::stage::PROFILE.replace("dof = 1", "dof = 2");
     stage.put("c/profiles/key.toml", &profile);
-    // what its sensor says, in counts; it shakes while that is negative
+    // reading of the sensor in counts; it shakes while this is negative
     let says = Arc::new(AtomicI64::new(100));
     let counts = says.clone();
     let _device = Liar::moving(&stage.site, "key", move |n, f| {
@@ -73,7 +71,7 @@ fn a_person_is_asked_for_each_stop() {
     t.shows("axis 0, low stop: ");
     t.types("");
     t.shows("axis 0, high stop: ");
-    // it moves while it is read: asked again from the beginning
+    // it moves during the reading, so the command asks again from the beginning
     says.store(-1, Relaxed);
     t.types("");
     t.shows("it moved while it was read");
@@ -89,7 +87,7 @@ fn a_person_is_asked_for_each_stop() {
     until("it ends", || t.child.try_wait().unwrap().is_some());
     let text = stage.read("c/calibration/key.toml");
     let c = ca_haptic::calibration::Calibration::read(&text, "key.toml").unwrap();
-    // 20 mm over 4000 counts, upside down; the axis that was skipped is as it was
+    // 20 mm over 4000 counts, reversed; the skipped axis is unchanged
     assert!((c.axis[0].scale + 5e-6).abs() < 1e-15 && (c.axis[0].offset - 0.0105).abs() < 1e-12, "{text}");
     assert!((c.axis[1].scale - 0.02).abs() < 1e-15, "{text}");
     assert_eq!(c.device, "key");

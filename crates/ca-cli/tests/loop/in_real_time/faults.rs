@@ -1,4 +1,4 @@
-//! Models and devices that go wrong, through shared memory: every force on the line is watched.
+//! Tests faulty models and devices through shared memory. A watcher checks every force on the line.
 
 use crate::fuzz::Fuzz;
 use crate::liar::Liar;
@@ -13,10 +13,10 @@ use std::time::Duration;
 #[test]
 fn h9_a_throw_brakes_and_ends() {
     let stage = Stage::new();
-    // a weak spring: nothing pushes at either end
+    // a weak spring, so nothing pushes at either end
     stage.put("weak.ca.toml", &KEY.replace("0.9 mm", "0 mm").replace("k = 500", "k = 10"));
-    // 15 mm in 20 ms, half as fast again as the trip and slower than what cannot be true, every second and a half:
-    // some come while forces are on
+    // 15 mm in 20 ms every 1.5 s: half as fast again as the trip limit, but below the implausible speed. Some throws
+    // happen with forces on.
     let mut throws = String::from("time,key\n0,-0.0075\n");
     for k in 0..40 {
         let t = 1.5 * f64::from(k) + 3.0;
@@ -34,8 +34,8 @@ fn h9_a_throw_brakes_and_ends() {
     let reported = server.stop().json();
     assert!(reported["faults"].as_array().unwrap().iter().any(|f| f["cause"] == "VELOCITY"), "{reported:#}");
     let seen = watch.end(&key());
-    // 200 ms of brake, of 600 frames most are seen; against a motion of 0.5 m/s with 5 N s/m
-    // the last brake: one before it may have ended early, in another fault
+    // The brake lasts 200 ms with 5 N s/m against 0.5 m/s; most of its 600 frames are seen. Uses the last brake,
+    // because another fault may have ended an earlier one.
     let modes = seen.frames.iter().rev().map(|f| (Mode::read(f.mode), f.force[0].abs()));
     let braking = modes.skip_while(|m| m.0 != Mode::Damp).take_while(|m| m.0 == Mode::Damp);
     let brake: Vec<f32> = braking.map(|m| m.1).collect();
@@ -46,7 +46,7 @@ fn h9_a_throw_brakes_and_ends() {
 #[test]
 fn h1_a_model_that_gives_no_number_is_no_force() {
     let stage = Stage::new();
-    // nothing within 13 cm, and beyond it forces near the largest number there is: the sum over a frame is none
+    // no force within 13 cm, and beyond it forces near the largest float, whose sum over a frame overflows
     let wild = r#"
 [TGR]
 key = { device = "key", dof = 0 }
@@ -60,7 +60,7 @@ cliff = { between = ["wall", "key"], spring = [[-1, -1.4e308], [-0.13, 0], [0.13
     stage.put("wild.ca.toml", wild).put("c/profiles/key.toml", &long);
     let watch = Watch::of(&stage.site, "key");
     let _server = stage.serve("wild.ca.toml", &["--quiet"]);
-    // three seconds at rest, then out to 30 cm and back at 0.3 m/s, again and again
+    // three seconds at rest, then out to 30 cm and back at 0.3 m/s, repeated
     let _device = Liar::moving(&stage.site, "key", |n, f| {
         let t = (n % 18_000) as f64 / 3000.0;
         f.pos[0] = (0.3 * (t - 3.0)).min(0.3 * (6.0 - t)).clamp(0.0, 0.3);
@@ -70,7 +70,7 @@ cliff = { between = ["wall", "key"], spring = [[-1, -1.4e308], [-0.13, 0], [0.13
     let p = ca_haptic::profile::Profile::read(&long, "key").unwrap();
     let seen = watch.end(&p);
     assert!(seen.faults().contains(&Cause::Nonfinite), "{:?}", seen.faults());
-    // on its way there it met a wall of ten newtons
+    // on the way, the force reached ten newtons
     let most = seen.of(Mode::On).map(|f| f.force[0].abs()).fold(0.0, f32::max);
     assert!(most > 9.9, "{most}");
 }
@@ -83,7 +83,7 @@ fn h15_h16_a_model_that_explodes_leaves_hand_and_ear() {
     let watch = Watch::of(&stage.site, "key");
     let _device = stage.key(&["--script", "hold"]);
     let server = stage.serve("bang.ca.toml", &["--json", "-o", "bang.wav"]);
-    // where the machine stood still it diverged before; arming loads it again
+    // on a stalled machine, it diverged before forces were on; arming loads it again
     stage.armed("it diverges with forces on", |mode, cause| {
         mode == "fault" && cause == "MODEL_UNSTABLE" && watch.so_far().of(Mode::Ramp).next().is_some()
     });
@@ -97,7 +97,7 @@ fn h15_h16_a_model_that_explodes_leaves_hand_and_ear() {
         hound::WavReader::open(stage.path("bang.wav")).unwrap().samples::<f32>().map(Result::unwrap).collect();
     let peak = samples.iter().fold(0.0_f32, |a, b| a.max(b.abs()));
     assert!(peak > 0.1 && peak <= 1.0, "{peak}");
-    // silence to the end, at least the hundred milliseconds that were waited for
+    // silence until the end, at least 100 ms
     assert!(samples[samples.len() - 2400..].iter().all(|s| *s == 0.0));
 }
 
@@ -115,7 +115,7 @@ fn h10_no_frame_of_a_device_moves_a_force_beyond_its_limits() {
         stage.arm();
         std::thread::sleep(Duration::from_millis(100));
     }
-    // once nothing is wrong any more it can be played again
+    // after the invalid frames, the device can be played again
     stage.on();
     device.end();
     let reported = server.stop().json();
@@ -124,7 +124,7 @@ fn h10_no_frame_of_a_device_moves_a_force_beyond_its_limits() {
     assert!(causes.contains(&Cause::Implausible), "{causes:?}");
     let number = |k: &str| reported["traffic"][k].as_u64().unwrap();
     let (received, foreign, dropped) = (number("received"), number("foreign"), reported["dropped"].as_u64().unwrap());
-    // what was overwritten in the queue was never there; most must have been
+    // frames overwritten in the queue are not received, but most must be
     assert!(received > all / 4 && foreign > all / 100 && dropped > all / 100, "{reported:#}");
     let (sent, watched) = (number("sent"), seen.frames.len() as u64);
     eprintln!(
@@ -133,7 +133,7 @@ fn h10_no_frame_of_a_device_moves_a_force_beyond_its_limits() {
         seen.unseen
     );
     assert!(watched <= sent && watched + seen.unseen <= reported["frames"].as_u64().unwrap(), "{reported:#}");
-    // a third of a second of standing still is let pass; here none does for that long, and a hundredth is generous
+    // a stall of up to a third of a second is tolerated; none is expected here, so one percent is a wide margin
     assert!(watched >= sent - sent / 100, "{watched} of {sent} forces were seen");
 }
 
@@ -142,7 +142,7 @@ fn h8_another_session_is_another_device() {
     let stage = Stage::new();
     let watch = Watch::of(&stage.site, "key");
     let _server = stage.serve("key.ca.toml", &["--quiet"]);
-    // every two seconds it is pulled and plugged, within a frame
+    // the device is replaced every two seconds within a frame
     let device = Liar::moving(&stage.site, "key", |n, f| {
         if n % 6000 == 0 {
             (f.session, f.seq) = (f.session + 1, 1);
@@ -163,7 +163,7 @@ fn h10_forces_end_with_the_reason_that_is_true() {
     ];
     for (name, cause, wrong) in cases {
         let _server = stage.serve("key.ca.toml", &["--quiet"]);
-        // wrong for half a second every four
+        // wrong for half a second in every four
         let _device = Liar::moving(&stage.site, "key", move |n, f| {
             if n % 12_000 >= 10_500 {
                 wrong(n, f);

@@ -1,4 +1,4 @@
-//! Who asks without end keeps nobody from disarming.
+//! Tests that a flood of requests does not block disarming.
 
 use crate::stage::{KEY, Proc, Stage, until};
 use ca_haptic::host::control::Request;
@@ -9,18 +9,17 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread;
 
-/// The port of OSC that a server prints.
 pub fn port(server: &Proc) -> u16 {
     let port = || server.said().split("OSC: UDP port ").nth(1)?.split(' ').next()?.parse::<u16>().ok();
     until("it says where it listens", || port().is_some());
     port().unwrap()
 }
 
-/// Live parameters: each is a packet in every answer to `/state`.
+/// Live parameters; each is a packet in every answer to `/state`.
 const PARAMS: usize = 100;
 
-/// Two programs, one with the token and one without, send bundles of questions by OSC as fast as they can: the server
-/// disarms, and ends, all the same.
+/// Two programs send bundles of OSC requests as fast as they can, one with the token and one without. The server still
+/// disarms and stops.
 #[test]
 fn a_flood_of_osc_does_not_keep_forces_on() {
     let stage = Stage::new();
@@ -41,7 +40,7 @@ fn a_flood_of_osc_does_not_keep_forces_on() {
         .map(|addr| {
             let ask = OscPacket::Message(OscMessage { addr, args: Vec::new() });
             let timetag = OscTime { seconds: 0, fractional: 1 };
-            // as many as a packet may have
+            // as many messages as a packet can hold
             let many = 4000 / (encoder::encode(&ask).unwrap().len() + 4);
             let bundle = encoder::encode(&OscPacket::Bundle(OscBundle { timetag, content: vec![ask; many] })).unwrap();
             let over = over.clone();
@@ -49,14 +48,14 @@ fn a_flood_of_osc_does_not_keep_forces_on() {
                 let socket = UdpSocket::bind((std::net::Ipv4Addr::LOCALHOST, 0)).unwrap();
                 while !over.load(Relaxed) {
                     let _ = socket.send_to(&bundle, to);
-                    // faster than any answer, and a core is left
+                    // faster than any answer, but leaves a core free
                     thread::sleep(std::time::Duration::from_micros(100));
                 }
             })
         })
         .collect();
     thread::sleep(std::time::Duration::from_millis(500));
-    // a machine that is busy may let go by itself: then forces are off as well
+    // a busy machine may switch forces off by itself, which is also accepted
     let answered = stage.ask(&Request::Disarm { device: None });
     assert!(answered.is_some_and(|r| r.ok), "who disarms is answered: {}", server.said());
     until("forces are off", || stage.state().0 == "off");

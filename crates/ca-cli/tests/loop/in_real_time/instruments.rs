@@ -1,9 +1,10 @@
-//! Every bundled instrument with ports of a device, played by `ca serve` and a simulated device across shared memory: it sounds, the
-//! hand feels a force, and nothing trips the guard. The hand follows the gesture that the model has built in.
+//! Plays every bundled instrument with device ports by `ca serve` and a simulated device through shared memory. The
+//! instrument must sound, the hand must receive a force, and the guard must not trip. The hand follows the built-in
+//! gesture of the model.
 //!
-//! Device and engine wait for each other, so that a run is as fast as both compute; two run at once. Profiles are as shipped, but
-//! for a patience that no time of the clock decides ([`patient`]). What
-//! is asked of each stands in `benches/src/instruments`.
+//! Device and engine wait for each other, so a run takes only the time of their computation; two run at once. Profiles
+//! are the bundled ones, but with a time limit that no stall reaches ([`patient`]). `benches/src/instruments` defines
+//! the requirements for each instrument.
 
 use crate::long_form::long_form;
 use crate::stage::{Stage, patient};
@@ -16,12 +17,12 @@ use std::fmt::Write as _;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-/// Whether one of them waited too long for the other.
+/// Returns true if device or engine waited too long for the other.
 fn late(faults: &[serde_json::Value]) -> bool {
     faults.iter().any(|f| ["DEVICE_LOST", "WATCHDOG_OUT"].iter().any(|why| f.to_string().contains(why)))
 }
 
-/// What of a run is not as it must be; `None` where the engine went on without its device on a busy machine.
+/// Lists the errors of a run. Returns `None` if the engine continued without its device on a busy machine.
 fn attempt(stage: &Stage, i: &Instrument, hand: &[String]) -> Option<Vec<String>> {
     let sound = format!("{}.wav", i.model);
     let server = stage.serve(i.model, &["--clock", "device", "--arm", "--json", "-o", &sound]);
@@ -60,14 +61,14 @@ fn attempt(stage: &Stage, i: &Instrument, hand: &[String]) -> Option<Vec<String>
     Some(wrong)
 }
 
-/// What is wrong, of one instrument with ports of a device and at most so many modules.
+/// Plays an instrument with device ports and at most `most` modules, and describes the errors.
 fn played(i: &Instrument, most: usize) -> Option<String> {
     let scene = i.load().compile(&Options::default()).expect("a bundled model compiles").scene;
     let (device, gesture) = hand(&scene, &i.stroke).filter(|_| scene.mats() + scene.lias() <= most)?;
     let stage = Stage::beside();
     stage.put("hand.csv", &gesture);
     let shipped = |name: &str| SHIPPED.iter().find(|s| s.0 == name).map(|s| s.1);
-    // a second device of the same make, or one that is described by its owner
+    // a second device of the same type, or one with a user profile
     let own = if device.starts_with("tgr12") { "tgr12" } else { "unknown" };
     let text = shipped(device).or(shipped(own)).expect("shipped");
     let mut text = patient(&text.replace(&format!("name = {own:?}"), &format!("name = {device:?}")));
@@ -101,8 +102,9 @@ fn every_instrument_with_ports_of_a_device_is_played_by_one() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
-/// The first device of a scene and its gesture, as a CSV file with a column for each degree of freedom \[m\]; `None` where the
-/// scene has no port of a device. A degree of freedom without a gesture stays where its port begins.
+/// Returns the first device of a scene and its gesture as CSV, with a column per degree of freedom \[m\]. Returns
+/// `None` for a scene without a device port. A degree of freedom without a gesture stays at the initial position of its
+/// port.
 fn hand<'a>(scene: &'a Scene, stroke: &Stroke) -> Option<(&'a str, String)> {
     let device = scene.inputs.iter().find_map(|i| i.device.as_ref())?.0.as_str();
     let mut ways: BTreeMap<u32, Vec<[f64; 2]>> = BTreeMap::new();

@@ -1,5 +1,6 @@
-//! What the guard takes away, on the wire: H4, H11, H13, and each cause of H14 that a device can give, through shared
-//! memory. The positions are functions of their numbers, so that each force is held to a closed form by its `ack`.
+//! Tests limits of the guard on the forces sent: H4, H11, H13, and each cause of H14 that a device can report, through
+//! shared memory. Positions are functions of the frame number, so the `ack` of a force gives its expected value in
+//! closed form.
 
 use crate::liar::Liar;
 use crate::stage::{PROFILE, Stage, until};
@@ -9,7 +10,7 @@ use ca_haptic::profile::Profile;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
-/// A spring from the key to a place far away, whose stiffness is played: nothing at first.
+/// A spring from the key to a distant point, with a live stiffness that begins at zero.
 fn spring(far: &str, most: f64) -> String {
     format!(
         "[param]\nk = {{ value = 0, unit = \"N/m\", live = true, min = 0, max = {most} }}\n\
@@ -18,7 +19,7 @@ fn spring(far: &str, most: f64) -> String {
     )
 }
 
-/// A stage with that model and a key with more in its profile.
+/// A stage with that model and a key with additional profile entries.
 fn stage(model: &str, root: &str, guard: &str) -> (Stage, Profile) {
     let stage = Stage::new();
     let text = PROFILE.replace("dof = 1", &format!("dof = 1\n{root}")) + guard;
@@ -26,7 +27,7 @@ fn stage(model: &str, root: &str, guard: &str) -> (Stage, Profile) {
     (stage, Profile::read(&text, "key").unwrap())
 }
 
-/// Frames with forces fully on, from a fresh position, and with a flag.
+/// Frames in mode on, with a fresh position and a flag.
 fn with(seen: &Seen, bit: u32) -> Vec<(u64, f64)> {
     seen.of(Mode::On).filter(|f| f.flags & (bit | flag::STALE) == bit).map(|f| (f.ack, f64::from(f.force[0]))).collect()
 }
@@ -39,7 +40,7 @@ fn h4_motors_stay_within_their_rating() {
     let _device = Liar::moving(&stage.site, "key", |_, _| {});
     let count = watch.count();
     until("four seconds of it", || {
-        // where forces went off meanwhile, the time at rest is no harm
+        // time at rest is harmless if forces went off meanwhile
         if stage.state().0 != "on" {
             stage.ca(&["set", "k=0 N/m"]).is(0);
             stage.on();
@@ -48,7 +49,7 @@ fn h4_motors_stay_within_their_rating() {
         watch.count() > count + 15_000
     });
     let seen = watch.end(&p);
-    // an independent account: exponential over one second, of what was sent
+    // computed independently: exponential mean square over one second of the forces sent
     let (mut heat, mut worst, mut last) = (0.0_f64, 0.0_f64, None);
     for f in &seen.frames {
         let apart = last.map_or(1, |s: u64| f.seq.saturating_sub(s));
@@ -89,13 +90,13 @@ fn h13_an_oscillation_is_weakened() {
     let (stage, p) = stage(&spring("0 m", 9000.0), "", "passivity = false\ncoupling = false\n");
     let watch = Watch::of(&stage.site, "key");
     let _server = stage.serve("key.ca.toml", &["--quiet"]);
-    // a second at rest, half a second of 60 Hz: 0.38 m/s, and with 5 kN/m 5 N
+    // one second at rest, then half a second at 60 Hz: 0.38 m/s, and 5 N with 5 kN/m
     let burst = |n: u64| (n % 4500).checked_sub(3000);
     let place = move |n: u64| burst(n).map_or(0.0, |b| 1e-3 * (std::f64::consts::TAU * b as f64 / 50.0).sin());
     let _device = Liar::moving(&stage.site, "key", move |n, f| f.pos[0] = place(n));
     stage.on();
     stage.ca(&["set", "k=5 kN/m"]).is(0);
-    // the end of a burst, long after it was noticed
+    // the end of a burst, long after its detection
     let late = |f: &&(u64, f64)| burst(f.0).is_some_and(|b| b > 600);
     until("it is noticed", || {
         stage.on();
@@ -103,8 +104,7 @@ fn h13_an_oscillation_is_weakened() {
     });
     let seen = watch.end(&p);
     let weak: Vec<_> = with(&seen, flag::OSCILLATION).into_iter().filter(|f| late(&f)).collect();
-    // the force of a frame is its mean: near the mean of two positions, and of earlier ones where the machine is busy and a frame of
-    // the device comes late
+    // the force of a frame is its mean, close to the mean of two positions; on a busy machine, positions may be older
     let mean = |ack: u64| -0.3 * 5e3 * 0.5 * (place(ack) + place(ack - 1));
     let near = weak.iter().filter(|(ack, f)| (0..3).any(|late| (f - mean(ack - late)).abs() < 0.1)).count();
     assert!(near * 4 >= weak.len() * 3, "{near} of {}", weak.len());
@@ -113,7 +113,7 @@ fn h13_an_oscillation_is_weakened() {
     assert!(before.map(|f| f.force[0].abs()).fold(0.0, f32::max) > 4.9, "it was felt before");
 }
 
-/// What a device says of itself.
+/// Changes the state that a device reports.
 type Say = fn(&mut DeviceFrame);
 
 #[test]
@@ -147,7 +147,7 @@ fn h14_what_a_device_says_of_itself_ends_forces_with_its_cause() {
             until("forces are off", || stage.state().0 == "fault");
             stage.state().1 == cause.name()
         });
-        // it stays so while the device is well again
+        // the fault persists after the device recovers
         says.store(SAID.len(), Relaxed);
         let frames = stage.state().2;
         until("frames come", || stage.state().2 > frames + 300);

@@ -1,7 +1,7 @@
-//! Devices and servers in real time: faults, limits, sound servers, conformance, instruments.
+//! Tests of devices and servers in real time: faults, limits, sound servers, conformance, instruments.
 //!
-//! `tests/run` tells these tests from all others by the name of this module: they wait most of their time, and run while the
-//! others do.
+//! `tests/run` selects these tests by the name of this module. They mostly wait, so they run in parallel with all
+//! others.
 
 mod conform;
 mod described;

@@ -1,5 +1,5 @@
-//! Another user of the same machine: it can neither write into our files, nor block a command by its own files and links, nor
-//! play an armed model. These tests need root, which can be another user, and are skipped elsewhere.
+//! Tests the protection from another user of the same machine. That user cannot write our files, block a command with
+//! files or links, or play an armed model. These tests need root to act as another user and are skipped otherwise.
 
 use super::flood;
 use crate::skipped::skipped;
@@ -13,10 +13,9 @@ use std::os::unix::process::CommandExt;
 use std::path::Path;
 use std::process::Command;
 
-/// The user `nobody`.
 const NOBODY: u32 = 65534;
 
-/// Runs a line of a shell as another user; `None` where this user cannot.
+/// Runs a shell line as another user. Returns `None` without the permission.
 #[track_caller]
 fn as_nobody(line: &str) -> Option<String> {
     if fs::metadata("/proc/self").unwrap().uid() != 0 {
@@ -28,7 +27,7 @@ fn as_nobody(line: &str) -> Option<String> {
     Some(String::from_utf8(o.stdout).unwrap())
 }
 
-/// Every command that opens shared memory and ends by itself.
+/// Commands that open shared memory and end by themselves.
 const COMMANDS: [&[&str]; 9] = [
     &["disarm"],
     &["arm"],
@@ -42,7 +41,7 @@ const COMMANDS: [&[&str]; 9] = [
 ];
 
 fn run(stage: &Stage, args: &[&str]) -> Ran {
-    // ends the test where it hangs
+    // fails the test if the command hangs
     stage.spawn(args).end()
 }
 
@@ -55,7 +54,7 @@ fn nothing_of_ours_can_be_opened_or_cut_by_another_user() {
     let mut files = Vec::new();
     for entry in fs::read_dir("/dev/shm").unwrap().flatten() {
         if entry.file_name().to_string_lossy().starts_with(stage.site.prefix()) {
-            // one that ended between the listing and now is none
+            // skips a file removed since the listing
             let Ok(file) = entry.metadata() else { continue };
             let mode = file.permissions().mode() & 0o777;
             assert_eq!(mode & !0o600, 0, "{:?} has mode {mode:o}", entry.file_name());
@@ -63,7 +62,7 @@ fn nothing_of_ours_can_be_opened_or_cut_by_another_user() {
         }
     }
     assert!(files.len() > 10, "{files:?}");
-    // `truncate -c` opens what is there, and makes nothing
+    // `truncate -c` opens existing files and creates none
     let line = format!(
         "for f in {}; do echo tried; truncate -c -s 0 $f 2>/dev/null && echo $f cut; \
          cat $f >/dev/null 2>&1 && echo $f read; rm $f 2>/dev/null && echo $f removed; done; true",
@@ -75,10 +74,9 @@ fn nothing_of_ours_can_be_opened_or_cut_by_another_user() {
     let line = format!("test -e {} && echo seen; true", socket.display());
     assert_eq!(as_nobody(&line).as_deref(), Some(""), "the socket is in a closed folder");
     assert_eq!(printed.lines().filter(|l| *l == "tried").count(), files.len(), "{printed}");
-    // a file that came and went by itself meanwhile could be cut (there was nothing to cut), but not read or removed
+    // a file removed meanwhile may count as cut, but not as read or removed
     let done = |l: &&str| *l != "tried" && l.strip_suffix(" cut").is_none_or(|f| Path::new(f).exists());
     assert_eq!(printed.lines().filter(done).count(), 0, "{printed}");
-    // all of it still answers
     run(&stage, &["status"]).is(0);
     run(&stage, &["device", "list"]).is(0).says(&["key"]);
     run(&stage, &["disarm"]).is(0);
@@ -87,7 +85,7 @@ fn nothing_of_ours_can_be_opened_or_cut_by_another_user() {
     drop(device);
 }
 
-/// The name of the counter of iceoryx2, behind the prefix.
+/// Name of the iceoryx2 counter after the prefix.
 const COUNTER: &str = "9204dd183d1c4d8e1ff592a30766ffa6765aa8b5_node.0_10_0.global_mgmt";
 
 #[test]
@@ -128,7 +126,7 @@ fn a_prefix_that_another_user_knows_is_replaced() {
         stage.start(c).end()
     };
     let prefix = || ca(&["shm", "list", "--json"]).is(0).json()["prefix"].as_str().unwrap().to_owned();
-    // what iceoryx2 opens first (empty: it would wait for ever), the line of a device, and anything else
+    // the first file opened by iceoryx2 (if empty, it would wait forever), the line of a device, and other files
     for (name, make) in [
         (COUNTER, "umask 0; : > $f"),
         (COUNTER, "umask 0; printf '\\000\\000\\012\\000\\000\\000\\000\\000\\000\\000' > $f"),
@@ -154,7 +152,7 @@ fn a_prefix_that_another_user_knows_is_replaced() {
     ca(&["shm", "clean"]).is(0);
 }
 
-/// Forces can be turned off, whatever becomes of `/dev/shm`.
+/// Forces can be switched off even without a usable `/dev/shm`.
 #[test]
 fn what_is_asked_of_a_server_needs_no_shared_memory() {
     let stage = Stage::beside();
@@ -173,11 +171,11 @@ fn what_is_asked_of_a_server_needs_no_shared_memory() {
     assert!(matches!(ran.code, Some(0 | 3)), "{}{}", ran.out, ran.err);
 }
 
-/// A process that is killed while it makes a service leaves one that nobody may open.
+/// A process killed while it creates a service leaves one that cannot be opened.
 #[test]
 fn what_a_killed_process_had_begun_is_no_obstacle() {
     let stage = Stage::beside();
-    // the name of a service is the hash of what it is called: as one of a server that was whole
+    // the name of a service is a hash, so it is copied from a complete server
     run(&stage, &["serve", "key.ca.toml", "--seconds", "0.1"]).served(301);
     let server = stage.serve("key.ca.toml", &["--quiet"]);
     let services = stage.site.root().join("services");
@@ -206,7 +204,7 @@ fn a_file_of_ours_that_was_cut_is_made_anew() {
         run(&stage, &["serve", "key.ca.toml", "--seconds", "0.1"]).served(301);
         assert!(fs::metadata(&path).map_or(true, |m| m.len() > 0), "{path}");
     }
-    // one that an older release made for everybody is closed
+    // a file left open to all users by an older release is closed
     let path = format!("/dev/shm/{}{COUNTER}", stage.site.prefix());
     fs::set_permissions(&path, fs::Permissions::from_mode(0o666)).unwrap();
     let before = fs::metadata(&path).unwrap().ino();
@@ -242,13 +240,13 @@ fn a_folder_by_way_of_another_users_link_is_refused() {
         }
     }
     assert!(fs::read_dir(&mine).unwrap().next().is_none(), "nothing was made in there");
-    // one's own link is one's own choice
+    // a link owned by the user is accepted
     let own = open.path().join("own");
     std::os::unix::fs::symlink(&mine, &own).unwrap();
     let mut c = stage.command(env!("CARGO_BIN_EXE_ca"), &["shm", "list"]);
     c.env("CA_SHM_ROOT", &own);
     stage.start(c).end().is(0);
-    // a folder that anybody can replace
+    // a folder that any user can replace
     fs::set_permissions(open.path(), fs::Permissions::from_mode(0o777)).unwrap();
     let mut c = stage.command(env!("CARGO_BIN_EXE_ca"), &["shm", "list"]);
     c.env("CA_SHM_ROOT", open.path().join("s"));
@@ -259,7 +257,7 @@ fn a_folder_by_way_of_another_users_link_is_refused() {
 fn a_small_dev_shm_is_an_error_and_no_signal() {
     let stage = Stage::beside();
     for kb in [16, 64, 256, 448, 704, 1024, 4096] {
-        // both sides in one room; the codes of what ends by a signal are 128 and more
+        // both sides share one memory; a process killed by a signal has a code of 128 or more
         let line = format!(
             "mount -t tmpfs -o size={kb}k tmpfs /dev/shm || {{ echo unable; exit 0; }}; \
              $CA serve key.ca.toml --arm --seconds 2 --no-lock --priority 0 --quiet & p=$!; sleep 0.5; \
@@ -290,7 +288,6 @@ fn a_small_dev_shm_is_an_error_and_no_signal() {
     }
 }
 
-/// A wall whose stiffness is live.
 const LIVE: &str = r#"
 [param]
 k = { value = 500, unit = "N/m", live = true, min = 100, max = 5000 }
@@ -304,7 +301,7 @@ spring = { between = ["key", "wall"], k = "k", l0 = 0 }
 out = { from = "key" }
 "#;
 
-/// Sends a packet as another user, and gives what is answered.
+/// Sends a packet as another user and returns the answer.
 #[track_caller]
 fn sent_by_nobody(port: u16, packet: &OscPacket) -> Option<String> {
     let bytes = encoder::encode(packet).unwrap();
@@ -341,7 +338,6 @@ fn osc_of_another_user_moves_no_hand() {
         assert_eq!(said.trim(), "answered", "it is refused");
         assert_eq!(k(), 500.0);
     }
-    // the owner has the token
     let line = UdpSocket::bind("127.0.0.1:0").unwrap();
     let packet = encoder::encode(&set(&format!("/{}/param/k", token.trim()), 700.0)).unwrap();
     line.send_to(&packet, ("127.0.0.1", port)).unwrap();

@@ -1,8 +1,7 @@
-//! The hammer piano played across shared memory by a simulated TGR in a hand that gives way:
+//! Plays the hammer piano through shared memory with a simulated TGR and a compliant hand, for
 //! `docs/measured/hammer-piano-played.md`.
 //!
-//! Device and engine wait for each other, so that the page is the same every time, but for a last digit; `UPDATE=1`
-//! writes it anew.
+//! Device and engine wait for each other, so the page is reproducible up to a last digit. `UPDATE=1` writes the page.
 
 use crate::long_form::long_form;
 use crate::stage::{Stage, patient};
@@ -10,27 +9,27 @@ use ca_haptic::profile::SHIPPED;
 use serde_json::Value;
 use std::fmt::Write as _;
 
-/// Fastest moments of the hand \[m/s\].
+/// Largest speeds of the hand \[m/s\].
 const SPEEDS: [f64; 4] = [0.05, 0.1, 0.2, 0.4];
-/// Where the keys rest \[mm\], and the depths at which they are felt.
+/// Rest position of the keys \[mm\], and depths at which the force is sampled.
 const UP: f64 = -8.0;
 const DEPTHS: [f64; 11] = [0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 8.5, 9.0];
-/// Where the let-off begins, and where a key meets its bed \[mm\].
+/// Depths of the let-off and of the key bed \[mm\].
 const LET_OFF: f64 = 7.5;
 const BED: f64 = 9.2;
-/// Dampers that leave twelve strings are heard below it, hammers above.
+/// Level between the sound of dampers lifting from twelve strings and the sound of hammers.
 const SOFT: f64 = 3e-3;
 
-/// One performance: what the device says of its first key, and what the engine says of all.
+/// A performance: data of the first key from the device, and data of all keys from the engine.
 struct Played {
-    /// time \[s\], depth \[mm\], force held \[N\] of each frame with forces fully on
+    /// Time \[s\], depth \[mm\] and applied force \[N\] of each frame in mode on.
     felt: Vec<[f64; 3]>,
     peak: f64,
     energy: Value,
 }
 
 fn play(speed: f64) -> Played {
-    // an engine that waited for 100 ms went on without its device: once more
+    // repeats if the engine waited for 100 ms and continued without its device
     (0..4).find_map(|_| attempt(speed)).expect("a performance without a hole")
 }
 
@@ -83,25 +82,25 @@ fn attempt(speed: f64) -> Option<Played> {
 }
 
 impl Played {
-    /// The first stroke: frames from the last one above half a millimetre to the deepest.
+    /// Frames of the first stroke, from the last depth below 0.3 mm to the deepest.
     fn stroke(&self) -> &[[f64; 3]] {
         let end = self.felt.windows(2).position(|w| w[0][1] > 9.0 && w[1][1] <= w[0][1]).expect("a stroke");
         let begin = self.felt[..end].iter().rposition(|f| f[1] < 0.3).expect("its beginning");
         &self.felt[begin..=end]
     }
-    /// Force against the finger \[N\] and speed \[m/s\] where it passes a depth on its way down.
+    /// Force against the finger \[N\] and speed \[m/s\] at a depth on the way down.
     fn at(&self, depth: f64) -> Option<[f64; 2]> {
         let pair = self.stroke().windows(2).find(|w| w[0][1] < depth && w[1][1] >= depth)?;
         let part = (depth - pair[0][1]) / (pair[1][1] - pair[0][1]);
         let force = pair[0][2] + part * (pair[1][2] - pair[0][2]);
         Some([-force, 1e-3 * (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0])])
     }
-    /// Largest forces against the finger: on its way down to the let-off, to the bed, and in all.
+    /// Largest forces against the finger: down to the let-off, down to the key bed, and overall.
     fn most(&self) -> [f64; 3] {
         let of = |deepest: f64| self.stroke().iter().filter(|f| f[1] < deepest).fold(0.0, |m: f64, f| m.max(-f[2]));
         [of(LET_OFF), of(BED), of(f64::INFINITY)]
     }
-    /// The sum of the rows whose names begin so \[J\].
+    /// Sum of the rows whose names begin with one of `names` \[J\].
     fn joules(&self, names: &[&str]) -> f64 {
         let rows = ["sources", "sinks"].map(|k| self.energy[k].as_array().unwrap()).into_iter().flatten();
         let of = |r: &&Value| names.iter().any(|n| r["what"].as_str().unwrap().starts_with(n));
@@ -109,7 +108,6 @@ impl Played {
     }
 }
 
-/// Three digits of millijoules.
 fn milli(v: f64) -> String {
     let v = 1e3 * v;
     if v.abs() < 5e-4 {
@@ -186,7 +184,7 @@ fn page(all: &[Played]) -> String {
         let of = (p.energy["residual"].as_f64().unwrap() / p.energy["peak"].as_f64().unwrap()).abs();
         let _ = write!(out, " {} |", if of <= 1e-9 { "< 1e-9 of it" } else { "too much" });
         assert!(of <= 1e-9, "{of:e}");
-        // nothing is missing in the table either
+        // the rows of the table are complete too
         let whole: f64 = rows[..3].iter().map(|r| p.joules(r.1)).sum();
         let there: f64 = rows[3..].iter().map(|r| p.joules(r.1)).sum();
         assert!((whole - there).abs() <= 1e-9 * whole, "{whole} J came in, {there} J are somewhere");
@@ -194,8 +192,8 @@ fn page(all: &[Played]) -> String {
     out + "\n"
 }
 
-/// Word by word, numbers within a fiftieth: how many frames the engine goes on without its device is not the same every
-/// time, and a last digit may turn over.
+/// Compares two pages word by word, with 2 % tolerance for numbers. The number of frames without the device varies, and
+/// last digits may change.
 fn same(a: &str, b: &str) -> bool {
     let near = |(a, b): (&str, &str)| match (a.parse::<f64>(), b.parse::<f64>()) {
         (Ok(a), Ok(b)) => (a - b).abs() <= 0.02 * a.abs().max(b.abs()),
@@ -215,13 +213,13 @@ fn the_page_of_the_piano_played_by_a_device_holds() {
         return;
     }
     let all: Vec<Played> = SPEEDS.into_iter().map(play).collect();
-    // the faster the louder, and the heavier in the hand
+    // a faster key is louder and needs more force
     let peaks: Vec<f64> = all.iter().map(|p| p.peak).collect();
     assert!(peaks[0] < SOFT && peaks[1..].iter().all(|p| *p > SOFT), "no hammer from a slow key: {peaks:?}");
     assert!(peaks.is_sorted_by(|a, b| a < b), "{peaks:?}");
     let most: Vec<[f64; 3]> = all.iter().map(Played::most).collect();
     assert!(most.is_sorted_by(|a, b| a[0] < b[0]), "{most:?}");
-    // the let-off is felt where the inertia of the action does not hide it
+    // the let-off can be felt where the inertia of the action does not mask it
     assert!(most[..2].iter().all(|m| m[1] > 1.5 * m[0]), "{most:?}");
     let want = page(&all);
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/measured/hammer-piano-played.md");

@@ -1,4 +1,4 @@
-//! A model without a device asks for nothing of what devices need: no thread of theirs, no shared memory, no folder.
+//! Tests that a model without devices uses neither their threads nor shared memory nor a folder.
 
 use crate::stage::{Proc, Stage, until};
 use std::fs;
@@ -6,7 +6,6 @@ use std::fs;
 const BAR: &str =
     "[CEL]\nbar = { m = \"1 g\", f = \"220 Hz\", t60 = \"1 s\", dx0 = \"1 mm\" }\n[SOX]\nout = { from = \"bar\" }\n";
 
-/// Names of the threads of a process.
 fn threads(p: &Proc) -> Vec<String> {
     let tasks = fs::read_dir(format!("/proc/{}/task", p.id())).unwrap();
     let mut names: Vec<String> = tasks
@@ -22,7 +21,7 @@ fn has_no_shared_memory(stage: &Stage, p: &Proc, folders: &[&str]) {
     assert!(!maps.contains("/dev/shm") && !maps.contains("iox2"), "{maps}");
     assert!(maps.contains("/ca"), "the maps of our own process:\n{maps}");
     let root = stage.site.root();
-    // the test itself has taken the prefix
+    // the test itself has created the prefix
     let mut names: Vec<_> = fs::read_dir(root).unwrap().flatten().map(|e| e.file_name()).collect();
     names.sort();
     assert_eq!(names, folders, "nothing more in {}", root.display());
@@ -32,10 +31,10 @@ fn has_no_shared_memory(stage: &Stage, p: &Proc, folders: &[&str]) {
 fn rendering_starts_no_thread_and_opens_no_shared_memory() {
     let stage = Stage::beside();
     stage.put("bar.ca.toml", BAR).put("dev.ca.toml", crate::stage::KEY);
-    // rendering never has a device, even where the model names one
+    // rendering never uses a device, even if the model names one
     for model in ["bar.ca.toml", "dev.ca.toml"] {
         let p = stage.spawn(&["render", model, "-o", "/dev/null", "--seconds", "3600", "--quiet"]);
-        // one waits for Ctrl-C
+        // one thread waits for Ctrl-C
         until("it has begun", || threads(&p).iter().any(|n| n == "ctrl-c"));
         for _ in 0..20 {
             assert_eq!(threads(&p), ["ca", "ctrl-c"], "{}", p.said());
@@ -52,20 +51,20 @@ fn serving_a_model_without_devices_opens_no_shared_memory() {
     stage.put("bar.ca.toml", BAR);
     let p = stage.spawn(&["serve", "bar.ca.toml", "--seconds", "60", "--priority", "0", "--no-lock"]);
     until("it plays", || threads(&p).iter().any(|n| n == "ca engine"));
-    // a thread has its name a moment after it is there
+    // a new thread gets its name with a short delay
     until("it is ready for Ctrl-C", || threads(&p).iter().any(|n| n == "ctrl-c"));
     assert_eq!(threads(&p), ["ca", "ca engine", "ctrl-c"], "{}", p.said());
     has_no_shared_memory(&stage, &p, &["prefix"]);
     let ran = p.stop();
     assert_eq!(ran.code, Some(0), "{}{}", ran.out, ran.err);
-    // with a device there are both: this test can see them
+    // with a device, both exist, so this test can detect them
     let p = stage.serve("key.ca.toml", &["--quiet"]);
     assert!(threads(&p).iter().any(|n| n == "ca gateway"), "{:?}", threads(&p));
     let maps = fs::read_to_string(format!("/proc/{}/maps", p.id())).unwrap();
     assert!(maps.contains("/dev/shm"));
 }
 
-/// Other processes end and set a page through a socket alone.
+/// Other processes stop and set a page through a socket only.
 #[test]
 fn a_page_without_devices_is_reached_and_opens_no_shared_memory() {
     let stage = Stage::beside();

@@ -1,6 +1,5 @@
-//! A minute of playing while both cores are busy (long form only): every frame accounted for and no memory lost. That
-//! the engine's thread allocates nothing meanwhile is shown where allocations are counted, in `tests/alloc`; how late
-//! things are, by the bench `latency`.
+//! Plays for a minute with both cores busy (long form only). Every frame must be accounted for, and no memory may leak.
+//! `tests/alloc` checks that the engine thread allocates nothing, and the bench `latency` measures delays.
 
 use crate::long_form::long_form;
 use crate::role;
@@ -10,25 +9,20 @@ use serde_json::Value;
 use std::fs;
 use std::time::{Duration, Instant};
 
-/// Resident memory of a process \[kB\].
 fn resident(id: u32) -> u64 {
     let status = fs::read_to_string(format!("/proc/{id}/status")).unwrap();
     let line = status.lines().find_map(|l| l.strip_prefix("VmRSS:")).unwrap();
     line.trim().trim_end_matches(" kB").parse().unwrap()
 }
 
-/// A performance.
 struct Played {
-    /// what the device told
     device: Value,
-    /// what the server reported
     server: Value,
-    /// the server's memory after a sixth of it and at the end \[kB\]
+    /// Memory of the server after a sixth of the time and at the end \[kB\].
     memory: [u64; 2],
     forces: Seen,
 }
 
-/// Plays for so many seconds.
 fn played(seconds: u64, load: bool) -> Played {
     let stage = Stage::new();
     let watch = Watch::of(&stage.site, "key");
@@ -36,7 +30,7 @@ fn played(seconds: u64, load: bool) -> Played {
     let load = load.then(|| role::load(&stage.site));
     let mut device = stage.key(&["--script", "shake", "--seconds", &seconds.to_string(), "--json"]);
     stage.arm();
-    // frames of the device are the clock of this test; what stood still has fewer
+    // device frames are the clock of this test; a stalled device has fewer
     let early = 3000 * seconds / 6;
     let waited = Instant::now() + Duration::from_secs(30 + seconds);
     while stage.state().2 < early && device.lives() {
@@ -62,24 +56,24 @@ fn number(v: &Value, path: &[&str]) -> u64 {
     path.iter().fold(v, |v, k| &v[*k]).as_u64().unwrap_or_else(|| panic!("no {path:?} in {v:#}"))
 }
 
-/// Every frame is somewhere.
+/// Checks that every frame is accounted for.
 fn account(p: &Played) {
     let Played { device, server, forces, .. } = p;
-    // from the first that was answered: before it the lines were being opened
+    // counted from the first answered frame; before it, the lines were being opened
     let sent = number(device, &["frames"]) + 1 - number(device, &["first_answered"]);
     let t = |k: &str| number(server, &["traffic", k]);
     let (received, missed) = (t("received") - t("unclaimed"), t("missed"));
-    // the last of a device that leaves can be gone before somebody looks, and the first answer can be to the last of
-    // several: four lie in the queue
+    // the queue holds four: the last frames may be lost when the device leaves, and the first answer may refer to the
+    // last of several
     assert!(sent.abs_diff(received + missed) <= 4, "{sent} sent, {received} + {missed}");
     assert_eq!(t("foreign"), 0);
     assert_eq!(number(server, &["lost_records"]), 0);
     assert_eq!(received - t("full"), number(&server["devices"][0], &["frames"]), "what came went to the engine");
-    // and every force: those of the engine are sent, or counted; the last is that forces are off
+    // every force of the engine is sent or counted; the last one reports that forces are off
     let (made, left) =
         (number(server, &["frames"]), t("unsent") + t("unclaimed_forces") + number(server, &["lost_forces"]));
     assert_eq!(t("sent") + left, made);
-    // and seen by who looks, or known to be missing
+    // the watcher saw each one or knows that it is missing
     let seen = forces.frames.len() as u64;
     assert_eq!(seen + forces.unseen, made, "{seen} forces seen, {} missing by number", forces.unseen);
     eprintln!(
@@ -106,6 +100,6 @@ fn a_minute_under_load_loses_nothing_uncounted_and_no_memory() {
     account(&p);
     let [early, late] = p.memory;
     eprintln!("memory of the server: {early} kB after ten seconds, {late} kB at the end");
-    // a few pages for what comes once; a leak of 8 bytes a frame would be more
+    // a margin of a few pages; a leak of 8 bytes per frame would exceed it
     assert!(late <= early + 1024, "{early} kB, then {late} kB");
 }

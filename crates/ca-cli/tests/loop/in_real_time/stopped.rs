@@ -1,20 +1,20 @@
-//! Processes that are suspended, killed and started again: H5 to H8 through shared memory, counted in frames.
+//! Tests suspended, killed and restarted processes: H5 to H8 through shared memory, counted in frames.
 
 use crate::stage::{KEY, Stage, until};
 use crate::watch::{Watch, key};
 use ca_haptic::frame::{Cause, ForceFrame, Mode, flag};
 use ca_haptic::host::control::Request;
 
-/// So many frames of 3000 a second, rounded up.
+/// Number of frames in a time at 3 kHz, rounded up.
 fn frames(seconds: f64) -> u64 {
     (3000.0 * seconds).ceil() as u64
 }
 
-/// The frames after the device fell silent, with how many frames at least lie between it and them.
+/// Frames after the last device frame, with their minimum age in frames.
 fn aged(frames: &[ForceFrame]) -> impl Iterator<Item = (u64, &ForceFrame)> {
     let last = frames.last().unwrap();
     let silent = frames.iter().filter(move |f| (f.session, f.ack) == (last.session, last.ack));
-    // the frame that first used the last position has age 0; where it was not seen, ages are larger than they look
+    // the frame that first used the last position has age 0; if it was not seen, true ages are larger
     let first = silent.clone().next().unwrap().seq;
     silent.map(move |f| (f.seq - first, f))
 }
@@ -43,7 +43,7 @@ fn h6_h8_a_suspended_device_is_zero_force_and_stays_so() {
     let watch = Watch::of(&stage.site, "key");
     let server = stage.serve("key.ca.toml", &["--json"]);
     let device = stage.key(&["--script", "hold"]);
-    // where this machine itself stood still at that moment, the fault is another one
+    // on a stalled machine, another fault may come first
     let noticed = (0..5).any(|_| {
         stage.on();
         device.signal("STOP");
@@ -58,10 +58,10 @@ fn h6_h8_a_suspended_device_is_zero_force_and_stays_so() {
     let count = watch.count();
     until("it goes on without", || watch.count() > count + 600);
     let silent = watch.last().unwrap();
-    // it comes back, and nobody arms
+    // the device resumes, and no order to arm is given
     let before = stage.state().2;
     device.signal("CONT");
-    // one answer for both: on a machine that stands still the next may be none
+    // takes all values from one answer, because the next request may fail on a stalled machine
     let mut state = stage.state();
     until("it speaks again", || {
         state = stage.state();
@@ -79,7 +79,7 @@ fn h6_h8_a_suspended_device_is_zero_force_and_stays_so() {
         assert!(Mode::read(f.mode) == Mode::Fault && f.force[0] == 0.0, "{age} frames after the last position: {f:?}");
         assert_eq!(Cause::read(f.cause), Cause::WatchdogIn);
     }
-    // what it says once it is back changes nothing
+    // frames of the resumed device do not change the fault
     let back = &seen.frames[end..];
     let fresh = back.iter().filter(|f| f.ack > silent.ack && Mode::read(f.mode) == Mode::Fault).count();
     assert!(fresh > 300, "{fresh} frames at fault with a device that speaks");
@@ -109,7 +109,7 @@ fn h8_a_killed_device_is_another_one_when_it_comes_back() {
     assert!(of_other.any(|f| f.force[0] != 0.0), "armed, it is played");
 }
 
-/// A line of the log of a device: number of the force, mode, why off, force held.
+/// Lines of the device log: sequence number of the force, mode, cause, and applied force.
 fn log(text: &str) -> Vec<(u64, String, String, f64)> {
     text.lines()
         .skip(1)
@@ -139,16 +139,16 @@ fn h7_a_killed_server_is_zero_force_at_the_device_and_the_next_one_is_taken() {
     until("for a while", || stage.state().2 > before + 300);
     device.stop().is(0).says(&["1 times another engine", "WATCHDOG_OUT"]);
     let log = log(&stage.read("felt.csv"));
-    // the last force of the first server: after it numbers begin anew
+    // the last force of the first server; sequence numbers then restart
     let new = log.windows(2).position(|w| w[1].0 < w[0].0).unwrap() + 1;
     let last = log[..new].iter().rposition(|l| l.0 != log[new - 1].0).unwrap() + 1;
     let felt = log[last..new].iter().rposition(|l| l.3 != 0.0).map_or(0, |k| k + 1);
-    // the force in hand when its life is over is held for its frame
+    // a force that expires is still held to the end of its frame
     assert!(felt as u64 <= frames(key().guard.ttl) + 2, "{felt} frames of force after the last word of the server");
     assert!(log[last..new].iter().any(|l| l.2 == "WATCHDOG_OUT"));
     assert!(log[..last].iter().any(|l| l.3 != 0.0), "there were forces before");
     assert!(log[new..].iter().any(|l| l.3 != 0.0), "and with the next server");
-    // that one begins at rest
+    // the next server begins at rest
     let first = log[new..].iter().position(|l| l.3 != 0.0).unwrap();
     assert!(first > 30, "{first}");
 }
@@ -184,12 +184,11 @@ fn a_second_server_and_a_second_device_are_refused() {
     until("it speaks", || stage.state().2 > 100);
     let busy = stage.key(&["--seconds", "1"]).end().is(1);
     busy.says(&["has a device already", &device.id().to_string()]);
-    // both go on
     let frames = stage.state().2;
     until("the first ones go on", || stage.state().2 > frames + 300);
 }
 
-/// Three models with devices are open at the same time; the device plays with the first, then with the second.
+/// Three models with devices are open at the same time. The device plays with the first and then with the second.
 #[test]
 fn a_second_page_plays_beside_the_first_and_gets_the_device_when_that_one_ends() {
     let stage = Stage::new();
@@ -217,7 +216,7 @@ fn a_second_page_plays_beside_the_first_and_gets_the_device_when_that_one_ends()
 #[test]
 fn several_parameters_change_in_one_tick() {
     let stage = Stage::new();
-    // two springs to either side, of one stiffness: their sum is zero while both are the same
+    // two springs to opposite sides: the forces cancel while the stiffnesses are equal
     stage.put(
         "two.ca.toml",
         r#"
@@ -234,7 +233,7 @@ a = { between = ["key", "high"], k = "up", l0 = 0 }
 b = { between = ["key", "low"], k = "down", l0 = 0 }
 "#,
     );
-    // a bare device without noise that nothing pushes stays where it is
+    // without noise and forces, a bare device does not move
     let quiet = crate::stage::PROFILE.replace("[guard]", "step = 0\nnoise = 0\n[guard]");
     stage.put("c/profiles/key.toml", &quiet);
     let watch = Watch::of(&stage.site, "key");
@@ -245,7 +244,7 @@ b = { between = ["key", "low"], k = "down", l0 = 0 }
         let (up, down) = (format!("up={k}"), format!("down={k} N/m"));
         stage.ca(&["set", &up, &down]).is(0);
     }
-    // none where one is refused
+    // if one value is refused, none is set
     stage.ca(&["set", "up=200", "down=2000"]).is(1);
     stage.ca(&["set"]).is(0).says(&["up = 100", "down = 100"]);
     let last = watch.last().unwrap().seq;
@@ -257,7 +256,7 @@ b = { between = ["key", "low"], k = "down", l0 = 0 }
     assert!(params.as_array().unwrap().iter().any(|p| p["name"] == "up" && p["value"] == 200.0), "{params}");
     let seen = watch.end(&key());
     let together = seen.of(Mode::On).filter(|f| f.seq <= before);
-    // two equal forces of up to 0.7 N cancel but for their rounding
+    // two equal forces of up to 0.7 N cancel except for rounding
     let most = together.map(|f| f.force[0].abs()).fold(0.0, f32::max);
     assert!(most < 1e-9, "{most} N while both were set together");
 }

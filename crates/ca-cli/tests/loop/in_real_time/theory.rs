@@ -1,16 +1,16 @@
-//! The closed loop across shared memory against theory: the figures of the loops in one process
-//! (docs/numerics.md §5.2, §5.3), through two processes, gateway, rings and frames. In lock-step, so it is the same
-//! loop every time.
+//! Compares the closed loop through shared memory with theory: the figures of the single-process loops
+//! (docs/numerics.md §5.2, §5.3), here with two processes, gateway, rings and frames. Lock-step makes the loop
+//! reproducible.
 
 use crate::stage::Stage;
 
-/// What is seen of a run: position at each frame \[m\], and the same as text.
+/// Record of a run: positions per frame \[m\], and the log as text.
 struct Run {
     x: Vec<f64>,
     text: String,
 }
 
-/// The device of E02: 0.2 kg, 2 N s/m, and nothing that limits or waits.
+/// The device of E02: 0.2 kg, 2 N s/m, without limits or delays.
 fn profile(force: f64, passivity: bool) -> String {
     format!(
         r#"
@@ -39,8 +39,8 @@ ttl = 0.1
     )
 }
 
-/// Plays `model` in lock-step for so many seconds of the loop. A machine that stood still for longer than the engine
-/// waits made a frame of its own: that run is another, and is played again.
+/// Plays `model` in lock-step for `seconds` of the loop. If the machine stalls longer than the engine waits, the engine
+/// adds a frame, so the run is repeated.
 fn run(model: &str, profile: &str, push: &str, delay: &str, seconds: &str) -> Run {
     for _ in 0..10 {
         let stage = Stage::new();
@@ -51,7 +51,7 @@ fn run(model: &str, profile: &str, push: &str, delay: &str, seconds: &str) -> Ru
         let seen = device.end().is(0).json();
         let reported = server.stop().json();
         let text = stage.read("felt.csv");
-        // after the device's end the engine waits in vain, once at least
+        // after the device ends, the engine waits in vain at least once
         let alone = reported["frames"].as_u64().unwrap() - reported["devices"][0]["frames"].as_u64().unwrap();
         let lost = seen["asked_again"].as_u64().unwrap() + reported["faults"].as_array().unwrap().len() as u64;
         if lost == 0 && alone < 40 && is_whole(&text) {
@@ -62,7 +62,7 @@ fn run(model: &str, profile: &str, push: &str, delay: &str, seconds: &str) -> Ru
     panic!("this machine stands still for a tenth of a second in each of ten runs");
 }
 
-/// Whether each position was answered by the next force, from the first answer on.
+/// Returns true if every position was answered by the next force, from the first answer on.
 fn is_whole(log: &str) -> bool {
     let seq: Vec<u64> = log.lines().skip(1).map(|l| l.split(',').nth(2).unwrap().parse().unwrap()).collect();
     seq.windows(2).all(|w| w[1] == w[0] + 1)
@@ -78,9 +78,9 @@ fn swing(x: &[f64]) -> f64 {
     x.iter().fold(f64::MIN, |a, b| a.max(*b)) - x.iter().fold(f64::MAX, |a, b| a.min(*b))
 }
 
-/// Whether a key on a spring shakes more and more, or less and less.
+/// Returns true if the oscillation of a key on a spring grows.
 fn grows(k: f64, delay: &str) -> bool {
-    // a step of force, in any size: the loop is linear
+    // a force step of any size, because the loop is linear
     let r = run(&spring(k), &profile(1000.0, false), "1e-6", delay, "2");
     let (early, late) = (swing(&r.x[1000..2000]), swing(&r.x[5000..6000]));
     assert!(early > 0.0);
@@ -89,14 +89,14 @@ fn grows(k: f64, delay: &str) -> bool {
 
 #[test]
 fn e02_the_stiffest_key_across_shared_memory_is_that_of_theory() {
-    // κ = 1: the force of a frame is held during the next; κ = 2: a frame later, as free-running devices take it
+    // κ = 1: the force of a frame is held during the next; κ = 2: one frame later, as in free-running devices
     for (delay, limit) in [("0", 6006.664), ("1", 3004.161)] {
         assert!(!grows(0.98 * limit, delay), "stable below {limit} N/m");
         assert!(grows(1.02 * limit, delay), "unstable above {limit} N/m");
     }
 }
 
-/// A wall of stiffness `k` that 2 N press on, for five seconds: peak to peak of the last half second \[m\].
+/// Peak-to-peak motion \[m\] in the last half second, for a wall of stiffness `k` pressed with 2 N for five seconds.
 fn pressed(k: f64, passivity: bool, force: f64) -> f64 {
     let wall = format!(
         "[TGR]\nkey = {{ device = \"key\", dof = 0 }}\n[SOL]\nwall = {{}}\n[BUT]\nstop = {{ between = [\"wall\", \"key\"], k = {k:e} }}\n"
@@ -112,7 +112,7 @@ fn h12_a_pressed_wall_swings_as_theory_says_and_less_with_the_stage() {
     assert!((free / 2970e-6 - 1.0).abs() < 0.005, "{free}");
     let held = pressed(20_000.0, true, 100.0);
     assert!(held < free, "{held}");
-    // near the limit, where it rings for long
+    // near the limit, where it rings for a long time
     let (free, held) = (pressed(5500.0, false, 100.0), pressed(5500.0, true, 100.0));
     assert!(free > 50e-6 && held < 5e-6, "{free} {held}");
 }
@@ -120,7 +120,6 @@ fn h12_a_pressed_wall_swings_as_theory_says_and_less_with_the_stage() {
 #[test]
 fn in_lock_step_the_loop_is_the_same_every_time() {
     let p = profile(1000.0, true);
-    // noise from a seed
     let p = p.replace("friction = 2.0", "friction = 2.0\nnoise = 1e-6\nstep = 1e-7");
     let [a, b] = [0, 1].map(|_| run(&spring(2000.0), &p, "0.5", "1", "1").text);
     let parts = |t: &str| t.lines().map(|l| l.splitn(8, ',').nth(7).unwrap().to_owned()).collect::<Vec<_>>();

@@ -1,4 +1,4 @@
-//! `ca device list`, `doctor`, `calibrate`, and the examples of the help.
+//! Tests `ca device list`, `doctor` and `calibrate`, and the examples in the help.
 
 use crate::stage::{Stage, until};
 use ca_haptic::calibration::Calibration;
@@ -15,7 +15,7 @@ fn list_shows_who_speaks_and_what_there_is() {
     assert_eq!((&d["device"], &d["rate"], &d["dof"]), (&"left".into(), &3000.into(), &1.into()));
     assert!((d["force"][0].as_f64().unwrap() - 10.0).abs() < 1e-6);
     assert!(v["profiles"].as_array().unwrap().iter().any(|p| p["own"] == true && p["profile"]["name"] == "key"));
-    // SIGTERM ends it as Ctrl-C does
+    // SIGTERM ends it like Ctrl-C
     device.signal("TERM");
     device.end().is(0).says(&["left: ", "DISCONNECT"]);
     assert_eq!(stage.ca(&["device", "list", "--json"]).json()["devices"].as_array().unwrap().len(), 0);
@@ -32,7 +32,7 @@ fn the_doctor_tries_shared_memory_and_finds_who_is_there() {
     assert_eq!((&v["usable"], &row(&v, "memory")["state"]), (&true.into(), &"good".into()));
     assert_eq!(v["late_us"]["n"], 3000);
     assert!(row(&v, "server")["found"].as_str().unwrap().contains("none runs"));
-    // what is poor says what helps
+    // every row that is not good gives advice
     for r in v["rows"].as_array().unwrap() {
         assert_eq!(r["state"] == "good", r["fix"] == "", "{r}");
     }
@@ -42,7 +42,7 @@ fn the_doctor_tries_shared_memory_and_finds_who_is_there() {
         let v = stage.ca(&["device", "doctor", "--json"]).is(0).json();
         row(&v, "server")["found"].as_str().unwrap().contains("gesture frames") && row(&v, "devices")["found"] == "key"
     });
-    // a place that others can write is none
+    // a folder that others can write to is refused
     let open = stage.path("open");
     std::fs::create_dir(&open).unwrap();
     let mode = std::os::unix::fs::PermissionsExt::from_mode(0o777);
@@ -64,7 +64,7 @@ fn calibrate_writes_what_serve_reads() {
     let stage = Stage::beside();
     stage.ca(&["device", "calibrate", "key", "--low", "100", "--high", "4100"]).is(0).says(&["c/calibration/key.toml"]);
     let c = Calibration::read(&stage.read("c/calibration/key.toml"), "key").unwrap();
-    // positions and forces of another device would be wrong by its factors
+    // the calibration of another device would give wrong positions and forces
     stage.put("falcon.toml", &c.write().replace("\"key\"", "\"falcon\""));
     let other = stage.ca(&["serve", "key.ca.toml", "--seconds", "0.1", "--calibration", "key=falcon.toml"]);
     other.is(1).says(&["falcon.toml", "the calibration of `falcon`, not of `key`"]);
@@ -74,7 +74,7 @@ fn calibrate_writes_what_serve_reads() {
     far.is(1).says(&["far.toml", "axis 0", "`force`", "1e9"]);
     let a = c.axis[0];
     assert!((a.scale * 100.0 + a.offset + 0.01).abs() < 1e-15 && (a.scale * 4100.0 + a.offset - 0.01).abs() < 1e-15);
-    // a device that says counts, and does not know of metres: 2600 is 2.5 mm
+    // a device that reports counts instead of metres: 2600 is 2.5 mm
     let watch = crate::watch::Watch::of(&stage.site, "key");
     stage.put("far.ca.toml", &crate::stage::KEY.replace("0.9 mm", "3.2 mm"));
     let _server = stage.serve("far.ca.toml", &["--quiet"]);
@@ -122,8 +122,7 @@ fn examples_of_device_helps_run() {
     assert!(general.contains(help.lines().next().unwrap()), "two things are said of it:\n{help}\n{general}");
     let (_, examples) = help.split_once("Examples:\n").unwrap();
     for line in examples.lines().filter(|l| !l.trim().is_empty()) {
-        // a device is measured by the clock of a machine that may stand still for longer than a device may; whatever is
-        // found of it, it is gone before the next try
+        // a conformance test may fail if the machine stalls; the device has ended before the next attempt
         let tries = if line.contains("conformance") { 10 } else { 1 };
         let whole = line.replace("; kill $!", " && r=0 || r=$?; kill $!; wait || true; exit $r");
         let fine = (0..tries).any(|_| {

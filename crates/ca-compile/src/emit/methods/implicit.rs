@@ -1,7 +1,7 @@
-//! The matrix of implicit links: which places it joins, and its first factor (docs/numerics.md §1.3).
+//! The matrix of implicit links: its slots and its first factor (docs/numerics.md §1.3).
 //!
-//! Decides on one factorisation for all links that share masses, and on a closed form for a link that shares none. A
-//! pattern that would fill up is refused, since it is solved in every tick.
+//! Links that share masses have one common factorisation; a link that shares none is solved in closed form. A pattern
+//! with too much fill-in is refused, since it is solved in every tick.
 
 use crate::emit::plan::Plan;
 use crate::emit::rows::links::Links;
@@ -17,11 +17,11 @@ use ca_core::internal::op::layout::{ImplicitLinks, LinkForce, Pair};
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Model, Span};
 
-/// More entries of a factor than this are refused: no machine solves them in a tick.
+/// Largest number of entries of a factor; more cannot be solved within a tick on any machine.
 const LARGEST: usize = 1_000_000;
 
 impl Plan<'_> {
-    /// The places a link pulls at, end by end.
+    /// Returns the slots that a link acts on, end by end.
     fn pulls(&self, l: &LiaNode, heard: &BTreeSet<u32>) -> Vec<Pull> {
         let mut all = Vec::new();
         for (side, sign) in [-1.0, 1.0].into_iter().enumerate() {
@@ -38,7 +38,7 @@ impl Plan<'_> {
         all
     }
 
-    /// The matrix of the implicit links, factorised, and what it is made of; none where there are none.
+    /// Returns the factorised matrix of the implicit links, and what it is made from; `None` without such links.
     pub fn implicit(
         &mut self,
         n_mat: usize,
@@ -62,7 +62,7 @@ impl Plan<'_> {
         }
         let mut made = Inertia::default();
         let mut pairs: Vec<Pair> = Vec::new();
-        // the rest by numbers of the places they move
+        // All other links refer to the numbers of the slots they move.
         let mut number: BTreeMap<u32, u32> = BTreeMap::new();
         let mut rows: Vec<([u32; 3], LinkForce, bool)> = Vec::new();
         for ((id, l), pulls) in solved.iter().zip(&pulls) {
@@ -111,7 +111,7 @@ impl Plan<'_> {
         for (coef, mut f, needed) in rows {
             f.moving.iter_mut().for_each(|(i, _)| *i = to[*i as usize]);
             let first = made.entries.len() as u32;
-            // as the tick has them
+            // Weights in the precision of the tick.
             let kept = |w: f64| if net.precision == Precision::Single { f64::from(w as f32) } else { w };
             made.entries.extend(f.moving.iter().map(|(i, w)| (*i, kept(*w))));
             made.links.push((coef, [first, f.moving.len() as u32]));
@@ -133,17 +133,17 @@ fn beyond(name: &str, span: Span) -> Diag {
     d.at(span, "overflows").help("use a larger mass, or less stiffness and viscosity")
 }
 
-/// What a link does to one slot in the state.
+/// Action of a link on one slot of the state.
 struct Pull {
     place: u32,
     weight: f64,
-    /// forces move it
+    /// True if forces move the slot.
     moves: bool,
-    /// somebody hears the force on it although it is not moved
+    /// True if the force on the slot is read although forces do not move it.
     heard: bool,
 }
 
-/// Axes and weights by which a link feels one of its ends.
+/// Returns the axes, with weights, by which a link measures one of its ends.
 fn directions(l: &LiaNode, side: usize, places: u32) -> Vec<(u32, f64)> {
     match l.measure {
         Measure::Along(n) => (0..places).map(|k| (k, n[k as usize])).filter(|(_, w)| *w != 0.0).collect(),

@@ -1,4 +1,4 @@
-//! Passes of methods: implicit links, `pefrl`, ticks between two samples.
+//! Passes of methods: implicit links, `pefrl`, ticks between samples.
 
 pub mod implicit;
 pub mod oversample;

@@ -1,9 +1,8 @@
-//! Oversampling: what runs between two samples, where a sample has several ticks.
+//! Oversampling: the ticks between two samples.
 //!
-//! Decides for one pass before all others that runs the ticks between the last sample and this one, rather than a loop
-//! around the tick: whoever plays a scene sees samples, the two halves of a tick included, and a scene that does not
-//! ask has nothing of it. The tick at the sample itself is what the scene runs anyway, so that probes and hands get what is
-//! there at that moment.
+//! One pass, before all others, runs the ticks since the last sample. A loop around the tick is not used, so that
+//! callers of a scene see only samples, also in the two halves of a tick, and other scenes do not change. The tick at
+//! the sample itself is the ordinary one of the scene, so that probes and devices get the values of that moment.
 
 use crate::net::Pruned;
 use alloc::vec::Vec;
@@ -11,7 +10,7 @@ use ca_core::InputRole;
 use ca_core::internal::op::layout::{Layout, Substeps};
 use ca_core::internal::op::{Op, Pass};
 
-/// Puts the ticks between samples in front of the passes of a sample, if the model asks for some.
+/// Inserts the ticks between samples before the passes of a sample, if the model asks for oversampling.
 pub fn oversample(
     net: &Pruned,
     layout: &mut Layout,
@@ -23,13 +22,13 @@ pub fn oversample(
     if net.oversample == 1 {
         return;
     }
-    // a device has its border instead
+    // A device has its border instead.
     let slow = (0..).zip(&net.inputs).filter(|(_, i)| i.role != InputRole::Device);
     let inputs: Vec<u32> = slow.map(|(place, _)| place).collect();
     if !inputs.is_empty() {
         reads.insert(0, Op::pass(Pass::Inputs, inputs.len()));
     }
-    // between samples nobody listens but the filter
+    // Between samples only the filter reads the outputs.
     let unheard = |op: &Op| if op.pass == Pass::LowPass { Op::pass(Pass::Remember, op.n) } else { *op };
     let heard = writes.iter().filter(|_| !layout.out.lowpass.is_empty()).map(unheard);
     let ops: Vec<Op> = reads.iter().chain(forces).copied().chain(heard).chain(moves.iter().copied()).collect();

@@ -1,6 +1,6 @@
-//! Added: which batches of links add to the force on each slot, in which order, and what others add.
+//! Added: the batches of links that add to the force on each slot, in order, and other forces on it.
 //!
-//! Decides what may be summed in another way: a sum of numbers of a processor depends on its order, and a scene must not.
+//! It shows which sums may be computed in another way: a floating-point sum depends on its order, and a scene must not.
 
 use crate::emit::plan::Plan;
 use crate::emit::rows::batch::Batch;
@@ -9,20 +9,20 @@ use crate::net::{End, MatRole, OutputTap};
 use alloc::vec::Vec;
 use ca_core::internal::op::layout::MeasureKind;
 
-/// What is added to the forces on all slots.
+/// Forces added to all slots.
 pub struct Added {
-    /// first entry of each slot in `by`, and the end of the last
+    /// First entry of each slot in `by`, and the end of the last.
     start: Vec<u32>,
-    /// batches by their number, one entry for each force they add, in the order of the list
+    /// Batch numbers, one entry per force, in the order of the list.
     by: Vec<u32>,
-    /// numbers that others add behind them
+    /// Number of other forces added after the links.
     behind: Vec<u8>,
-    /// slots whose sum somebody reads, or to which somebody adds before links or in a way of its own
+    /// True for slots whose sum is read, or that get forces before the links or from links not on a line.
     whole: Vec<bool>,
 }
 
 impl Added {
-    /// The same for the links of `batches`.
+    /// Collects the forces of the links of `batches`, and all others.
     pub fn new(plan: &Plan, batches: &[Batch]) -> Added {
         let n = plan.coef_slots();
         let (behind, mut whole) = (alloc::vec![0u8; n], alloc::vec![false; n]);
@@ -53,7 +53,7 @@ impl Added {
         all
     }
 
-    /// Moving points, weight, ports, and who reads a sum.
+    /// Adds moving points, weight, ports, and the slots whose sum is read.
     fn others(&mut self, plan: &Plan) {
         let net = plan.net;
         for (push, slot) in net.pushes.iter().filter_map(|p| Some((p, plan.alive(p.end, p.axis)?))) {
@@ -63,7 +63,7 @@ impl Added {
         }
         for (p, slot) in net.points.iter().zip(&plan.point).filter(|(_, slot)| **slot != u32::MAX) {
             let slot = *slot as usize;
-            // where nothing touches the point it gives nothing
+            // A point without forces passes none on.
             let touched = self.whole[slot] || self.behind[slot] > 0 || !self.of(slot).is_empty();
             for m in net.families.of(&p.family).nodes {
                 let node = plan.slot[*m as usize] as usize;
@@ -86,13 +86,13 @@ impl Added {
         read.chain(junctions).for_each(|slot| mark(&mut self.whole, slot, 1));
     }
 
-    /// The batches that add to a slot, one entry for each force.
+    /// Returns the batches that add to a slot, one entry per force.
     pub fn of(&self, slot: usize) -> &[u32] {
         &self.by[self.start[slot] as usize..self.start[slot + 1] as usize]
     }
 
-    /// True where the sum on a slot begins with all forces of batches that have a stage, in the order of their stages, and
-    /// at most one number comes behind them.
+    /// Returns whether the sum on a slot begins with all forces of batches that have a stage, in stage order, and at
+    /// most one more number follows.
     pub fn begins(&self, slot: usize, stage: impl Fn(usize) -> Option<u8>) -> bool {
         let stages = self.of(slot).iter().map(|i| stage(*i as usize));
         let first = stages.clone().take_while(Option::is_some);

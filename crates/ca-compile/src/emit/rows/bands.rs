@@ -1,8 +1,8 @@
-//! Bands: meshes whose links along the rows and across them run in the pass that integrates their masses.
+//! Bands: meshes whose links along and across the rows run in the pass that integrates their masses.
 //!
-//! Decides by the slots alone, whatever made the mesh: links of one law of which some join neighbours and others places
-//! that are a constant width apart. As a row is fused, so is a mesh: only where the list of passes sums in that order too
-//! ([`Added`]), along first.
+//! Meshes are found by slots alone, whatever made them: links of one law, some between neighbours and others between
+//! slots at a constant distance, the width. Like a row, a mesh is fused only if the list of passes sums in the same
+//! order ([`Added`]), links along the rows first.
 
 use crate::emit::cost;
 use crate::emit::plan::Plan;
@@ -13,19 +13,18 @@ use ca_core::internal::op::Band;
 use ca_core::internal::state::Fold;
 use core::ops::Range;
 
-/// The slots of a batch that is a row.
 fn slots(plan: &Plan, b: &Batch) -> Range<u32> {
     let [first, second] = plan.ends(b.links[0]);
     first..second + b.links.len() as u32
 }
 
-/// The first slots of the two ends of a row, and its links.
+/// Returns the first slots of both ends of a row, and its number of links.
 fn ends(plan: &Plan, b: &Batch) -> ([u32; 2], u32) {
     (plan.ends(b.links[0]), b.links.len() as u32)
 }
 
-/// The meshes among `batches` whose masses all are of one class, as `alike` says of their slots, each with the batches it is
-/// made of, in the order of their slots.
+/// Returns the meshes among `batches` whose masses have one class (`alike`), each with its batches in the order of
+/// their slots.
 pub fn meshes(
     plan: &Plan,
     batches: &[Batch],
@@ -42,7 +41,7 @@ pub fn meshes(
         }
         let mut range = slots(plan, across);
         let mut stages: Vec<Option<u8>> = alloc::vec![None; batches.len()];
-        // rows of the same law that share masses with what has been found so far
+        // Rows of the same law that share masses with the mesh so far.
         loop {
             let found = range.clone();
             for (k, b) in batches.iter().enumerate().filter(|(_, b)| b.stride == 1 || b.stride == width) {
@@ -65,13 +64,13 @@ pub fn meshes(
             tail: [0; 2],
         };
         let body = mesh;
-        // a row before and a row behind that lack nodes: their links across reach another number of places further
+        // Links across to an incomplete first or last row have another stride.
         for (k, b) in batches.iter().enumerate() {
             if b.stride < 2 || b.stride == width || !core::ptr::eq(b.law, across.law) || !fits(b) {
                 continue;
             }
             let ([first, second], n) = ends(plan, b);
-            // places from the first node of the body to the first of the lower ends, or of the upper ones; none lies before it
+            // Offset from the first node of the body to the first of their second ends, or of their first ends.
             let above = second.checked_sub(range.start).filter(|above| above + n <= width as u32);
             let below = first.checked_sub(range.start).filter(|below| {
                 let reaches = below + n <= body.slots && below + width as u32 >= body.slots;
@@ -91,8 +90,8 @@ pub fn meshes(
         let mut of: Vec<usize> = (0..batches.len()).filter(|k| stages[*k].is_some()).collect();
         of.iter().filter(|k| batches[**k].stride > 1).for_each(|k| tried[*k] = true);
         of.sort_by_key(|k| (stages[*k], slots(plan, &batches[*k]).start));
-        // where two rows of a direction meet at a mass, that before it must add first; two links of a direction between the
-        // same two masses are no mesh
+        // If two rows of one direction meet at a mass, the lower one must add first. Two links of one direction between
+        // the same masses are not a mesh.
         let behind = |a: &usize, b: &usize| {
             let (([a_first, _], n), ([b_first, _], _)) = (ends(plan, &batches[*a]), ends(plan, &batches[*b]));
             stages[*a] != stages[*b] || (a < b && a_first + n <= b_first)
@@ -115,7 +114,7 @@ pub fn meshes(
     all
 }
 
-/// The batches of a mesh as two, links along its rows and links across them, with joints where there are none.
+/// Returns the batches of a mesh as two, links along its rows and links across them, with joints in the gaps.
 pub fn joined(plan: &Plan, mesh: Mesh, of: &[Batch]) -> [Batch; 2] {
     let width = mesh.width as usize;
     [(1, Band::Along(width)), (width, Band::Across)].map(|(stride, band)| {

@@ -1,4 +1,4 @@
-//! Batches: which links one pass computes: links of one law, and rows of them as runs without indices.
+//! Batches: groups links of one law into passes, with rows as runs without indices.
 
 use crate::emit::plan::Plan;
 use crate::emit::rows::batch::Batch;
@@ -9,26 +9,26 @@ use ca_core::Law;
 use ca_core::internal::op::{Band, Hub, Integrate, MeasureKind};
 use ca_core::internal::phi::{implicit, res};
 
-/// Rows shorter than this are gathered: a run has three loops to set up, and waits for what it has just written. Measured
-/// for RES: 4 links 15 ns as a run and 8 gathered, 7 links 16 and 12, 11 links 18 and 22. In instructions, by
-/// `cost`, it would be 16.
+/// Shortest row that becomes a run; shorter rows are gathered. A run sets up three loops, and waits for values that it
+/// has just written. Measured for RES: 4 links 15 ns as a run and 8 gathered, 7 links 16 and 12, 11 links 18 and 22. By
+/// the instructions of `cost` it would be 16.
 pub const SHORTEST_RUN: usize = 10;
 
-/// What links of one batch have in common.
+/// Common properties of the links of a batch.
 #[derive(Clone, Copy, PartialEq)]
 pub struct Shape {
     law: *const Law,
-    /// how it measures
+    /// Measure of the first port.
     pub measure: MeasureKind,
-    /// how its second port does
+    /// Measure of the second port.
     pub onto: Option<MeasureKind>,
-    /// for sets, which: each is a batch of its own
+    /// Number of a set, which is always a separate batch.
     set: Option<u32>,
 }
 
 impl Plan<'_> {
-    /// Batches of links: in document order, or by law with rows as runs; those behind that are solved after others. True where they are
-    /// in another order than arithmetic 2 had them, as [`sorted`](super::sorted) says.
+    /// Returns the batches of links: in document order, or by law with rows as runs. Batches that are solved after the
+    /// others come last. The flag is true if their order differs from arithmetic 2, see [`sorted`](super::sorted).
     pub fn batches(&self, class: KernelClass) -> (Vec<Batch>, bool) {
         let laws = self.laws(class);
         let batch = |(links, stride): (Vec<u32>, usize)| {
@@ -42,7 +42,7 @@ impl Plan<'_> {
         (all, sorted)
     }
 
-    /// Links of one batch, with its stride, 0 where there is none; and whether they are sorted.
+    /// Returns the links of each batch with their stride, 0 if there is none, and whether they were sorted.
     fn grouped(&self, class: KernelClass, laws: &[&'static Law]) -> (Vec<(Vec<u32>, usize)>, bool) {
         let shape = |l: u32| self.shape(l, laws[l as usize]);
         let same = |a: u32, b: u32| shape(a) == shape(b);
@@ -65,7 +65,7 @@ impl Plan<'_> {
             let law = laws[group[0] as usize];
             !(law.linear && !law.implicit && plain(group[0]) && shape(group[0]).measure == MeasureKind::Line)
         };
-        // an import has the bits of the program it comes from
+        // Imports keep the bits of the original program.
         let sorts = !self.net.as_milib;
         let mut sorted = sorts && !by_law.is_sorted_by_key(others);
         if sorted {
@@ -102,8 +102,9 @@ impl Plan<'_> {
         (out, sorted)
     }
 
-    /// The law each link runs by: its own, but springs in a row with implicit links run by the law of these, θ = 0
-    /// and without viscosity, which is the same force. One row of springs costs less than what such links leave of it.
+    /// Returns the law of each link. Springs in a row with implicit links use the implicit law with θ = 0 and without
+    /// viscosity, which gives the same force: one row costs less than the parts that implicit links would divide it
+    /// into.
     fn laws(&self, class: KernelClass) -> Vec<&'static Law> {
         let net = self.net;
         let mut laws: Vec<_> = net.lias.iter().map(|l| l.law).collect();
@@ -128,20 +129,20 @@ impl Plan<'_> {
         laws
     }
 
-    /// True where link `b` stands behind `a` in a row, whose ends are `step` slots further.
+    /// Returns whether link `b` follows `a` in a row, with both ends `step` slots further.
     pub fn follows(&self, a: u32, b: u32, step: u32) -> bool {
         let ([a0, a1], [b0, b1]) = (self.ends(a), self.ends(b));
         a1.wrapping_sub(a0) == b1.wrapping_sub(b0) && b0 == a0.wrapping_add(step)
     }
 
-    /// The stride of a row that is worth a run.
+    /// Returns the stride of a row that is long enough for a run.
     fn stride(&self, row: &[u32]) -> Option<usize> {
         let [a, b] = self.ends(row[0]);
         let stride = b.wrapping_sub(a);
         (row.len() >= SHORTEST_RUN && stride < u32::MAX / 2).then_some(stride as usize)
     }
 
-    /// What a link that runs by `law` has in common with those of its batch.
+    /// Returns the common properties of a link that runs by `law` and of its batch.
     pub fn shape(&self, l: u32, law: &'static Law) -> Shape {
         let node = &self.net.lias[l as usize];
         let set = node.sets.as_ref().map(|_| l);

@@ -1,9 +1,8 @@
-//! Chains: short rows that stand close behind each other, as those of a mesh of 10 × 10, run as one.
+//! Chains: short rows close behind each other, e.g. in a mesh of 10 × 10, run as one.
 //!
-//! Decides this behind the batches and not with them: each of these rows is too short for a run of its own, the order of the
-//! document in which a state is hashed ([`written`](super::written)) goes by the batches, and it stays what it was. And only
-//! where every mass is given its forces in the order it had: a row stays among the links that are looked up where one of
-//! them comes before it at one of its masses.
+//! This step follows the batches, because each of these rows is too short for a run, and the document order of state
+//! hashes ([`written`](super::written)) depends on the batches and must not change. The order of forces on each mass is
+//! kept: a row stays among the links that are looked up if one of these comes before it at one of its masses.
 
 use crate::emit::plan::Plan;
 use crate::emit::rows::batch::Batch;
@@ -12,11 +11,11 @@ use crate::options::{KernelClass, Options};
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 
-/// Places between two rows of a chain, at most: that of the mass where the first ends.
+/// Largest gap between two rows of a chain \[slots\]: the mass at which the first one ends.
 const GAP: u32 = 1;
 
 impl Plan<'_> {
-    /// The batches, with the chains of each before what is left of it.
+    /// Returns the batches, with the chains of each before the rest of it.
     pub fn chained(&self, options: &Options, batches: Vec<Batch>) -> Vec<Batch> {
         let mut all = Vec::with_capacity(batches.len());
         for batch in batches {
@@ -33,7 +32,7 @@ impl Plan<'_> {
         all
     }
 
-    /// The rows of chains among links that are looked up, each with its stride, and the links that are in none.
+    /// Divides links that are looked up into rows of chains, each with its stride, and other links.
     fn rows_of(&self, links: &[u32]) -> (Vec<(Vec<u32>, usize)>, Vec<u32>) {
         let (first, last) = (|row: &[u32]| self.ends(row[0]), |row: &[u32]| self.ends(row[row.len() - 1])[0]);
         let stride = |row: &[u32]| first(row)[1].wrapping_sub(first(row)[0]);
@@ -46,7 +45,7 @@ impl Plan<'_> {
         for chain in short.chunk_by(behind) {
             let each = || chain.iter().copied().flatten().copied();
             let n = each().count();
-            // a joint for every other link is no row
+            // At most every other link may be a joint.
             let worth = n >= SHORTEST_RUN && n >= 2 * chain.len() && stride(chain[0]) < u32::MAX / 2;
             if worth && !each().flat_map(|l| self.ends(l)).any(|slot| passed.contains(&slot)) {
                 rows.extend(chain.iter().map(|row| (row.to_vec(), stride(row) as usize)));

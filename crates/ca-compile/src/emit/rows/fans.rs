@@ -1,9 +1,9 @@
-//! Fans: lists of links that go from one place to places that follow each other, or from places that follow each other to
-//! others that do, as those of twelve keys, hammers and notes that are written as lists.
+//! Fans: lists of links from one slot to consecutive slots, or between two lists of consecutive slots, e.g. twelve
+//! keys, hammers and notes written as lists.
 //!
-//! Decides by the slots alone, behind all else that moves these, and to cut batches only: links stay in their order, so every
-//! mass is given its forces as before. And for places in the order of the document ([`settled`](Plan::settled)) where that
-//! makes such lists: the storage order puts a note behind its hammer, which is of use to rows alone.
+//! This step uses slots only, after all steps that move them, and only divides batches. Links stay in their order, so
+//! that the order of forces on each mass is kept. MATs return to document order ([`settled`](Plan::settled)) if that
+//! makes such lists: the storage order places a note after its hammer, which helps rows only.
 
 use crate::emit::cost;
 use crate::emit::plan::Plan;
@@ -16,8 +16,8 @@ use alloc::vec::Vec;
 use ca_core::internal::op::Hub;
 
 impl Plan<'_> {
-    /// The order of the MATs with those in the order of the document that are in none of the rows among `batches`, and on whose
-    /// place nothing else hangs; where that makes fans, otherwise `None`.
+    /// Returns the order in which MATs outside the rows of `batches` are in document order, if nothing else depends on
+    /// their slots. Returns `None` if this does not make fans.
     pub fn settled(&self, order: &[u32], options: &Options, batches: &[Batch]) -> Option<Vec<u32>> {
         let net = self.net;
         let staged = batches.iter().any(|b| b.law.implicit || !b.law.stage.is_explicit());
@@ -52,7 +52,7 @@ impl Plan<'_> {
         looked_up.flat_map(|b| settled.cut(b)).any(|part| part.1 != Part::Loose).then_some(now)
     }
 
-    /// Where each slot went, whose MATs `to` has in another order.
+    /// Returns the slot in `to` of each slot of this plan, whose MATs are in another order.
     pub fn moved(&self, to: &Plan) -> Vec<u32> {
         let mut all = alloc::vec![0; self.coef_slots()];
         let mats = self.net.mats.iter().map(MatNode::slots).zip(self.slot.iter().zip(&to.slot));
@@ -63,7 +63,7 @@ impl Plan<'_> {
         all
     }
 
-    /// The batches, those of laws in vectors cut where some of their links are such a list.
+    /// Divides batches of laws with vector kernels if some of their links are a fan.
     pub fn fanned(&self, options: &Options, batches: Vec<Batch>) -> Vec<Batch> {
         let mut all = Vec::with_capacity(batches.len());
         for batch in batches {
@@ -83,7 +83,7 @@ impl Plan<'_> {
         all
     }
 
-    /// The links of a batch in their order, cut into parts.
+    /// Divides the links of a batch into parts, without reordering.
     fn cut(&self, batch: &Batch) -> Vec<(Vec<u32>, Part)> {
         let links = &batch.links;
         let mut all: Vec<(Vec<u32>, Part)> = Vec::new();
@@ -100,7 +100,7 @@ impl Plan<'_> {
         all
     }
 
-    /// The list that begins with the first of some links, where one of its length is worth it, or that link alone.
+    /// Returns the first part of some links that is cheaper as a pass, else the first link alone.
     fn part(&self, links: &[u32], worth: impl Fn(usize) -> bool) -> (usize, Part) {
         let [first, second] = self.ends(links[0]);
         let along = |steps: [u32; 2]| {
@@ -110,7 +110,7 @@ impl Plan<'_> {
             };
             links.iter().enumerate().take_while(here).count()
         };
-        // the hub is none of its row
+        // The hub must be outside its row.
         let apart = |hub: u32, row: u32, n: usize| hub < row || hub >= row + n as u32;
         let (run, from_first, from_second) = (along([1, 1]), along([0, 1]), along([1, 0]));
         match () {
@@ -122,13 +122,13 @@ impl Plan<'_> {
     }
 }
 
-/// What links that follow each other are.
+/// Form of consecutive links.
 #[derive(Clone, Copy, PartialEq)]
 enum Part {
-    /// looked up one by one
+    /// Looked up one by one.
     Loose,
-    /// a row of this stride
+    /// A row of this stride.
     Run(usize),
-    /// from one place to a row
+    /// From one slot to a row.
     Fan(Hub),
 }

@@ -1,10 +1,9 @@
-//! Fold: long rows that integrate their masses stand in eight stretches side by side ([`Fold`]), filled up to whole
+//! Fold: long rows that integrate their masses are stored as eight adjacent stretches ([`Fold`]), padded to whole
 //! vectors.
 //!
-//! Decides this when all else of the masses is known and nothing has been laid out by their slots: what comes later sees
-//! slots only, and needs to know nothing of it. A folded row begins at a multiple of eight, so that its vectors do not cross
-//! cache lines: on a processor with vectors of eight that is a third of the time. Only where a vector of eight is wide in
-//! numbers of the tick: in single precision rows run as they stand.
+//! This step runs when the masses are otherwise complete and before anything is laid out by their slots, so that later
+//! steps do not depend on it. A folded row begins at a multiple of eight, so that its vectors do not cross cache lines;
+//! with vectors of eight this saves a third of the time. In single precision rows are not folded.
 
 use crate::emit::cost;
 use crate::emit::masses::Masses;
@@ -16,8 +15,8 @@ use alloc::vec::Vec;
 use ca_core::internal::op::{Band, Integrate};
 use ca_core::internal::state::Fold;
 
-/// Which batches are rows that are worth it, as [`cost`] says. Other rows over their masses will go by places in a row no more:
-/// they are looked up one by one.
+/// Returns which batches are rows that [`cost`] advises to fold. Other rows at their masses lose their constant stride
+/// and are looked up one by one.
 fn chosen(plan: &Plan, batches: &[Batch]) -> Vec<bool> {
     let wide = |b: &Batch| b.integrate != Integrate::No && b.law.wide;
     let mut folds: Vec<bool> = batches.iter().map(|b| can_fold(plan.net) && wide(b)).collect();
@@ -25,7 +24,7 @@ fn chosen(plan: &Plan, batches: &[Batch]) -> Vec<bool> {
     for (i, b) in batches.iter().enumerate().filter(|(i, _)| folds[*i]) {
         owner[b.slot(plan) as usize..][..b.masses()].fill(i as u32);
     }
-    // links of other rows on each of them
+    // Links of other rows at each of them.
     let mut over = alloc::vec![0; batches.len()];
     let touched = |b: &Batch, visit: &mut dyn FnMut(usize)| {
         let from = b.slot(plan) as usize;
@@ -43,27 +42,26 @@ fn chosen(plan: &Plan, batches: &[Batch]) -> Vec<bool> {
     folds
 }
 
-/// A row that is folded.
+/// A row to fold.
 struct Row {
-    /// the first slot of its masses before
+    /// First slot of its masses before folding.
     from: usize,
-    /// how many there are
+    /// Number of masses.
     masses: usize,
-    /// of a mesh, which nodes they are
+    /// Nodes, for a mesh.
     mesh: Option<Mesh>,
-    /// where they come to stand
+    /// Position after folding.
     fold: Fold,
 }
 
 impl Row {
-    /// Slots it takes.
     fn slots(&self) -> usize {
         self.fold.rows as usize * Fold::LANES
     }
 }
 
-/// Folds the rows that are worth it, and lays out slots, classes of MATs and coefficients anew; returns where each slot
-/// went, nothing where no row is folded.
+/// Folds the rows for which this is cheaper, and lays out slots, classes and coefficients again. Returns the new
+/// position of each slot; empty if no row is folded.
 pub fn fold(plan: &mut Plan, masses: &mut Masses, classes: &mut Vec<Option<Class>>, batches: &mut [Batch]) -> Vec<u32> {
     let mut rows = Vec::new();
     let folds = chosen(plan, batches);
@@ -77,7 +75,7 @@ pub fn fold(plan: &mut Plan, masses: &mut Masses, classes: &mut Vec<Option<Class
             links[fold.at(i)] = *l;
         }
         (row.links, row.stride, row.folded) = (links, 0, true);
-        // links across a mesh stand as those along
+        // Links across a mesh are stored like those along it.
         if row.band != Band::Across {
             rows.push(now);
         }
@@ -88,7 +86,7 @@ pub fn fold(plan: &mut Plan, masses: &mut Masses, classes: &mut Vec<Option<Class
     rows.sort_by_key(|r| r.from);
     let n = plan.coef_slots();
     let mut to: Vec<u32> = Vec::with_capacity(n);
-    // slots so far, and those of MATs, which moving points come behind
+    // Slots so far, and the number of slots of MATs, after which moving points begin.
     let (mut at, mut of_mats) = (0, None);
     let mut next = rows.iter_mut().peekable();
     while to.len() < n {
@@ -110,7 +108,7 @@ pub fn fold(plan: &mut Plan, masses: &mut Masses, classes: &mut Vec<Option<Class
     let of_mats = of_mats.unwrap_or(at);
     let at_row: BTreeMap<u32, u32> = rows.iter().map(|r| (r.from as u32, r.fold.first)).collect();
     let slots = at.next_multiple_of(Fold::LANES);
-    // what stands in a row may stand further apart now, or in a row no more
+    // Other rows may have another stride now, or none.
     for b in batches.iter_mut().filter(|b| b.stride > 0) {
         let [first, second] = [0, b.stride].map(|more| &to[b.slot(plan) as usize + more..][..b.links.len()]);
         let in_a_row = [first, second].iter().all(|ends| ends.windows(2).all(|pair| pair[1] == pair[0] + 1));
@@ -120,7 +118,7 @@ pub fn fold(plan: &mut Plan, masses: &mut Masses, classes: &mut Vec<Option<Class
         *slot = to[*slot as usize];
     }
     for mesh in batches.iter_mut().filter_map(|b| b.mesh.as_mut()) {
-        // where the first node would stand, that a first row may lack
+        // The place of the first node, which an incomplete first row may lack.
         mesh.first = at_row[&mesh.first];
     }
     let column = |all: &[f64]| {
@@ -138,7 +136,7 @@ pub fn fold(plan: &mut Plan, masses: &mut Masses, classes: &mut Vec<Option<Class
     }
     let mut now = alloc::vec![None; of_mats];
     classes.iter().zip(&to).for_each(|(class, to)| now[*to as usize] = *class);
-    // all of a row moves in one pass, also places in it where there is no mass, of which the first may be one
+    // A row is integrated as a whole, including padding, which may come first.
     for row in &rows {
         now[row.fold.first as usize..][..row.slots()].fill(classes[row.from]);
     }

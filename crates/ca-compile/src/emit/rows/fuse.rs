@@ -1,10 +1,9 @@
-//! Fuse: rows of linear links go into the pass that integrates their masses, where nothing tells the difference.
+//! Fuse: rows of linear links move into the pass that integrates their masses, if the bits stay the same.
 //!
-//! The fused pass sums (Fᵢ − Fᵢ₋₁) + f, where f is what others gave ([`Integrate`]). Decides that the bits of a scene are
-//! those of its list of passes: a row is fused only where no other pass adds to its masses before it, and at most one
-//! number is added behind it, since then both sums are the same. And only where nobody reads the whole force on one of its
-//! masses, which is then known nowhere: an output of force, a link that is solved behind the others. (The ledger reads it at
-//! ports, which move by themselves.)
+//! The fused pass sums (Fᵢ − Fᵢ₋₁) + f, where f is the sum of all other forces ([`Integrate`]). A row is therefore
+//! fused only if no other pass adds to its masses before it, and at most one number is added after it. The total force
+//! on its masses is then not stored, so nothing else may read it: no output of force, and no link that is solved after
+//! the others. (The ledger reads it only at ports, which are not integrated.)
 
 use crate::emit::pass_list::Class;
 use crate::emit::plan::Plan;
@@ -19,8 +18,8 @@ use ca_core::internal::op::layout::Account;
 use ca_core::internal::op::{Band, Form, Integrate, Op};
 use ca_core::internal::scene::symbols::SymbolsBuilder;
 
-/// Marks the rows that integrate their masses, which are of these `classes` slot by slot; what does not move among them
-/// gets theirs.
+/// Marks the rows that integrate their masses. `classes` has the class of each slot; slots that do not move get the
+/// class of the row.
 pub fn mark(plan: &Plan, options: &Options, classes: &mut [Option<Class>], batches: &mut [Batch]) {
     let net = plan.net;
     let staged = batches.iter().any(|b| b.law.implicit || !b.law.stage.is_explicit());
@@ -29,7 +28,7 @@ pub fn mark(plan: &Plan, options: &Options, classes: &mut [Option<Class>], batch
     }
     let added = Added::new(plan, batches);
     let fits = |b: &Batch| b.stride > 0 && b.law.linear && b.law.mem == 0 && b.law.coefs <= COEFS;
-    // a mesh is folded, which not all laws are
+    // A mesh is folded, which needs a law with vector kernels.
     let folds = |b: &Batch| b.law.wide && can_fold(net) && fits(b);
     let found = bands::meshes(plan, batches, &added, folds, |range| class_of(&classes[range]).is_some());
     for (mesh, of) in found {
@@ -46,7 +45,7 @@ pub fn mark(plan: &Plan, options: &Options, classes: &mut [Option<Class>], batch
         let slot = plan.ends(row.links[0])[0] as usize;
         let range = slot..slot + row.links.len() + 1;
         let begins = |slot: usize| added.begins(slot, |k| (k == i).then_some(0));
-        // behind the last MAT there are moving points, which no pass integrates
+        // After the last MAT come moving points, which are not integrated.
         let Some(classes) = classes.get_mut(range.clone()) else { continue };
         if range.clone().all(begins) && class_of(classes).is_some() {
             row.integrate = integrate(classes);
@@ -54,13 +53,13 @@ pub fn mark(plan: &Plan, options: &Options, classes: &mut [Option<Class>], batch
     }
 }
 
-/// How all of these masses are integrated, if it is one way; what does not move goes with the others.
+/// Returns the common class of these masses, if there is one; slots that do not move fit any class.
 fn class_of(classes: &[Option<Class>]) -> Option<Class> {
     let class = classes.iter().flatten().next().copied().unwrap_or(Class::Free);
     (class != Class::Held && classes.iter().flatten().all(|c| *c == class)).then_some(class)
 }
 
-/// Says of masses that are integrated in one way that they all are, and how.
+/// Sets all slots to their common class, and returns the integration for it.
 fn integrate(classes: &mut [Option<Class>]) -> Integrate {
     let class = class_of(classes);
     classes.fill(class);
@@ -71,25 +70,25 @@ fn integrate(classes: &mut [Option<Class>]) -> Integrate {
     }
 }
 
-/// What is changed: the list of forces, that of integration, and where links stand in the first.
+/// Lists changed by fusing.
 pub struct Passes<'a> {
-    /// forces; those of fused rows come to stand last
+    /// Force passes; passes of fused rows move to the end.
     pub forces: &'a mut Vec<Op>,
-    /// integration
+    /// Integration passes.
     pub moves: &'a mut Vec<Op>,
-    /// modules by name
+    /// Modules by name.
     pub symbols: &'a mut SymbolsBuilder,
-    /// batches of links in the ledger, where there is one
+    /// Accounts of links in the ledger, if there is one.
     pub accounts: &'a mut [Account],
 }
 
-/// Fuses what is marked; returns how many of the last forces no tick runs by themselves.
+/// Fuses the marked rows. Returns how many of the last force passes the tick does not run separately.
 pub fn fuse(passes: &mut Passes) -> usize {
     let fused: Vec<bool> = passes.forces.iter().map(|op| op.form.integrate != Integrate::No).collect();
     let mut rows: Vec<Op> = Vec::new();
     for op in passes.forces.iter().filter(|op| op.form.integrate != Integrate::No) {
         match rows.last_mut() {
-            // links across run in the pass of those along
+            // Links across run in the pass of the links along.
             Some(along) if op.form.band == Band::Across => along.form.offset |= op.form.offset,
             _ => rows.push(*op),
         }
@@ -97,7 +96,7 @@ pub fn fuse(passes: &mut Passes) -> usize {
     rows.sort_by_key(|op| op.mat);
     let mut rows = rows.into_iter().peekable();
     let mut moves = Vec::with_capacity(passes.moves.len());
-    // both stand in the order of their masses
+    // Both are in the order of their masses.
     for stretch in passes.moves.drain(..) {
         let (mut at, end) = (stretch.mat, stretch.mat + stretch.n);
         let part = |from: usize, to: usize| (to > from).then(|| Op { mat: from, n: to - from, ..stretch });
@@ -106,7 +105,7 @@ pub fn fuse(passes: &mut Passes) -> usize {
             let form = Form { stride: 1, ..op.form };
             moves.extend(part(at, op.mat));
             moves.push(Op { kernel: (law.fns.kernel)(form), form, tap: 1, ..op });
-            // a folded row has as many links as masses
+            // A folded row has as many links as masses.
             at = op.mat + op.n + usize::from(!form.folded);
         }
         moves.extend(part(at, end));

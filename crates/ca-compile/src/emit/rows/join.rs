@@ -1,7 +1,7 @@
 //! Join: rows that run as one, with joints without force between them.
 //!
-//! Decides this after what integrates is known: two rows are one only where they do the same, and where every mass is given its
-//! forces in the same order.
+//! This step follows the decision on integration: two rows are joined only if they integrate alike, and if the order of
+//! forces on each mass is kept.
 
 use crate::emit::cost;
 use crate::emit::plan::Plan;
@@ -12,9 +12,9 @@ use alloc::vec::Vec;
 use ca_core::internal::op::Integrate;
 
 impl Plan<'_> {
-    /// Rows joined to longer ones where the next begins soon behind the one before: a pass for each row of a mesh waits
-    /// more than it computes. What integrates comes first, in the order of its slots; other rows only where one follows
-    /// the other in the list, so that every mass is given its forces in the same order.
+    /// Joins rows to longer ones if the next begins soon after the previous: a pass per row of a mesh would wait longer
+    /// than it computes. Rows that integrate come first, in the order of their slots. Other rows are joined only if
+    /// they are adjacent in the list, so that the order of forces on each mass is kept.
     pub fn joined(&self, options: &Options, batches: Vec<Batch>) -> Vec<Batch> {
         if options.kernel != KernelClass::Fast {
             return batches;
@@ -32,9 +32,9 @@ impl Plan<'_> {
             rows = more;
             rows.extend(bands::joined(self, mesh, &of));
         }
-        // links across a mesh stay behind those along
+        // The stable sort keeps links across a mesh after those along it.
         rows.sort_by_key(|b| b.slot(self));
-        // joints at masses of a row that integrates them would be links of another row over it
+        // Joints at masses that a row integrates would be links of another row at them.
         let taken: Vec<[u32; 2]> = rows.iter().map(|b| [b.slot(self), b.slot(self) + b.masses() as u32]).collect();
         let is_free = |from: u32, to: u32| {
             let next = taken.partition_point(|t| t[1] <= from);
@@ -42,7 +42,7 @@ impl Plan<'_> {
         };
         let mut all: Vec<Batch> = Vec::with_capacity(rows.len() + others.len());
         for b in rows.into_iter().chain(others) {
-            // links that would stand between the two
+            // Number of joints between the two rows, if they can be joined.
             let between = |a: &Batch| {
                 if a.mesh.is_some() || b.mesh.is_some() {
                     return None;

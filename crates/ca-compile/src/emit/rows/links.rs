@@ -1,4 +1,4 @@
-//! Links: batches of one law, rows as runs, and where each link ends up.
+//! Links: the arrays of all batches, and the position of each link.
 
 use crate::emit::penetration;
 use crate::emit::plan::Plan;
@@ -17,33 +17,33 @@ use ca_model::diag::Diags;
 
 /// The links, laid out.
 pub struct Links {
-    /// their passes
+    /// Passes.
     pub forces: Vec<Op>,
-    /// the first of the implicit ones
+    /// Index of the first pass that is solved with the coming motion.
     pub late: usize,
-    /// contacts that are solved together
+    /// Number of contacts that are solved together.
     pub touch: usize,
-    /// first and second place of each
+    /// First and second slot of each link.
     pub ends: Vec<[u32; 2]>,
-    /// the same of second ports
+    /// Slots of second ports.
     pub onto: Vec<[u32; 2]>,
-    /// what ports in space need
+    /// Geometry of ports in space.
     pub reach: Vec<[f64; 4]>,
-    /// sets of which all pairs are joined
+    /// Sets whose pairs are all linked.
     pub pair_sets: Vec<PairSet>,
-    /// constant part of the elongation of each
+    /// Constant part of the elongation of each link.
     pub e0: Vec<f64>,
-    /// numbers of memory
+    /// Number of memory values.
     pub mem: usize,
-    /// places for forces
+    /// Number of stored forces.
     pub tap: usize,
-    /// links of fused rows whose force is heard, each with its number in the net
+    /// Links of fused rows whose force is an output, by their number in the network.
     pub heard: Vec<(u32, HeardLink)>,
-    /// for each link of the net, its op and position in it
+    /// Pass and position of each link of the network.
     pub where_is: Vec<(u32, u32)>,
 }
 
-/// Tables that laws bring with them, in order of first use, after those of the model.
+/// Returns the tables built into laws, in order of first use. They follow the tables of the model.
 pub fn own_tables(net: &Pruned) -> Vec<(&'static Law, ca_core::Table)> {
     let mut own: Vec<(&'static Law, ca_core::Table)> = Vec::new();
     for l in &net.lias {
@@ -57,19 +57,19 @@ pub fn own_tables(net: &Pruned) -> Vec<(&'static Law, ca_core::Table)> {
 }
 
 impl Plan<'_> {
-    /// First places of the ends of a link.
+    /// Returns the first slots of the ends of a link.
     pub fn ends(&self, l: u32) -> [u32; 2] {
         let l = &self.net.lias[l as usize];
         self.port(l.ends, l.measure)
     }
 
-    /// First places of two ends; on a line, those of the axes it measures.
+    /// Returns the first slots of two ends; on a line, the slots of the axes that are measured.
     fn port(&self, ends: [End; 2], measure: Measure) -> [u32; 2] {
         let axes = if let Measure::Line(axes) = measure { axes } else { [0, 0] };
         [0, 1].map(|k| self.at(ends[k]) + u32::from(axes[k]))
     }
 
-    /// What a port in space needs beside its ends, if it is one.
+    /// Returns the geometry of a port in space, besides its ends; `None` on a line.
     fn reach(&self, ends: [End; 2], measure: Measure, soften: f64) -> Option<[f64; 4]> {
         match measure {
             Measure::Line(_) => None,
@@ -86,7 +86,7 @@ impl Plan<'_> {
         let net = self.net;
         let own = own_tables(net);
         let heard = self.heard();
-        // with a 0 on either side, for rows that integrate
+        // With a 0 on either side, for rows that integrate.
         let passing = |b: &&Batch| b.stride > 0 || b.band == Band::Across;
         let scratch = batches.iter().filter(passing).map(|b| b.links.len() + 2).max().unwrap_or(0);
         let mut k = Links {
@@ -157,7 +157,7 @@ impl Plan<'_> {
                 }
             }
             let some_heard = batch.iter().any(|l| heard.contains(l));
-            // the ledger asks for the work of a link where that is not what it stores and loses
+            // The ledger needs the work of a link if that differs from what it stores and loses.
             let radial = [Some(shape.measure), shape.onto].contains(&Some(MeasureKind::Radial));
             let audited = options.energy && (!law.linear || law.implicit || radial);
             let tap = audited || some_heard && integrate == Integrate::No;
@@ -176,13 +176,13 @@ impl Plan<'_> {
             let (measure, onto, set) = (shape.measure, shape.onto, sets.is_some());
             let soften = measure == MeasureKind::Radial && k.reach[ports.reach..].iter().any(|r| r[3] != 0.0);
             let form = Form { stride, hub, offset, tap, measure, onto, set, soften, ..Form::default() };
-            // what is folded stands in a row to the pass that integrates, to no other
+            // Only the pass that integrates treats a folded batch as a row.
             let mut op = Op::links(law, law.fns, form, n);
             let form = Form { integrate, folded, band, ..form };
             op = Op { form, ports, first, coef, mem: k.mem, mat: mat as usize, ..op };
             if tap {
                 op.tap = k.tap;
-                // of a set, the force on each axis of each member
+                // A set stores the force on each axis of each member.
                 k.tap += ports.pair_set.map_or(n, |c| 3 * k.pair_sets[c].members.len());
             }
             k.mem += n * law.mem;

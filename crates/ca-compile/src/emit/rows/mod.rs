@@ -1,6 +1,12 @@
-//! Links as passes, in the order of work: batches of links of one law ([`batches`]) in the order of rows ([`sorted`]), short rows
-//! of one law as one ([`chains`]), what is integrated with them ([`fuse`] by [`added`], meshes by [`bands`]), rows that run as one ([`join`]), rows in eight lanes ([`fold`]), lists from one place
-//! to a row ([`fans`]), their arrays ([`links`]), rows of points in space ([`space`]), and the order of the document in which a state is hashed ([`written`]).
+//! Links as passes, in the order of work:
+//! - [`batches`]: links of one law, in the order of rows ([`sorted`]);
+//! - [`chains`]: short rows that run as one;
+//! - [`fuse`]: integration with the links, by [`added`], and of meshes by [`bands`];
+//! - [`join`]: rows that run as one;
+//! - [`fold`]: rows in eight lanes;
+//! - [`fans`]: lists from one slot to a row;
+//! - [`links`]: the arrays; [`space`]: rows of points in space;
+//! - [`written`]: document order for state hashes.
 
 pub mod added;
 pub mod bands;

@@ -1,21 +1,22 @@
-//! Sorted: links in the order of rows, whatever order the document has them in.
+//! Sorted: links in the order of rows, whatever their order in the document.
 //!
-//! A mesh may be written row by row, node by node, column by column or in no order, and a hammer before or behind it: it is the
-//! same mesh. Rows are found in links that follow each other, and fused where nothing is added before them. Decides that linear
-//! links on a line come first, and that of each law those written one by one, or as lists that are rows, come by stride and then
-//! by place, before those that stand in no row; the forces on a mass are summed in this order. What a generator made
-//! stands as it should.
+//! A mesh may be written by rows, nodes or columns or in any order, and a hammer before or after it: the scene is the
+//! same. Rows are found in consecutive links, and fused if no force is added before them. Linear links on a line
+//! therefore come first. Within a law, links in rows that are written one by one, or as lists that are rows, come by
+//! stride and then by slot, before links in no row. The forces on a mass are summed in this order. Links of generators
+//! keep their order.
 
 use crate::emit::plan::Plan;
 use alloc::vec::Vec;
 use ca_core::Role;
 
-/// Links in a row, at least; rows that are too short to run as such still have their order.
+/// Smallest number of links in a row; rows too short for a run are sorted too.
 const SHORTEST: usize = 2;
 
 impl Plan<'_> {
-    /// The links of one law and measure, if they stand otherwise than listed: where some of those written one by one then stand
-    /// in rows of at least `shortest` links, whose ends are `step` slots further from one link to the next.
+    /// Returns the links of one law and measure in sorted order, if it differs from the given one. Some links written
+    /// one by one must then be in rows of at least `shortest` links, with both ends `step` slots further from link to
+    /// link.
     pub fn sorted(&self, links: &[u32], shortest: usize, step: u32) -> Option<Vec<u32>> {
         let stride = |l: u32| {
             let [a, b] = self.ends(l);
@@ -30,7 +31,7 @@ impl Plan<'_> {
         let follows = |a: &u32, b: &u32| self.follows(*a, *b, step);
         let (mut listed, mut made) = (Vec::new(), Vec::new());
         for of in links.chunk_by(|a, b| item(a) == item(b)) {
-            // a list that is no row, as from one place to many, has the order its author gave it
+            // A list that is not a row, e.g. from one slot to many, keeps the order of its author.
             let to = if by_hand(&of[0]) && of.is_sorted_by(follows) { &mut listed } else { &mut made };
             to.extend_from_slice(of);
         }
@@ -40,7 +41,7 @@ impl Plan<'_> {
         let mut sorted = listed.clone();
         sorted.sort_by_key(key);
         let is_row = |row: &&[u32], shortest: usize| row.len() >= shortest && stride(row[0]) < u32::MAX / 2;
-        // links in rows, and how many of them in long ones
+        // Links in rows, and how many of them are in long ones.
         let in_rows = |links: &[u32]| {
             let rows = || links.chunk_by(follows);
             let long = rows().filter(|row| is_row(row, shortest)).map(<[u32]>::len).sum::<usize>();

@@ -1,18 +1,18 @@
-//! Rows in space: where links of a batch join points that follow each other, as along and across a cloth.
+//! Rows in space: links of a batch between consecutive points, e.g. along and across a cloth.
 //!
-//! Decides to find them in the order the links have, which is that of the sums, and to leave them in their batch: a pass for
-//! each row of a cloth would have twenty beginnings and ends.
+//! Rows are found in the existing order of the links, which is the order of sums, and stay in their batch: a pass for
+//! each row of a cloth would have the overhead of twenty passes.
 
 use alloc::vec::Vec;
 use ca_core::internal::op::{MeasureKind, Op};
 
-/// Shorter rows are looked up as others are.
+/// Shortest row; shorter ones are looked up.
 pub const SHORTEST: usize = 4;
 
-/// Places of a point.
+/// Slots of a point.
 pub const POINT: u32 = 3;
 
-/// See [`LinkArrays::rows`](ca_core::internal::op::layout::LinkArrays::rows), for the links of `forces`.
+/// Returns [`LinkArrays::rows`](ca_core::internal::op::layout::LinkArrays::rows) for the links of `forces`.
 pub fn rows(forces: &[Op], ends: &[[u32; 2]], reach: &[[f64; 4]], rest: &[f64]) -> Vec<i32> {
     let mut rows = alloc::vec![-1; reach.len()];
     for op in forces.iter().filter(|op| op.ports.measure == MeasureKind::Radial && op.ports.onto.is_none()) {
@@ -34,7 +34,7 @@ pub fn rows(forces: &[Op], ends: &[[u32; 2]], reach: &[[f64; 4]], rest: &[f64]) 
             }
             first = next;
         }
-        // what is looked up goes in stretches
+        // Links that are looked up form stretches.
         for i in (at..(at + op.n).saturating_sub(1)).rev() {
             if rows[i] < 0 && rows[i + 1] < 0 {
                 rows[i] = rows[i + 1] - 1;

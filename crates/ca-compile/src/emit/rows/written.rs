@@ -1,7 +1,7 @@
-//! Written: the order numbers of the state would stand in if no row had been joined or folded.
+//! Written: the order that the numbers of the state would have if no row had been joined or folded.
 //!
-//! Decides that the hash of a state goes by that order, which depends on the document alone: a take names the bits of
-//! its states, and where the compiler puts them may change from one version to the next.
+//! The hash of a state uses this order, which depends on the document only. Takes store these hashes, while the layout
+//! of the state may change between versions of the compiler.
 
 use crate::emit::rows::batch::Batch;
 use crate::emit::rows::links::Links;
@@ -9,26 +9,26 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::ops::Range;
 
-/// What stands where.
+/// Original order of slots and coefficients.
 #[derive(Default)]
 pub struct Written {
-    /// links of each batch, before any row was joined
+    /// Links of each batch before any row was joined.
     batches: Vec<Vec<u32>>,
-    /// slots in the order they had before any row was folded; empty where none is
+    /// Slots in their order before any row was folded; empty if none was.
     pub slots: Vec<u32>,
-    /// the same of coefficients of MATs and links
+    /// The same for the coefficients of MATs and links.
     coefs: Vec<u32>,
-    /// the first coefficient behind those
+    /// First coefficient after these.
     end: usize,
 }
 
 impl Written {
-    /// Remembers the batches as they are.
+    /// Stores the batches in their present order.
     pub fn new(batches: &[Batch]) -> Written {
         Written { batches: batches.iter().map(|b| b.links.clone()).collect(), ..Written::default() }
     }
 
-    /// Notes where the coefficients of `n_mat` slots and those of `links` came to stand.
+    /// Records the indices of the coefficients of `n_mat` slots and of `links`.
     pub fn coefs(&mut self, n_mat: usize, of_links: Range<usize>, links: &Links) {
         let slots = &self.slots;
         let slot = |i: usize| slots.get(i).map_or(i, |s| *s as usize);
@@ -48,7 +48,7 @@ impl Written {
         self.end = of_links.end;
     }
 
-    /// Indices of slots and of coefficients, of which there are `n_coef`, in the order of the document.
+    /// Returns the indices of slots and of `n_coef` coefficients in document order.
     pub fn orders(self, n_coef: usize) -> [Arc<[u32]>; 2] {
         let mut coefs = self.coefs;
         if !coefs.is_empty() {

@@ -1,4 +1,4 @@
-//! Maker: what makes the points of a gesture: a line, a sine, noise, pulses, another gesture, a sum.
+//! Makes the points of a gesture: a line, a sine, noise, pulses, another gesture, a sum.
 
 use super::{Curves, DAY, MOST, Points};
 use crate::findings::{unit_span, wanted, wrong_unit};
@@ -11,12 +11,12 @@ use ca_model::suggest::nearest;
 use ca_model::{Entry, Span, Value};
 use core::f64::consts::PI;
 
-/// A gesture that follows one that follows another, and so on, no further than this.
+/// Largest number of gestures that follow one another.
 const DEEP: usize = 16;
-/// So many points of a period make a sine: it is then true to 5e-4 of its amplitude.
+/// Points per period of a sine, which make it accurate to 5e-4 of its amplitude.
 const OF_PERIOD: f64 = 100.0;
 
-/// One table at work.
+/// Evaluation of one table.
 pub(super) struct Maker<'m, 'a, 'v> {
     pub(super) c: &'m mut Curves<'a, 'v>,
     pub(super) t: &'m [Entry],
@@ -34,7 +34,6 @@ impl Maker<'_, '_, '_> {
         self.c.v.constant(e, unit, range, &what)
     }
 
-    /// A time \[s\].
     fn time(&mut self, key: &str, or: f64, range: (f64, f64)) -> Option<f64> {
         let Some(e) = self.find(key).cloned() else { return Some(or) };
         self.constant(&e, Unit::SECOND, range)
@@ -56,7 +55,7 @@ impl Maker<'_, '_, '_> {
         self.constant(&e, Unit::NONE, range)
     }
 
-    /// When it ends \[s\]: as written, or with the model.
+    /// Returns the end \[s\], as written or of the model.
     fn end(&mut self) -> Option<f64> {
         let end = self.time("to", self.c.net.seconds.unwrap_or(f64::NAN), (0.0, DAY))?;
         if end.is_nan() {
@@ -67,7 +66,6 @@ impl Maker<'_, '_, '_> {
         Some(end)
     }
 
-    /// When it begins and ends \[s\].
     fn span(&mut self) -> Option<(f64, f64)> {
         let (from, to) = (self.time("from", 0.0, (0.0, DAY))?, self.end()?);
         if to < from {
@@ -93,7 +91,7 @@ impl Maker<'_, '_, '_> {
         self.constant(&e, Unit::HERTZ, (f64::MIN_POSITIVE, self.c.net.rate / 2.0))
     }
 
-    /// A curve sampled so many times a second, from one time to another.
+    /// Samples a curve `rate` times per second over an interval.
     fn sampled(&mut self, (from, to): (f64, f64), rate: f64, at: impl FnMut(f64) -> f64) -> Option<Points> {
         let n = libm::ceil((to - from).max(0.0) * rate) + 1.0;
         if n > MOST as f64 {
@@ -111,7 +109,6 @@ impl Maker<'_, '_, '_> {
         None
     }
 
-    /// What of a curve comes before its end.
     fn cut(&mut self, mut points: Points, end: f64) -> Option<Points> {
         let after = points.partition_point(|p| p[0] <= end);
         if after < points.len() && after > 0 {
@@ -130,7 +127,7 @@ impl Maker<'_, '_, '_> {
         None
     }
 
-    /// Points, again and again.
+    /// Repeats points.
     pub(super) fn looped(&mut self, of: &Entry) -> Option<Points> {
         let what = self.what;
         let once = self.c.points(of, what)?;
@@ -184,7 +181,7 @@ impl Maker<'_, '_, '_> {
         self.sampled((from, to), rate, |t| offset + amplitude * libm::sin(2.0 * PI * turns(t)))
     }
 
-    /// Values drawn evenly from both sides of the offset, 2 f of them a second.
+    /// Draws 2 f values per second, uniformly distributed around the offset.
     pub(super) fn noise(&mut self, of: &Entry) -> Option<Points> {
         let (amplitude, f, offset) = (self.value(of)?, self.frequency()?, self.offset()?);
         let seed = self.number("seed", 1.0, (0.0, 9e15))?;
@@ -193,7 +190,7 @@ impl Maker<'_, '_, '_> {
         self.sampled((from, to), 2.0 * f, |_| offset + amplitude * (2.0 * uniform(&mut state) - 1.0))
     }
 
-    /// Up, a while, and down again, once or many times.
+    /// Makes pulses: rise, hold, fall, once or repeatedly.
     pub(super) fn pulse(&mut self, of: &Entry) -> Option<Points> {
         let (height, offset) = (self.value(of)?, self.offset()?);
         let rise = self.time("rise", 0.0, (0.0, DAY))?;
@@ -271,7 +268,8 @@ impl Maker<'_, '_, '_> {
             self.c.v.diags.push(d.help("let one of them say what it plays"));
             return None;
         }
-        // what it follows may be counted in another unit: the gain then has one unit over the other, or is a number of SI units
+        // The followed gesture may have another unit. The gain then has the ratio of the units, or is a number in SI
+        // units.
         let (own, alg) = (self.c.unit, self.c.alg);
         let theirs = (self.c.units)(name).unwrap_or(own);
         let ratio = Dim { m: own.dim.m - theirs.dim.m, kg: own.dim.kg - theirs.dim.kg, s: own.dim.s - theirs.dim.s };
@@ -305,7 +303,7 @@ impl Maker<'_, '_, '_> {
         (self.c.unit, self.c.alg) = (theirs, if theirs.dim.same(own.dim) { alg } else { None });
         let before = self.c.v.diags.list.len();
         let points = self.c.curve(other, &what);
-        // what is wrong with it is said where it stands
+        // Errors of the followed gesture are reported at its own place.
         self.c.v.diags.list.truncate(before);
         (self.c.unit, self.c.alg) = (own, alg);
         self.c.within.pop();
@@ -313,7 +311,7 @@ impl Maker<'_, '_, '_> {
         Some(points?.into_iter().map(|[t, v]| [t + delay, offset + gain * v]).collect())
     }
 
-    /// Values at the times of all of them.
+    /// Adds curves at the times of all their points.
     pub(super) fn sum(&mut self, of: &Entry) -> Option<Points> {
         let Value::List(list) = &of.value else {
             let d = Diag::error("E019", format!("`sum` of {} is a list", self.what)).at(of.span, "not a list");
@@ -331,7 +329,7 @@ impl Maker<'_, '_, '_> {
         let mut times: Vec<f64> = all.iter().flatten().map(|p| p[0]).collect();
         times.sort_by(f64::total_cmp);
         times.dedup();
-        // a jump of one is a jump of the sum: before it, then from it on
+        // The sum jumps where any curve jumps: one point before, one after.
         let mut jumping: Vec<f64> =
             all.iter().flat_map(|p| p.windows(2)).filter(|w| w[0][0] == w[1][0]).map(|w| w[0][0]).collect();
         jumping.sort_by(f64::total_cmp);
@@ -351,7 +349,7 @@ impl Maker<'_, '_, '_> {
     }
 }
 
-/// The value at `t`; where it jumps there, that from then on, or that before.
+/// Returns the value at `t`; at a jump, the value before it if `before`, else the value after it.
 fn value_at(p: &[[f64; 2]], t: f64, before: bool) -> f64 {
     let i = p.partition_point(|q| if before { q[0] < t } else { q[0] <= t });
     match (i.checked_sub(1).map(|k| p[k]), p.get(i)) {
@@ -363,7 +361,7 @@ fn value_at(p: &[[f64; 2]], t: f64, before: bool) -> f64 {
     }
 }
 
-/// From 0 to 1: SplitMix64, which every machine computes alike.
+/// Returns a number from 0 to 1 by SplitMix64, which gives the same bits on every machine.
 fn uniform(state: &mut u64) -> f64 {
     *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let mut z = *state;

@@ -1,8 +1,8 @@
-//! Curve: a built-in gesture as written: points, or what makes them.
+//! A built-in gesture as written: points, or a table that makes them.
 //!
-//! Decides that all of them become points joined by straight lines before anything is played, as gestures of files are: whoever
-//! plays a scene knows one kind of gesture, and a take holds the same. Between its points a sine is then as straight as the hand
-//! of a device between its frames: it has one at every gesture frame, and at every sample where it is too fast for these.
+//! All gestures become points joined by straight lines before anything is played, as gestures from files are. There is
+//! therefore one kind of gesture for players and takes. A sine has a point at every gesture frame, like the position of
+//! a device; if it is too fast for that, it has one at every sample.
 
 mod maker;
 
@@ -21,34 +21,34 @@ use ca_model::suggest::nearest;
 use ca_model::{Entry, Value};
 use maker::Maker;
 
-/// More points than this are refused.
+/// Largest number of points.
 pub const MOST: usize = 1 << 22;
-/// Longest time of a gesture \[s\].
+/// Longest duration of a gesture \[s\].
 const DAY: f64 = 86_400.0;
 
 /// Points \[s, value\].
 pub type Points = Vec<[f64; 2]>;
 
-/// What a curve is made for.
+/// Context for the evaluation of curves.
 pub struct Curves<'a, 'v> {
     pub v: &'a mut Values<'v>,
     pub net: &'a Resolved,
-    /// all gestures as written
+    /// All gestures as written.
     pub all: &'a BTreeMap<&'a str, &'a Entry>,
-    /// unit of the values
+    /// Unit of the values.
     pub unit: Unit,
-    /// unit of any gesture, by its name
+    /// Unit of any gesture, by its name.
     pub units: &'a dyn Fn(&str) -> Option<Unit>,
-    /// tick of the reference rate, where bare values are in `alg` units; times are seconds in every unit system
+    /// Tick of the reference rate, if bare values are in `alg` units; times are always in seconds.
     pub alg: Option<f64>,
-    /// those that are being followed
+    /// Gestures being followed.
     pub within: Vec<String>,
-    /// those that are made already
+    /// Gestures already made.
     pub made: &'a mut BTreeMap<String, Option<Points>>,
 }
 
 impl Curves<'_, '_> {
-    /// The points of a gesture; `None` is reported.
+    /// Returns the points of a gesture; `None` after a reported error.
     pub fn curve(&mut self, e: &Entry, what: &str) -> Option<Points> {
         match &e.value {
             Value::Table(t) => self.made(e, t, what),

@@ -1,4 +1,4 @@
-//! `[gesture]`: what the model plays by itself, as points \[s, value\] for a port or a live parameter.
+//! Reads `[gesture]`: built-in gestures as points \[s, value\] for a port or a live parameter.
 
 use crate::lower::curve::{Curves, MOST};
 use crate::lower::named::Named;
@@ -20,7 +20,7 @@ pub fn gestures(model: &Model, net: &mut Resolved, alg: Option<f64>, named: &[Na
         return;
     }
     let all: BTreeMap<&str, &Entry> = model.gestures.iter().map(|e| (e.key.as_str(), e)).collect();
-    // what a key of the section drives, and in which unit
+    // Unit and limits of everything that a gesture may drive.
     let params = net.params.iter().map(|p| (p.name.clone(), (p.unit, Some((p.min, p.max)))));
     let force = |i: &Input| if i.role == InputRole::Force { Unit::NEWTON } else { Unit::METRE };
     let ports = net.inputs.iter().map(|i| (i.name.clone(), (force(i), None)));
@@ -78,7 +78,7 @@ pub fn gestures(model: &Model, net: &mut Resolved, alg: Option<f64>, named: &[Na
     }
 }
 
-/// Every text in a value.
+/// Calls `named` for every text in a value.
 fn refer(value: &Value, named: &mut dyn FnMut(&str)) {
     match value {
         Value::Text(t) => named(t),
@@ -91,7 +91,7 @@ fn drives_nothing(e: &Entry, model: &Model, net: &Resolved, named: &[Named], dia
     let mut d = Diag::error("E021", format!("gesture `{}` drives nothing", e.key));
     if let Some(n) = named.iter().find(|n| n.name == e.key) {
         if n.value.is_none() {
-            return; // reported where it is declared
+            return; // reported at its declaration
         }
         d = d.at(e.key_span, "not a live parameter").at(n.span, "declared here, not live");
         diags.push(d.help(format!("declare it as `{} = {{ value = …, live = true }}`", e.key)));
@@ -99,7 +99,7 @@ fn drives_nothing(e: &Entry, model: &Model, net: &Resolved, named: &[Named], dia
     }
     if let Some(item) = model.items.iter().find(|i| i.name == e.key) {
         if matches!(item.kind.as_str(), "ENX" | "ENF" | "TGR") || !net.items.iter().any(|i| *i.name == *e.key) {
-            return; // broken, and reported where it stands
+            return; // broken, and reported at its own place
         }
         d = d.at(e.key_span, "not a port").at(item.name_span, format!("{} is not moved by a gesture", item.kind));
         diags.push(d.help(format!(

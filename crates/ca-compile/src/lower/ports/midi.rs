@@ -1,4 +1,4 @@
-//! MIDI: the meaning of `midi = { … }` on a port, checked word by word.
+//! Reads and checks `midi = { … }` of a port.
 
 use crate::findings::type_name;
 use crate::lower::values::Values;
@@ -14,7 +14,7 @@ const KEYS: &[&str] =
     &["note", "cc", "bend", "pressure", "channel", "from", "to", "attack", "release", "velocity", "back"];
 
 impl Values<'_> {
-    /// The mapping written in `e`; `unit` is what the port takes.
+    /// Reads the mapping `e`; `unit` is the unit of the port.
     pub fn midi(&mut self, e: &Entry, unit: Unit, owner: &str) -> Option<MidiMap> {
         let what = format!("`midi` of `{owner}`");
         let Value::Table(entries) = &e.value else {
@@ -128,7 +128,7 @@ impl Values<'_> {
         n
     }
 
-    /// A note as number or name (C4 = 60), or a range of two.
+    /// Reads a note as number or name (C4 = 60), or a range of two.
     fn notes(&mut self, e: &Entry, what: &str) -> Option<(u8, u8)> {
         match &e.value {
             Value::List(l) if l.len() == 2 => {

@@ -1,4 +1,4 @@
-//! Port: a port becomes the places of the state that it takes and, where it moves something, a MAT.
+//! Makes the inputs of a port and, if it moves, its MAT.
 
 use crate::findings::type_name;
 use crate::lower::space;
@@ -13,7 +13,7 @@ use ca_core::{Input, InputRole, Name, Unit};
 use ca_model::diag::Diag;
 use ca_model::{Item, Value};
 
-/// Makes the inputs of a port; outputs are wired later.
+/// Makes the inputs of a port; `connect` adds outputs later.
 pub(in crate::lower) fn port(
     role: PortRole,
     item: &NetItem,
@@ -42,7 +42,7 @@ pub(in crate::lower) fn port(
             None
         }
     });
-    // a force has the one axis it pushes along
+    // A force has one axis, along which it acts.
     let dim = if role == PortRole::Enf { 1 } else { dim };
     let dofs = match item.kind.param("dof").map(|i| &item.args[i]) {
         Some(Arg::List(l)) => l.clone(),

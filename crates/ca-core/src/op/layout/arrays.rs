@@ -1,7 +1,6 @@
 //! The arrays of a layout, in groups.
 //!
-//! A group is a plain structure in the layout, so that a pass reads its numbers like the numbers of the layout,
-//! and that fields keep the order in which a plan holds them.
+//! Each group is a plain structure, whose fields keep the order in which a plan stores them.
 
 use super::{
     Crossing, DcBlocker, Driven, Enf, Enx, HeardLink, Modal, ModalCoupling, MovingPoint, Output, OutputRow, PairSet,
@@ -11,47 +10,47 @@ use crate::numeric::Real;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-/// The rates of a layout, and what runs at another than its own.
+/// Rates of a layout, and what runs at another rate.
 #[derive(Clone, Default)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct Rates<R: Real = f64> {
-    /// sound sample \[s\], 1/rate
+    /// duration of a sound sample \[s\], 1/rate
     pub sample_dt: f64,
     /// sound samples per gesture frame
     pub ratio: u32,
-    /// ticks per gesture frame: as many, unless a sample has several
+    /// ticks per gesture frame; equal to `ratio` unless a sample has several ticks
     pub frame: u32,
     /// groups at the gesture rate
     #[cfg_attr(feature = "bytes", serde(skip))]
     pub slow: Option<Arc<SlowGroup<R>>>,
-    /// where a sample has several ticks
+    /// ticks within a sample, if there are several
     #[cfg_attr(feature = "bytes", serde(skip))]
     pub substeps: Option<Substeps<R>>,
 }
 
-/// The lengths of the arrays of a state.
+/// Lengths of the arrays of a state.
 #[derive(Clone, Copy, Debug, Default)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Counts {
     /// slots of MATs, moving points included: one for a MAT on a line, three in a row for one in space
     pub n_mat: usize,
-    /// links, and places in a row that no link takes
+    /// number of links, with the padding of rows
     pub n_lia: usize,
-    /// coefficients
+    /// number of coefficients
     pub n_coef: usize,
-    /// numbers of memory of laws and waves
+    /// number of memory values of laws and waves
     pub n_mem: usize,
-    /// contacts that are solved together
+    /// number of contacts that are solved together
     pub n_touch: usize,
-    /// places for forces kept or in passing
+    /// number of stored or temporary forces
     pub n_tap: usize,
-    /// channels of sound; probes come after them in [`State::output`](crate::state::State)
+    /// number of sound channels; probes follow them in [`State::output`](crate::state::State)
     pub channels: usize,
-    /// indices into [`State::output`](crate::state::State)
+    /// number of values in [`State::output`](crate::state::State)
     pub n_out: usize,
 }
 
-/// The ends of links, and their measures.
+/// Ends of links, and how they measure.
 #[derive(Clone, Default)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct LinkArrays<R: Real = f64> {
@@ -59,20 +58,21 @@ pub struct LinkArrays<R: Real = f64> {
     pub ends: Vec<[u32; 2]>,
     /// ends of the second ports of quadripoles (any x 2)
     pub onto: Vec<[u32; 2]>,
-    /// what a port in space needs beside its ends: for [`MeasureKind::Radial`](super::MeasureKind::Radial) the vector between the ends at rest \[m\] and
-    /// the square of the softening length \[m²\], for [`MeasureKind::Along`](super::MeasureKind::Along) the direction and nothing (any x 4)
+    /// data of a port in space beside its ends: for [`MeasureKind::Radial`](super::MeasureKind::Radial) the vector
+    /// between the ends at rest \[m\] and the square of the softening length \[m²\]; for
+    /// [`MeasureKind::Along`](super::MeasureKind::Along) the direction and an unused number (any x 4)
     pub reach: Vec<[R; 4]>,
-    /// for each entry of `reach` how many links of its batch, from that one on, are a row: they join points that follow each
-    /// other on both sides, the second ends behind the first, as far apart at rest as `rest` says. Or, below 0, how many are
-    /// none (as `reach`)
+    /// row lengths, one per entry of `reach`. A positive number is how many links of the batch, from this one on, form
+    /// a row: they join consecutive points on both sides, the second ends after the first, as far apart at rest as
+    /// `rest` says. A negative number counts links that form no row (as `reach`)
     pub rows: Vec<i32>,
-    /// sets of which all pairs are joined (any)
+    /// pair sets (any)
     pub pair_sets: Vec<PairSet>,
     /// constant part of the elongation \[m\] (n_lia)
     pub e0: Vec<R>,
 }
 
-/// The places of MATs at rest, and the MATs that follow others: moving points, and masses that go by their modes.
+/// Rest positions of MATs, and the MATs that follow others: moving points and modal masses.
 #[derive(Clone, Default)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct Places<R: Real = f64> {
@@ -82,19 +82,19 @@ pub struct Places<R: Real = f64> {
     pub nodes: Vec<u32>,
     /// moving points (any)
     pub moving_points: Vec<MovingPoint>,
-    /// masses in groups that go by their modes (any)
+    /// modal masses (any)
     pub modal: Vec<Modal>,
-    /// their shares in the modes (any)
+    /// shares of modal masses in the modes (any)
     pub shares: Vec<R>,
-    /// those of the masses at which links count on the motion to come, group by group (any)
+    /// modal masses at which links are solved with the coming motion, group by group (any)
     pub solved_modal: Vec<SolvedModal>,
-    /// groups with several of these (any)
+    /// groups with several such masses (any)
     pub modal_couplings: Vec<ModalCoupling>,
-    /// how much a force on one of them moves another, as a part of what one on that itself does (any)
+    /// motion of one such mass by a force on another, relative to the motion by a force on itself (any)
     pub couplings: Vec<R>,
 }
 
-/// Ports: what comes in, and what goes to devices.
+/// Ports: inputs, and outputs to devices.
 #[derive(Clone, Default)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct PortArrays<R: Real = f64> {
@@ -104,11 +104,11 @@ pub struct PortArrays<R: Real = f64> {
     pub enf: Vec<Enf>,
     /// device ports (any), across the border
     pub tgr: Vec<Enx<R>>,
-    /// position and device ports that run a tick late, for links that count on the motion to come: MATs (any)
+    /// MATs of position and device ports that run a tick late, for links that are solved with the coming motion (any)
     pub ahead: Vec<u32>,
-    /// parameters that ports drive (any)
+    /// parameters driven by ports (any)
     pub driven: Vec<Driven<R>>,
-    /// how they cross it
+    /// how device ports cross the border
     pub crossing: Crossing,
 }
 
@@ -116,18 +116,18 @@ pub struct PortArrays<R: Real = f64> {
 #[derive(Clone, Default)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct OutputArrays<R: Real = f64> {
-    /// links of fused passes whose forces are heard (any)
+    /// links of fused passes whose forces outputs read (any)
     #[cfg_attr(feature = "bytes", serde(skip))]
     pub heard: Vec<HeardLink<R>>,
-    /// what is heard (any): as it is first, then motion, then what goes through a high pass, and last motion that does
+    /// outputs (any), in this order: unfiltered, of motion, with a high-pass, of motion with a high-pass
     pub outputs: Vec<Output>,
-    /// how many of them hear motion: as it is, and through a high pass. A separate list, so that the others need not be asked
+    /// number of outputs of motion, without and with a high-pass. Their own lists save testing every output
     pub of_motion: [usize; 2],
-    /// channels with outputs as they are, where one has so many that they are summed in lanes
+    /// channels of unfiltered outputs, if one has enough outputs to be summed in lanes
     /// ([`pass::MANY`](crate::op::pass::MANY)) (channels, or none)
     pub output_rows: Vec<OutputRow>,
-    /// the high passes of the last of them (any)
+    /// high-pass filters of the last outputs (any)
     pub blockers: Vec<DcBlocker<R>>,
-    /// low-pass of the sound channels: the first half of its coefficients, up to the middle one (any)
+    /// low-pass of the sound channels: the first half of the coefficients, up to the middle one (any)
     pub lowpass: Vec<R>,
 }

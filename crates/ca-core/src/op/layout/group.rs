@@ -1,63 +1,63 @@
-//! Slow groups: what is computed once a gesture frame, as the sound side sees it.
+//! Groups at the gesture rate, as the sound side sees them.
 //!
-//! Decides that all groups at the gesture rate are one layout of their own, with passes of its own: every law, batch and
-//! ledger is there at another tick, and nothing of it had to be written twice. Of its MATs the state of the scene holds
-//! copies that move from outside, as device ports do, so that links across, outputs and names find them.
+//! All such groups are one separate layout with its own passes, whose tick is a gesture frame. Laws, batches and
+//! ledgers are thus reused unchanged. The state of the scene holds copies of their MATs, which move from outside like
+//! device ports, so that links across, outputs and names find them.
 
 use super::Layout;
 use crate::numeric::Real;
 use crate::op::Op;
 use alloc::vec::Vec;
 
-/// A place of a group and its copy in the state of the scene.
+/// A MAT of a group and its copy in the state of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Copied {
-    /// place in the state of the group
+    /// slot in the state of the group
     pub own: u32,
-    /// place in the state of the scene
+    /// slot in the state of the scene
     pub at: u32,
 }
 
-/// What the sound side answers in a frame, as linear functions of what is known as it begins. Numbers of a port stand in a row.
+/// Response of the sound side in a frame, linear in what is known at its start. The numbers of a port are a row.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Response {
-    /// places in the state of the scene whose position and motion count (any)
+    /// slots in the state of the scene whose position and motion matter (any)
     pub places: Vec<u32>,
-    /// mean force on each port that stays where it is \[N\], but for the force that the frame began with: what is always there,
-    /// then for each of `places` what a metre there adds, and what a metre per tick does (coupled × (1 + 2 places))
+    /// mean force on each port if it does not move \[N\], without the part due to the force at the start of the frame:
+    /// a constant, then for each of `places` the force per metre and per metre per tick (coupled × (1 + 2 places))
     pub known: Vec<f64>,
-    /// what of the mean force comes of the ports' own motion, the half of what that force adds to it included: for
-    /// each \[N\] by the motion of each that there would be without it \[m\] (coupled × coupled)
+    /// mean force due to the motion of the ports: N on each port per metre that each port would move without this
+    /// force. Half of the motion that the force itself adds is included (coupled × coupled)
     pub answer: Vec<f64>,
 }
 
 /// The groups at the gesture rate.
 #[derive(Clone, Default)]
 pub struct SlowGroup<R: Real = f64> {
-    /// its arrays; the tick is a gesture frame
+    /// their arrays; the tick is a gesture frame
     pub layout: Layout<R>,
-    /// its ledger, where there is one
+    /// passes of their ledger, if there is one
     pub reads: Vec<Op<R>>,
-    /// forces within it
+    /// passes of the forces within them
     pub forces: Vec<Op<R>>,
-    /// what looks at all forces on it
+    /// passes that need all forces on them
     pub after: Vec<Op<R>>,
-    /// integration
+    /// passes of integration
     pub moves: Vec<Op<R>>,
-    /// places whose copies move in every tick; those that links across hold come first
+    /// MATs whose copies move in every tick; those that links across the border join come first
     pub ports: Vec<Copied>,
-    /// how many links across hold
+    /// number of MATs that links across the border join
     pub coupled: usize,
-    /// true where not all that these links do in a frame is known as it begins
+    /// true if not all forces of these links in a frame are known when it begins
     pub compensated: bool,
-    /// places whose copies are only looked at, once a frame
+    /// MATs whose copies are only read, once per frame
     pub shown: Vec<Copied>,
-    /// links within it
+    /// number of links within them
     pub links: usize,
-    /// masses of it
+    /// number of their masses
     pub masses: usize,
-    /// what the links across answer
+    /// response of the links across the border
     pub response: Response,
 }

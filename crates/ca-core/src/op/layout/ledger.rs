@@ -1,4 +1,4 @@
-//! Ledger: the batches of links as the energy ledger sees them.
+//! Batches of links as the energy ledger sees them.
 
 use super::Ports;
 use crate::law::Idle;
@@ -6,19 +6,19 @@ use crate::numeric::Real;
 use crate::op::{Energies, Law};
 use alloc::vec::Vec;
 
-/// Links whose ends stand one behind the other: link i joins `ends[0] + i` and `ends[1] + i`.
+/// Links whose ends are consecutive: link i joins `ends[0] + i` and `ends[1] + i`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Row {
-    /// how many
+    /// number of links
     pub len: usize,
-    /// ends of the first
+    /// ends of the first link
     pub ends: [usize; 2],
 }
 
 impl Row {
-    /// The first of some links with these ends, among `n_mat` MATs. A place that no link takes stands there as one from a
-    /// MAT to itself, whose coefficients are 0, so that it may as well join others.
+    /// Finds the row at the start of `ends`. Padding entries, from a MAT to itself with coefficients of 0, may be part
+    /// of it.
     pub fn of(ends: &[[u32; 2]], n_mat: usize) -> Row {
         let some = ends.iter().enumerate().find(|(_, e)| e[0] != e[1]);
         let Some([Some(p), Some(q)]) = some.map(|(k, e)| e.map(|m| (m as usize).checked_sub(k))) else {
@@ -31,58 +31,58 @@ impl Row {
         Row { len: ends.iter().enumerate().take_while(fits).count(), ends: [p, q] }
     }
 
-    /// Two of them, the second behind the first: a folded row goes on in the next lane where one ends.
+    /// Finds two rows, one after the other. A folded row continues in the next lane where one ends.
     pub fn two(ends: &[[u32; 2]], n_mat: usize) -> [Row; 2] {
         let first = Row::of(ends, n_mat);
         [first, Row::of(&ends[first.len..], n_mat)]
     }
 }
 
-/// The functions that the ledger calls for the links of a batch.
+/// Functions that the ledger calls for the links of a batch.
 #[derive(Clone, Copy)]
 pub struct AccountFns<R: Real = f64> {
-    /// what it stores between two ticks, and loses in one
+    /// energy stored between two ticks, and lost in one
     pub energies: Energies<R>,
-    /// elongations at which a contact has no force
+    /// elongations at which a contact exerts no force
     pub idle: Idle<R>,
 }
 
 /// A batch of links as the ledger sees it.
 #[derive(Clone, Copy)]
 pub struct Account<R: Real = f64> {
-    /// its place in the list of passes that sum forces
+    /// index of the batch in the list of passes that sum forces
     pub op: usize,
     /// number of links
     pub n: usize,
-    /// how they measure
+    /// how the links measure
     pub ports: Ports,
-    /// first of them in [`LinkArrays::ends`](super::LinkArrays::ends), which is also their number in the ledger
+    /// first link in [`LinkArrays::ends`](super::LinkArrays::ends), and its number in the ledger
     pub first: usize,
-    /// first coefficient, as in a pass
+    /// first coefficient, as in the pass
     pub coef: usize,
-    /// first number of memory, as in a pass
+    /// first number of memory, as in the pass
     pub mem: usize,
-    /// first index into `LinkState::tap`, as in a pass
+    /// first index into `LinkState::tap`, as in the pass
     pub tap: usize,
-    /// the law of the links
+    /// law of the links
     pub law: &'static Law,
-    /// true where the identity holds exactly, so that nothing can be made
+    /// true if the energy identity holds exactly, so that the scheme makes no energy
     pub linear: bool,
-    /// true where a coefficient may change while playing, or an end is a point that moves
+    /// true if a coefficient may change while the scene plays, or an end is a moving point
     pub live: bool,
-    /// the first of its links, as far as their ends stand in two rows; none where they measure otherwise than on a line
+    /// the two rows that the links begin with; empty for links that do not measure on a line
     pub rows: [Row; 2],
-    /// the functions of the law
+    /// functions of the law
     pub fns: AccountFns<R>,
 }
 
-/// What the ledger needs to find its way.
+/// Data of the ledger.
 #[derive(Clone, Default)]
 pub struct LedgerPlan<R: Real = f64> {
     /// batches of links, in the order of the passes
     pub accounts: Vec<Account<R>>,
-    /// coefficient of the first weighed MAT
+    /// coefficient of the first MAT with weight
     pub weight: usize,
-    /// true where a coefficient of a MAT, or its weight, may change while playing
+    /// true if a coefficient of a MAT, or its weight, may change while the scene plays
     pub live: bool,
 }

@@ -1,8 +1,7 @@
-//! Layout: the arrays of a compiled scene that its passes read: counts first, then arrays with their shape.
+//! The arrays of a compiled scene that its passes read: counts first, then arrays with their shapes.
 //!
-//! Decides that a pass sees a layout and a state and nothing else: no names, no findings, no list of passes but
-//! of those between two samples, so that what the tick depends on is visible in one place. All of it is written
-//! once, by the compiler.
+//! A pass reads a layout and a state and nothing else, so everything a tick depends on is in one place. It lacks names
+//! and findings, and its only list of passes is for ticks between samples. The compiler writes it once.
 
 mod arrays;
 mod driven;
@@ -30,51 +29,50 @@ use alloc::vec::Vec;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum MeasureKind {
-    /// the difference of two places: on a line, or along one axis of space
+    /// difference of two positions: on a line, or along one axis of space
     #[default]
     Line,
-    /// the difference of two points in space along a fixed direction
+    /// difference of two points in space along a fixed direction
     Along,
-    /// the distance of two points in space
+    /// distance of two points in space
     Radial,
 }
 
-/// The ports of a batch of links: how they measure, and where their numbers stand.
+/// Ports of a batch of links: how they measure, and where their data is stored.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Ports {
-    /// of the first port
+    /// measure of the first port
     pub measure: MeasureKind,
-    /// its first entry in [`LinkArrays::reach`], unless it is a line
+    /// first entry of the first port in [`LinkArrays::reach`], unless it measures on a line
     pub reach: usize,
-    /// of the second port, where the links are quadripoles: measure, first entry in [`LinkArrays::onto`], first in
-    /// [`LinkArrays::reach`]
+    /// second port, for quadripoles: measure, first entry in [`LinkArrays::onto`], first entry in [`LinkArrays::reach`]
     pub onto: Option<(MeasureKind, usize, usize)>,
-    /// where all pairs of two sets are one module, its index in [`LinkArrays::pair_sets`]
+    /// index in [`LinkArrays::pair_sets`], if all pairs of two sets are one module
     pub pair_set: Option<usize>,
 }
 
-/// Two sets of points in space of which every pair is joined, or all pairs of one.
+/// Two sets of points in space whose pairs are all joined, or one set with all its pairs.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct PairSet {
-    /// first slot of each member, those of the first set first (members)
+    /// first slot of each member, the first set first (members)
     pub members: Vec<u32>,
-    /// members that are first ends: the first set
+    /// number of members of the first set, which are first ends
     pub rows: usize,
-    /// first member that is a second end; each row joins those from there on that stand behind it
+    /// first member that is a second end; each row joins the members from there on that come after it
     pub columns: usize,
 }
 
 impl PairSet {
-    /// The pairs of a first and a second set; without a second, of all pairs of the first.
+    /// Makes all pairs of a first and a second set, or all pairs within the first if the second is empty.
     pub fn new([first, second]: [&[u32]; 2]) -> PairSet {
         let rows = first.len();
         let columns = if second.is_empty() { 0 } else { rows };
         PairSet { members: [first, second].concat(), rows, columns }
     }
 
-    /// Number of pairs.
+    /// Returns the number of pairs.
     pub fn pairs(&self) -> u64 {
         let (n, rows) = (self.members.len() as u64, self.rows as u64);
         if self.columns == 0 { n * n.saturating_sub(1) / 2 } else { rows * (n - rows) }
@@ -87,12 +85,12 @@ impl PairSet {
 pub struct Enx<R: Real = f64> {
     /// index into [`State::input`](crate::state::State::input)
     pub input: u32,
-    /// the MAT it moves
+    /// MAT that it moves
     pub mat: u32,
-    /// its rest position \[m\]; the input is absolute
+    /// rest position of the MAT \[m\]; the input is absolute
     pub rest: R::Outer,
-    /// true where a link at it goes by the motion to come (implicit links, `stable`, `secant`, `newton`): where it is and
-    /// how fast at the first tick is then part of the start, see [`crate::Scene::state_from`]
+    /// true if a link at it is solved with the coming motion (implicit links, `stable`, `secant`, `newton`). Position
+    /// and motion of the port at the first tick are then part of the start, see [`crate::Scene::state_from`]
     pub implicit: bool,
 }
 
@@ -102,62 +100,62 @@ pub struct Enx<R: Real = f64> {
 pub struct Enf {
     /// index into [`State::input`](crate::state::State::input)
     pub input: u32,
-    /// the MAT it pushes
+    /// MAT that it pushes
     pub mat: u32,
 }
 
-/// Where a coordinate of a moving point comes from.
+/// Source of a coordinate of a moving point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum CoordinateSource {
-    /// a coefficient, which may be live
+    /// coefficient, which may be live
     Coef(u32),
-    /// the absolute position of a MAT, e.g. an ENX
+    /// absolute position of a MAT, e.g. an ENX
     Mat(u32),
 }
 
-/// A moving point: a MAT without mass that stands between nodes.
+/// A moving point: a MAT without mass between nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct MovingPoint {
-    /// its own place among the MATs
+    /// slot of the point
     pub mat: u32,
     /// first node in [`Places::nodes`]
     pub first: u32,
-    /// nodes along the two directions; 1 for a string
+    /// numbers of nodes along the two directions; the second is 1 for a string
     pub size: [u32; 2],
-    /// coordinates 0 … 1
+    /// coordinates, from 0 to 1
     pub at: [CoordinateSource; 2],
 }
 
-/// How the position of a device comes in and its force goes out where a frame has several ticks.
+/// Rule by which device ports cross the border if a frame has several ticks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Shape {
-    /// linear position, trapezoid mean force
+    /// position moves linearly, force is the trapezoid mean
     #[default]
     Linear,
-    /// position held, mean of the forces around its jump
+    /// position is held, force is the mean around its jump
     Hold,
 }
 
-/// How device ports cross the border between the rates.
+/// Crossing of the border between the rates by device ports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Crossing {
-    /// positions in, forces out
+    /// shape of positions and forces
     pub shape: Shape,
-    /// whole frames between the position of a device and all else
+    /// whole frames of delay added between the position of a device and the scene
     pub latency: u32,
-    /// whether the hand gets a force
+    /// true if the device gets a force
     pub feedback: bool,
 }
 
-/// The way of device ports across the border: by their [`Shape`], or tick by tick where a frame has one.
+/// Rule by which device ports cross the border: their [`Shape`], or tick by tick if a frame has one tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Way {
-    /// one tick a frame
+    /// one tick per frame
     Synchronous,
     /// [`Shape::Linear`]
     Linear,
@@ -171,20 +169,20 @@ impl Default for Crossing {
     }
 }
 
-/// Links that take part of their force from the time to come: what they join is one matrix of inertia. Those that share
-/// no mass with another are pairs, which need none.
+/// Links that take part of their force from the next positions. Linked ones are solved as one matrix of inertia. A pair
+/// shares no mass with another such link and needs no matrix.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct ImplicitLinks<R: Real = f64> {
-    /// slots in the state, in the order of elimination (n)
+    /// slots in the state, in elimination order (n)
     pub places: Vec<u32>,
-    /// pattern of its factor
+    /// pattern of the factor
     pub pattern: Pattern,
-    /// first coefficient of the factor; behind it the inertia of the places (n), then the numbers of the pairs
+    /// first coefficient of the factor, followed by the inertia of the MATs (n), then the numbers of the pairs
     pub coef: usize,
-    /// links whose whole force somebody needs
+    /// links whose whole force is needed
     pub forces: Vec<LinkForce<R>>,
-    /// links that share no mass with another such (any)
+    /// links that share no mass with another implicit link (any)
     pub pairs: Vec<Pair>,
 }
 
@@ -192,13 +190,13 @@ pub struct ImplicitLinks<R: Real = f64> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Pair {
-    /// slots in the state of its ends
+    /// slots of its ends
     pub ends: [u32; 2],
-    /// index into [`LinkState::tap`](crate::state::LinkState::tap), where its force is kept
+    /// index into [`LinkState::tap`](crate::state::LinkState::tap), if its force is stored
     pub tap: Option<u32>,
 }
 
-/// A link by an implicit method whose whole force is needed: it is heard, or what it holds is not moved by forces.
+/// An implicit link whose whole force is needed: an output reads it, or it acts on a MAT that forces do not move.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct LinkForce<R: Real = f64> {
@@ -206,57 +204,57 @@ pub struct LinkForce<R: Real = f64> {
     pub coef: [u32; 3],
     /// index into [`LinkState::tap`](crate::state::LinkState::tap)
     pub tap: Option<u32>,
-    /// entries of its elongation: index into [`ImplicitLinks::places`], and weight
+    /// moving ends of its elongation: index into [`ImplicitLinks::places`], and weight
     pub moving: Vec<(u32, R)>,
-    /// the same for slots in the state that no force moves
+    /// other ends: slot in the state of a MAT that forces do not move, and weight
     pub fixed: Vec<(u32, R)>,
 }
 
-/// A sample of several ticks.
+/// A sample that consists of several ticks.
 #[derive(Clone)]
 pub struct Substeps<R: Real = f64> {
-    /// ticks in a sample, R
+    /// ticks per sample, R
     pub times: u32,
-    /// the passes of one tick between two samples
+    /// passes of one tick between two samples
     pub tick: Arc<[Op<R>]>,
-    /// indices into [`State::input`](crate::state::State::input) that are given once a sample (any)
+    /// inputs that are given once per sample: indices into [`State::input`](crate::state::State) (any)
     pub inputs: Vec<u32>,
 }
 
-/// The arrays.
+/// The arrays that the passes of a scene read.
 #[derive(Clone, Default)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct Layout<R: Real = f64> {
-    /// how often it runs
+    /// rates
     pub rates: Rates<R>,
-    /// how much there is
+    /// lengths of the arrays of a state
     pub counts: Counts,
-    /// what links join
+    /// ends of links
     pub links: LinkArrays<R>,
-    /// where MATs are
+    /// positions of MATs
     pub places: Places<R>,
     /// tables of laws (any)
     pub tables: Vec<Table<R>>,
-    /// what comes in, and goes to devices
+    /// ports
     pub ports: PortArrays<R>,
     /// waveguides
     pub waves: Waves<R>,
     /// MATs with weight (any)
     pub weighed: Vec<u32>,
-    /// what is heard
+    /// outputs
     pub out: OutputArrays<R>,
-    /// what is solved in each tick, where implicit links are solved together
+    /// implicit links, if the scene has any
     pub implicit: Option<ImplicitLinks<R>>,
-    /// what the ledger needs, where the scene keeps one
+    /// data of the ledger, if the scene has one
     #[cfg_attr(feature = "bytes", serde(skip))]
     pub ledger: Option<LedgerPlan<R>>,
-    /// the vectors its passes use; the bits are the same with all
+    /// vectors that its passes use; the bits are the same with all
     #[cfg_attr(feature = "bytes", serde(skip))]
     pub vectors: Vectors,
 }
 
 impl<R: Real> Layout<R> {
-    /// The way of device ports across the border.
+    /// Returns how device ports cross the border.
     pub fn way(&self) -> Way {
         match (self.rates.frame, self.ports.crossing.shape) {
             (1, _) => Way::Synchronous,
@@ -265,7 +263,7 @@ impl<R: Real> Layout<R> {
         }
     }
 
-    /// Ticks in a sample: 1, unless the model asks for more.
+    /// Returns the ticks per sample: 1 unless the model sets `oversample`.
     pub fn oversample(&self) -> u32 {
         self.rates.substeps.as_ref().map_or(1, |f| f.times)
     }

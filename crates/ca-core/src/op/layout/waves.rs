@@ -1,53 +1,53 @@
-//! Waves: the ways of waveguides, and where they are touched.
+//! Layout of waveguides: their delays and junctions.
 
 use crate::numeric::Real;
 use crate::tuning::wave::Loss;
 use alloc::vec::Vec;
 
-/// A place where a waveguide is touched.
+/// A junction, where links act on a waveguide.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct Junction<R: Real = f64> {
-    /// the MAT it is
+    /// MAT of the junction
     pub mat: u32,
-    /// wave impedance of either side \[N per m/tick\]
+    /// wave impedance of each side \[N per m/tick\]
     pub z: R::Outer,
-    /// its memory: the waves that arrive from either side, and its motion before the tick \[m/tick\]
+    /// first number of its memory: the arriving waves of both sides, and its motion before the tick \[m/tick\]
     pub memory: usize,
 }
 
-/// What a wave meets at the end of its way.
+/// End of a delay, as a wave meets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub enum Termination<R: Real = f64> {
-    /// nothing: on to the next junction
+    /// the next junction
     Open,
     /// a rigid end
     Rigid,
     /// a rigid end with a loss and an allpass
     Lossy {
-        /// their coefficients
+        /// coefficients of loss and allpass
         loss: Loss<R::Outer>,
-        /// memory of the allpass
+        /// memory index of the allpass
         memory: usize,
     },
 }
 
-/// A way that waves take, from one side of a junction to a side of the same or of the next: a ring of waves.
+/// A delay: a ring of waves on the way from one side of a junction to a side of the same or the next junction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct Delay<R: Real = f64> {
-    /// the junction they leave
+    /// junction that the waves leave
     pub junction: usize,
-    /// memory of the wave that arrives on the side they leave from
+    /// memory index of the wave that arrives on the side they leave
     pub from: usize,
-    /// memory of the wave that arrives on the side they come to
+    /// memory index of the wave that arrives on the side they reach
     pub to: usize,
     /// first slot of the ring
     pub first: usize,
-    /// its length: the ticks a wave takes, and three more where a loss follows
+    /// length of the ring: the ticks a wave takes, plus three if a loss follows
     pub len: usize,
-    /// what they meet at its end
+    /// what the waves meet at the end
     pub end: Termination<R>,
 }
 
@@ -55,12 +55,12 @@ pub struct Delay<R: Real = f64> {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize), serde(bound = "R: crate::numeric::Stored"))]
 pub struct Waves<R: Real = f64> {
-    /// where they are touched (any)
+    /// junctions (any)
     pub junctions: Vec<Junction<R>>,
-    /// how waves travel (any)
+    /// delays (any)
     pub delays: Vec<Delay<R>>,
-    /// first slot of their memory in [`LinkState::mem`](crate::state::State)
+    /// first index of their memory in [`LinkState::mem`](crate::state::State)
     pub first: usize,
-    /// places of it
+    /// length of that memory
     pub len: usize,
 }

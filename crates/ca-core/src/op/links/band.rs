@@ -1,12 +1,11 @@
-//! Band: the links of a mesh, along its rows and across them, and the integration of its masses in one pass.
+//! The links of a mesh, along and across its rows, and the integration of its masses, in one pass.
 //!
-//! Masses stand folded ([`Folded`](super::folded::Folded)) in the order of the rows of the mesh, so that the neighbour along
-//! is the next vector and the neighbour across that `width` vectors further; of the last `width` vectors it stands in the
-//! next lane, at the beginning. Decides to compute the forces of those before anything moves, and every force once: what
-//! pulls back at a mass is looked up where it was left, `width` vectors before.
+//! Masses are folded ([`Folded`](super::folded::Folded)) in the order of the rows of the mesh. The neighbour along a
+//! row is the next vector, and the neighbour across is `width` vectors further. For the last `width` vectors it is in
+//! the next lane, at the beginning. Those forces are computed before anything moves, and every force is computed once:
+//! its reaction is read `width` vectors later from where it was stored.
 //!
-//! The sum is that of two passes of links and one of integration: (Fᵢ − Fᵢ₋₁) along, −F before and +F behind across, then
-//! what others gave.
+//! The sum has the order of separate passes: (Fᵢ − Fᵢ₋₁) along, −F before and +F after across, then all other forces.
 
 use super::folded::{Lanes, coefs, eights, eights_mut, force, rotated};
 use crate::law::Phi;
@@ -18,9 +17,10 @@ use core::marker::PhantomData;
 
 const LANES: usize = Fold::LANES;
 
-/// The pass of `op.n` masses, a multiple of 8, from `op.mat` on, and of as many links along and across; coefficients of these
-/// stand behind those. The width is at least 2 and below `op.n / 8`; forces across stand at the beginning of
-/// [`LinkState::tap`].
+/// The pass of `op.n` masses, a multiple of 8, from `op.mat` on, and of as many links along and across. The
+/// coefficients of the links across follow those along.
+///
+/// The width is at least 2 and below `op.n / 8`. Forces across are stored at the beginning of [`LinkState::tap`].
 pub struct Banded<P, const C: usize, const M: usize, const OFFSET: bool, const OWN: bool>(PhantomData<P>);
 
 impl<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const OWN: bool> Body<f64>
@@ -58,7 +58,7 @@ fn band<S: Simd, P: Phi<C, M>, const C: usize, const M: usize, const U: usize, c
     let (p, q, c) = (&eights::<S, U>(p)[..steps], &eights::<S, U>(q)[..steps], &eights::<S, U>(c)[..steps]);
     let (x, d, f) = (&mut s.x[op.mat..][..n], &mut s.d[op.mat..][..n], &mut s.f[op.mat..][..n]);
     let kept = &mut eights_mut::<S, U>(&mut s.links.tap[..n])[..steps];
-    // neighbours in the next lane stand one number further; behind the last of all there is no force, whatever stands there
+    // neighbours in the next lane are one number further; the link after the very last mass has zero force
     for i in wrap..steps {
         let at = (i - wrap) * LANES;
         let [x, d, x_next, d_next] =

@@ -1,6 +1,6 @@
-//! Which kernel runs a law: one for each form of a batch of links, chosen at load.
+//! Selects the kernel of a law for each form of a batch of links, at load.
 //!
-//! Kernels written in vectors ([`band`](super::band), [`folded`](super::folded), [`radial`](super::radial)) are over `f64` alone.
+//! Vector kernels ([`band`](super::band), [`folded`](super::folded), [`radial`](super::radial)) are for `f64` alone.
 
 use super::band::Banded;
 use super::folded::Folded;
@@ -12,7 +12,6 @@ use crate::numeric::{Precision, Real};
 use crate::op::{Band, Form, Hub, Integrate, Kernel, MeasureKind, wide};
 use core::any::Any;
 
-/// The kernel of a law for one form of a dipole.
 pub(crate) fn kernel<R: Real, P: Phi<C, M> + 'static, const C: usize, const M: usize>(form: Form) -> Kernel<R> {
     if form.set {
         return if form.tap {
@@ -21,7 +20,7 @@ pub(crate) fn kernel<R: Real, P: Phi<C, M> + 'static, const C: usize, const M: u
             wide::wide::<R, pair_set::All<P, C, M, false>>
         };
     }
-    // known when this is compiled, so that other numbers do not make these kernels
+    // evaluated at compile time, so that other number types do not instantiate these kernels
     if const { matches!(R::PRECISION, Precision::Double) && P::WIDE } && form.folded {
         if let Some(kernel) = folded::<P, C, M>(form).and_then(as_real) {
             return kernel;
@@ -64,13 +63,13 @@ pub(crate) fn kernel<R: Real, P: Phi<C, M> + 'static, const C: usize, const M: u
     }
 }
 
-/// A kernel over `f64` as one over `R`, which is `f64`.
+/// Converts a kernel over `f64` to one over `R`, if `R` is `f64`.
 fn as_real<R: Real>(kernel: Kernel) -> Option<Kernel<R>> {
     let any: &dyn Any = &kernel;
     any.downcast_ref::<Kernel<R>>().copied()
 }
 
-/// The kernel of a row or a mesh that stands folded; others are never asked for, so that their passes are not made.
+/// Returns the kernel of a folded row or mesh. Only these forms have one, so that other passes are not instantiated.
 fn folded<P: Phi<C, M> + 'static, const C: usize, const M: usize>(form: Form) -> Option<Kernel> {
     let alone = form.band == Band::None;
     Some(match (form.integrate, form.offset) {
@@ -86,9 +85,8 @@ fn folded<P: Phi<C, M> + 'static, const C: usize, const M: usize>(form: Form) ->
     })
 }
 
-/// The kernel of links that measure a distance in every tick.
 fn radial<P: Phi<C, M> + 'static, const C: usize, const M: usize>(form: Form) -> Kernel {
-    // known when this is compiled, so that only one of both is made for a law
+    // evaluated at compile time, so that a law instantiates only one of the two
     if const { P::WIDE && M == 0 } {
         return if form.tap { wide::widest::<Blocks<P, C, M, true>> } else { wide::widest::<Blocks<P, C, M, false>> };
     }

@@ -1,8 +1,8 @@
-//! Fan: links from one place, the hub, to places that follow each other, as the dampers between a frame and twelve hammers or
-//! the ties of twelve notes to a bridge. Of the row no indices are read, so its loops vectorise; the hub is given its forces one
-//! by one, in the order of the links, which is the order of the gather kernel, so the bits are the same.
+//! Links from one MAT, the hub, to consecutive MATs, such as the dampers between a frame and twelve hammers, or the
+//! links of twelve notes to a bridge. The row needs no indices, so its loops vectorise.
 //!
-//! Decides to sum the hub in a register: in memory, each sum waits for the one before it to be written and read again.
+//! The hub adds its forces one by one, in the order of the links. The gather kernel has the same order, so the bits are
+//! the same. The sum stays in a register; in memory each addition would wait for the last write.
 
 use crate::law::Phi;
 use crate::numeric::Real;
@@ -12,7 +12,7 @@ use crate::op::{Hub, Op};
 use crate::state::State;
 use core::marker::PhantomData;
 
-/// Links side by side; rows are short, and vectors of a whole loop would leave most of them over.
+/// Number of links side by side. Rows are short, and vectors of a whole loop would leave most of them over.
 const SIDE_BY_SIDE: usize = 4;
 
 /// Applies the law of `op` to its links.
@@ -30,7 +30,7 @@ impl<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool> 
     }
 }
 
-/// The links between `hub`, which is their first end where `FIRST`, and the places from `row` on.
+/// Applies the law to the links between `hub`, which is their first end if `FIRST`, and the MATs from `row` on.
 #[inline(always)]
 fn links<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const FIRST: bool>(
     op: &Op<R>,
@@ -48,8 +48,7 @@ fn links<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bo
     s.f[hub] = each::<R, P, C, M, OFFSET, FIRST>([x, d], f, e0, &columns, (at, sum));
 }
 
-/// The loop over a row; returns the sum on the hub. A function of its own, so that the compiler knows that what is written is
-/// none of what is read.
+/// Loops over a row and returns the sum on the hub. A separate function, so that slices are known not to overlap.
 #[inline(always)]
 fn each<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const FIRST: bool>(
     [x, d]: [&[R]; 2],
@@ -93,7 +92,6 @@ fn each<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: boo
     sum
 }
 
-/// The force of one link.
 #[inline(always)]
 fn one<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const FIRST: bool>(
     c: &[R; C],

@@ -1,14 +1,14 @@
-//! Folded: a long row that is summed and integrated in one pass, eight stretches of it side by side.
+//! A long row that is summed and integrated in one pass, as eight stretches side by side.
 //!
-//! The row is cut into eight stretches of equal length, one in each lane of a vector of eight ([`Fold`]), so that the
-//! neighbour of a vector is the next vector: one loop sums and integrates without an array of forces, without shifting lanes
-//! and without what is left over at the end of a vector. Only the force between the end of one stretch and the beginning
-//! of the next crosses lanes, once a tick. Decides for eight lanes on every processor, as one vector of eight, two of
-//! four, four of two or eight numbers: where masses stand does not depend on the machine, and no bit of the result does.
-//! And for rows that are filled up to whole vectors, by masses that no force moves and links without force: cheaper than a
-//! second loop for what would be left, and every vector then stands on a cache line of its own.
+//! The row is cut into eight stretches of equal length, one per lane of a vector of eight ([`Fold`]), so the neighbour
+//! of a vector is the next vector. One loop sums and integrates, without an array of forces, shifted lanes, or a
+//! remainder. Only the force between the end of one stretch and the start of the next crosses lanes, once per tick.
 //!
-//! The sum is that of [`Fused`](super::fused::Fused), (Fᵢ − Fᵢ₋₁) + f.
+//! There are eight lanes on every processor (vectors of eight, four or two, or plain numbers), so the order of masses
+//! and all bits are the same on every machine. Rows are padded to whole vectors with fixed masses and links without
+//! force, which is cheaper than a loop for the remainder and aligns every vector to a cache line.
+//!
+//! The sum has the order of [`Fused`](super::fused::Fused), (Fᵢ − Fᵢ₋₁) + f.
 
 use crate::law::Phi;
 use crate::op::Op;
@@ -20,8 +20,8 @@ use core::ops::{Add, Mul, Sub};
 
 pub(super) const LANES: usize = Fold::LANES;
 
-/// The pass of as many links as masses, `op.n` ≥ 16, a multiple of 8, the last link being without force. Masses stand from
-/// `op.mat` on, and have springs and dampers of their own where `OWN`.
+/// The pass of `op.n` ≥ 16 masses, a multiple of 8, and as many links. The last link exerts a force of zero. Masses
+/// start at `op.mat`. With `OWN` they have their own springs and dampers.
 pub struct Folded<P, const C: usize, const M: usize, const OFFSET: bool, const OWN: bool>(PhantomData<P>);
 
 impl<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const OWN: bool> Body<f64>
@@ -38,7 +38,6 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const OWN
     }
 }
 
-/// A vector with the operations of numbers.
 #[derive(Clone, Copy)]
 pub(super) struct Lanes<S: Simd>(pub(super) S, pub(super) S::f64s);
 
@@ -66,19 +65,18 @@ impl<S: Simd> Mul for Lanes<S> {
     }
 }
 
-/// Numbers eight by eight, in `U` vectors each.
+/// Groups numbers by eight, in `U` vectors each.
 #[inline(always)]
 pub(super) fn eights<S: Simd, const U: usize>(all: &[f64]) -> &[[S::f64s; U]] {
     S::as_simd_f64s(all).0.as_chunks::<U>().0
 }
 
-/// The same, to be changed.
 #[inline(always)]
 pub(super) fn eights_mut<S: Simd, const U: usize>(all: &mut [f64]) -> &mut [[S::f64s; U]] {
     S::as_mut_simd_f64s(all).0.as_chunks_mut::<U>().0
 }
 
-/// The coefficients of `n` links, a column each, at the beginning of `all`.
+/// Returns the coefficients of `n` links, one column each, at the beginning of `all`.
 #[inline(always)]
 pub(super) fn coefs<S: Simd, const C: usize, const U: usize>(all: &[f64], n: usize) -> [&[[S::f64s; U]]; C] {
     let mut columns: [&[[S::f64s; U]]; C] = [&[]; C];
@@ -88,8 +86,8 @@ pub(super) fn coefs<S: Simd, const C: usize, const U: usize>(all: &[f64], n: usi
     columns
 }
 
-/// The forces of links whose ends are `x` and `x_next` apart, by coefficients `c`. Loops rather than closures: what is not
-/// inlined here stays narrow.
+/// Returns the forces of links between `x` and `x_next`, from their coefficients. It uses loops instead of closures,
+/// which are not inlined here and so not vectorised at full width.
 #[inline(always)]
 pub(super) fn force<S: Simd, P: Phi<C, M>, const C: usize, const M: usize, const U: usize>(
     simd: S,
@@ -114,7 +112,7 @@ pub(super) fn force<S: Simd, P: Phi<C, M>, const C: usize, const M: usize, const
     all
 }
 
-/// Lanes moved up by one over all eight, the last coming round to the first.
+/// Moves all lanes up by one across the eight; the last comes round to the first.
 #[inline(always)]
 pub(super) fn rotated<S: Simd, const U: usize>(simd: S, all: &[S::f64s; U]) -> [S::f64s; U] {
     let first = simd.mask_between_m64s(0, 1).mask();
@@ -140,14 +138,14 @@ fn row<S: Simd, P: Phi<C, M>, const C: usize, const M: usize, const U: usize, co
     let [p, q, c] = [0, 1, 2].map(|k| &s.coef[k * layout.counts.n_mat + op.mat..][..n]);
     let (p, q, c) = (&eights::<S, U>(p)[..steps], &eights::<S, U>(q)[..steps], &eights::<S, U>(c)[..steps]);
     let (x, d, f) = (&mut s.x[op.mat..][..n], &mut s.d[op.mat..][..n], &mut s.f[op.mat..][..n]);
-    // what follows the last mass of each stretch is the first of the next, one number further; behind the last there is no
-    // force, whatever stands there
+    // the neighbour of the last mass of a stretch is the first mass of the next stretch, one number further; after the
+    // very last mass the force is zero, whatever is stored there
     let (x_next, d_next) = (eights::<S, U>(&x[1..=LANES])[0], eights::<S, U>(&d[1..=LANES])[0]);
     let (x, d, f) = (eights_mut::<S, U>(x), eights_mut::<S, U>(d), eights_mut::<S, U>(f));
     let (x, d, f) = (&mut x[..steps], &mut d[..steps], &mut f[..steps]);
     let e = if OFFSET { Some(&e8[last]) } else { None };
-    // the force behind the last mass of each stretch, and therefore before the first of the next; that behind the very last
-    // comes round to the very first, and is none
+    // the force after the last mass of each stretch is the force before the first mass of the next; the one after the
+    // very last mass is zero and comes round to the very first
     let ends = force::<S, P, C, M, U>(simd, &k8, e, last, [&x[last], &x_next, &d[last], &d_next]);
     let mut before = rotated::<S, U>(simd, &ends);
     let (mut x_now, mut d_now) = (x[0], d[0]);

@@ -1,10 +1,11 @@
-//! Fused: the links of a row and the integration of its masses in one pass, without the array of forces between.
+//! The links of a row and the integration of its masses in one pass, without an intermediate pass over forces.
 //!
-//! A mass receives the force of the link before it, that of the link after it, and then the sum of what others gave:
-//! (Fᵢ − Fᵢ₋₁) + f. Decides that the compiler fuses a row only where the list of passes sums in that order too, so that
-//! the bits are those of a run and an integration one after the other: another order would make another scene of many
-//! more. Forces stand in [`LinkState::tap`] between two loops, with a 0 on either side, so that each is a plain loop that
-//! vectorises; one loop would have to shift vectors by a lane, which takes longer with the portable ones than the second.
+//! A mass receives the force of the link before it, then of the link after it, and then the sum of all others: (Fᵢ −
+//! Fᵢ₋₁) + f. The compiler fuses a row only if the list of passes sums in that order too, so the bits equal a run
+//! followed by an integration. Another order would change the bits of many more scenes.
+//!
+//! Forces are stored in [`LinkState::tap`] between two loops, with a 0 on either side, so that each loop vectorises. A
+//! single loop would have to shift vectors by a lane, which with portable vectors takes longer than the second loop.
 
 use super::run;
 use crate::law::Phi;
@@ -15,8 +16,8 @@ use crate::op::wide::{Body, Simd};
 use crate::state::State;
 use core::marker::PhantomData;
 
-/// The pass of `op.n` links, whose forces stand from `op.tap` ≥ 1 on, and of `op.n + 1` masses from `op.mat` on, which have
-/// springs and dampers of their own where `OWN`.
+/// The pass of `op.n` links, whose forces are stored from `op.tap` ≥ 1 on, and of `op.n + 1` masses from `op.mat` on.
+/// With `OWN` the masses have their own springs and dampers.
 pub struct Fused<P, const C: usize, const M: usize, const OFFSET: bool, const OWN: bool>(PhantomData<P>);
 
 impl<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool, const OWN: bool> Body<R>

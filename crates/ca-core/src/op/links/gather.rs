@@ -1,5 +1,5 @@
-//! Gather: links between any two MATs, one by one, in order. The reference kernel: forces are summed in the order of
-//! the links, so the bits are those of a plain loop over modules.
+//! Links between any two MATs, one by one, in order. This is the reference kernel: forces are summed in the order of
+//! the links, so the bits equal a plain loop over modules.
 
 use crate::law::Phi;
 use crate::numeric::Real;
@@ -17,7 +17,7 @@ pub fn gather<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSE
     let ends = &layout.links.ends[op.first..][..n];
     let e0 = if OFFSET { &layout.links.e0[op.first..][..n] } else { &[] };
     let columns: [&[R]; C] = core::array::from_fn(|k| &s.coef[op.coef + k * n..][..n]);
-    // of one length, so that an end is looked up once in each and compared with it once
+    // of equal length, so that each end needs only one bounds check
     let x = &s.x[..];
     let (d, f) = (&s.d[..x.len()], &mut s.f[..x.len()]);
     let mem = &mut s.links.mem[op.mem..][..n * M];
@@ -28,7 +28,7 @@ pub fn gather<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSE
             e += e0[i];
         }
         let c = core::array::from_fn(|k| columns[k][i]);
-        // most contacts are apart most of the time, and a sum that begins with 0 is the same without another
+        // skip contacts that are open, as most are; omitting a force of 0 does not change a sum that starts at 0
         if P::CONTACT && M == 0 {
             let (from, to) = P::idle(&c);
             if e >= from && e <= to {
@@ -39,7 +39,7 @@ pub fn gather<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSE
             }
         }
         let w = d[b] - d[a];
-        // laws without memory must not carry a bounds check
+        // laws without memory must avoid a bounds check
         let mut none = [R::ZERO; M];
         let m = if M == 0 { &mut none } else { mem[i * M..].first_chunk_mut::<M>().unwrap_or(&mut none) };
         let force = P::force(&c, m, &layout.tables, e, w);

@@ -1,4 +1,4 @@
-//! A law as data: what the compiler, the ledger and the certificate call without knowing which law it is.
+//! A law as data: functions that the compiler, the ledger and the certificate call without knowing which law it is.
 
 use super::choose::kernel;
 use crate::law::Phi;
@@ -9,7 +9,7 @@ use crate::op::{Law, LawFns, ParamBinding, SolveStage};
 use alloc::vec::Vec;
 
 impl Law {
-    /// The record of a law.
+    /// Makes the record of a law.
     pub const fn of<P: Phi<C, M> + 'static, const C: usize, const M: usize>(code: &'static str) -> Law {
         Law {
             code,
@@ -31,7 +31,7 @@ impl Law {
         }
     }
 
-    /// The same law with a rule that picks a cheaper one among `variants`.
+    /// Adds a rule that picks a cheaper law among `variants`.
     #[must_use]
     pub const fn or(
         mut self,
@@ -43,13 +43,13 @@ impl Law {
         self
     }
 
-    /// The same law with its parameters in other places.
+    /// Replaces the function that loads the coefficients, for parameters in another order.
     pub(crate) const fn loaded_by(mut self, load: fn(&[Option<f64>], f64, &mut [f64])) -> Law {
         self.at_load.load = load;
         self
     }
 
-    /// The same law with a table of its own.
+    /// Adds a table that the law needs.
     #[must_use]
     pub const fn with_table(mut self, table: fn() -> Table) -> Law {
         self.table = Some(table);
@@ -57,21 +57,21 @@ impl Law {
     }
 }
 
-/// The coefficients of one link of a law, from its parameters in SI and the tick, `tick_dt` \[s\].
+/// Returns the coefficients of one link of a law, from its parameters in SI and the tick, `tick_dt` \[s\].
 pub fn loaded(law: &Law, p: &[Option<f64>], tick_dt: f64) -> Vec<f64> {
     let mut c = alloc::vec![0.0; law.coefs];
     (law.at_load.load)(p, tick_dt, &mut c);
     c
 }
 
-/// The memory of one link of a law at load, for elongation `e` of ends that stand still.
+/// Returns the memory of one link of a law at load, for elongation `e` and ends at rest.
 pub fn started(law: &Law, c: &[f64], e: f64) -> Vec<f64> {
     let mut mem = alloc::vec![0.0; law.mem];
     (law.fns.start)(c, [e, 0.0], &mut mem);
     mem
 }
 
-/// A law and all laws that may run in its place.
+/// Returns a law and all laws that may replace it.
 pub fn family(law: &'static Law) -> Vec<&'static Law> {
     let mut all = alloc::vec![law];
     let mut next = 0;
@@ -88,7 +88,7 @@ pub fn family(law: &'static Law) -> Vec<&'static Law> {
 }
 
 impl<R: Real> LawFns<R> {
-    /// Those of a [`Phi`].
+    /// Makes the functions of a [`Phi`].
     pub const fn of<P: Phi<C, M> + 'static, const C: usize, const M: usize>() -> LawFns<R> {
         LawFns {
             start: |c, [e, _], mem| mem[..M].copy_from_slice(&P::start(&numbers(c), e)),

@@ -1,74 +1,74 @@
-//! Measure: what a port measures of its two ends, and how a force goes back to them. Which one a port has is
-//! [`MeasureKind`].
+//! Measures: how a port measures the elongation of its two ends, and applies a force to them. See [`MeasureKind`].
 //!
-//! Decides that a law never sees positions: a measure turns the two ends into an elongation and its change per tick, and
-//! the scalar force of the law back into forces on the ends, along the gradient of that elongation, so power in equals
-//! power out whatever the law. On a line that is a difference; along a direction the projected difference; in space
-//! the distance of two points. The kernels in space, the quadripoles of other crates, the energy ledger and the start
-//! all measure by these functions.
+//! A law never sees positions. A measure turns its scalar force into forces on the ends along the gradient of the
+//! elongation, so power in equals power out for any law. The elongation is a difference on a line, a projected
+//! difference along a direction, and a distance in space. The kernels in space, the quadripoles of other crates, the
+//! energy ledger and the start all use these functions.
 //!
-//! The change of a distance is that to the distance one tick before (docs/numerics.md §1.1). Links that are measured in every
-//! tick keep it ([`Measure::follow`], [`LinkState::lengths`](crate::state::LinkState::lengths)): one root a tick, and motion need not be
-//! read. Contacts are not, and those that touch have the change from motion ([`Measure::measure`]), as
-//! `(D + D')·(D − D') / (l + l')` with D' the vector one tick before. At zero length the direction is undefined and the
-//! force is zero (docs/numerics.md §4.4); with a softening length δ the distance is `sqrt(D² + δ²)`, smooth everywhere.
+//! The change of a distance is relative to the distance one tick before (docs/numerics.md §1.1). Links that are
+//! measured in every tick store it ([`Measure::follow`], [`LinkState::lengths`](crate::state::LinkState::lengths)),
+//! with one square root and without reading motion. Contacts are measured only when closed, with the change from motion
+//! ([`Measure::measure`]), as `(D + D')·(D − D') / (l + l')` with D' the vector one tick before.
+//!
+//! At zero length the direction is undefined and the force is zero (docs/numerics.md §4.4). With a softening length δ
+//! the distance is `sqrt(D² + δ²)`, smooth everywhere.
 
 use crate::numeric::Real;
 use crate::op::layout::{Layout, MeasureKind, Ports};
 use nalgebra::Vector3;
 
-/// What a port measured.
+/// Measurement of one port.
 #[derive(Clone, Copy, Debug)]
 pub struct Elongation<R: Real = f64> {
-    /// its part of the elongation \[m\]
+    /// contribution to the elongation \[m\]
     pub e: R,
-    /// the change of that in this tick \[m/tick\]
+    /// change of `e` in this tick \[m/tick\]
     pub w: R,
-    /// the vector between the ends, or the direction
+    /// vector between the ends, or the direction
     pub v: Vector3<R>,
-    /// the length of that
+    /// length of `v`
     pub l: R,
 }
 
 impl<R: Real> Elongation<R> {
-    /// Gradient of the elongation against the second end; its negative against the first.
+    /// Returns the gradient of the elongation at the second end. At the first it is the negative.
     pub fn gradient(&self) -> Vector3<R> {
         self.v / self.l.max(R::MIN_POSITIVE)
     }
 }
 
-/// Force per length along a vector of length `l`; nothing where it has none.
+/// Returns the force per length along a vector of length `l`, or zero for zero length.
 #[inline(always)]
 pub fn density<R: Real>(force: R, l: R) -> R {
-    // in this order, so that what is not a number stays so
+    // in this order, so that NaN stays NaN
     if l == R::ZERO { R::ZERO } else { force / l }
 }
 
-/// A way of measuring, as a type, for kernels.
+/// A measure as a type, for kernels.
 pub trait Measure {
     /// True where the ends are points in space, with an entry in [`LinkArrays::reach`](crate::op::layout::LinkArrays::reach).
     const SPACE: bool;
 
-    /// Measures between the places `a` and `b`, the change by their motion.
+    /// Measures between the ends, with the change computed from their motion.
     fn measure<R: Real>(x: &[R], d: &[R], ends: [usize; 2], reach: &[R; 4]) -> Elongation<R>;
 
-    /// The same for what is measured in every tick: a distance is compared with the `last` one and takes its place. Where that
-    /// is [`UNKNOWN`](crate::state::UNKNOWN), it is had from motion.
+    /// Measures in every tick: compares a distance with `last` and stores it there. If `last` is
+    /// [`UNKNOWN`](crate::state::UNKNOWN), the change is computed from motion.
     #[inline(always)]
     fn follow<R: Real>(x: &[R], d: &[R], ends: [usize; 2], reach: &[R; 4], _last: &mut R) -> Elongation<R> {
         Self::measure(x, d, ends, reach)
     }
 
-    /// The square of the elongation, and zero where that says nothing of its sign: cheaper, for contacts that are idle.
+    /// Returns the square of the elongation, a cheap test for open contacts; `None` if it would lose the sign.
     fn square<R: Real>(_x: &[R], _ends: [usize; 2], _reach: &[R; 4]) -> Option<R> {
         None
     }
 
-    /// Pulls the ends together with `force` \[N\] along what was measured.
+    /// Pulls the ends together with `force` \[N\] along the measured direction.
     fn pull<R: Real>(f: &mut [R], ends: [usize; 2], m: &Elongation<R>, force: R);
 }
 
-/// Two places on a line.
+/// Two positions on a line.
 pub struct Line;
 /// Two points in space, along a fixed direction.
 pub struct Along;
@@ -85,13 +85,11 @@ fn vector<R: Real>(reach: &[R; 4]) -> Vector3<R> {
     Vector3::new(reach[0], reach[1], reach[2])
 }
 
-/// The vector between two points.
 #[inline(always)]
 fn between<R: Real>(x: &[R], [a, b]: [usize; 2], reach: &[R; 4]) -> Vector3<R> {
     vector(reach) + (at(x, b) - at(x, a))
 }
 
-/// The length of a vector, softened.
 #[inline(always)]
 fn length<R: Real>(v: &Vector3<R>, reach: &[R; 4]) -> R {
     (v.dot(v) + reach[3]).sqrt()
@@ -165,7 +163,7 @@ impl Measure for Radial {
     }
 }
 
-/// Measures by a measure known only at run time, for what is not a kernel.
+/// Measures with a measure known only at run time, for code other than kernels.
 pub fn measure<R: Real>(measure: MeasureKind, x: &[R], d: &[R], ends: [u32; 2], reach: &[R; 4]) -> Elongation<R> {
     let ends = ends.map(|m| m as usize);
     match measure {
@@ -175,8 +173,9 @@ pub fn measure<R: Real>(measure: MeasureKind, x: &[R], d: &[R], ends: [u32; 2], 
     }
 }
 
-/// A port around a tick, seen from after it: `d` the motion of that tick, `d0` the motion into it. Its parts of the
-/// elongation before, at and after, and how far its ends moved, over both, along the direction at the tick.
+/// Measures a port around a tick, seen from after it: `d` is the motion of that tick, `d0` the motion into it. Returns
+/// its elongations before, at and after the tick, and the motion of its ends over both intervals along the direction at
+/// the tick.
 #[inline(always)]
 pub fn around<R: Real>(
     measure: MeasureKind,
@@ -205,7 +204,7 @@ pub fn around<R: Real>(
     ([length(&(now - into), reach), l, length(&(now + out), reach)], now.dot(&(out + into)) / l.max(R::MIN_POSITIVE))
 }
 
-/// The ports of link `i` of a batch whose first link is `first`: measure, ends and reach of each.
+/// Returns measure, ends and reach of each port of link `i` of a batch whose first link is `first`.
 pub fn ports<R: Real>(
     layout: &Layout<R>,
     ports: &Ports,

@@ -1,7 +1,7 @@
-//! Passes over links, one kernel for each way they stand: anywhere (`gather`), in a row (`run`), from one
-//! place to a row (`fan`), in a row whose masses are
-//! integrated too (`fused`, in eight lanes `folded`, a mesh `band`), in space (`space` by a [`measure`], in vectors `radial`), and all
-//! pairs of two sets ([`pair_set`]). `choose` takes one for each form of a law.
+//! Passes over links, with one kernel per arrangement: any ends (`gather`), a row (`run`), one MAT to a row (`fan`), a
+//! row with integration of its masses (`fused`; in eight lanes `folded`; a mesh `band`), in space (`space` with a
+//! [`measure`], in vectors `radial`), and all pairs of two sets ([`pair_set`]). `choose` selects the kernel for each
+//! form of a law.
 
 mod band;
 mod choose;

@@ -1,9 +1,7 @@
-//! PairSet: a contact between all pairs of two sets of points in space, as one module: one row of coefficients, and only
-//! pairs that touch are computed.
+//! A contact between all pairs of two sets of points in space, as one module, which computes only pairs that touch.
 //!
-//! Decides that the pairs that touch are computed exactly as single links are, by the same functions and in the order
-//! of the pairs, so a set and its pairs written out agree in every bit; how they are found is for [`VerletList`]. What
-//! contains (`sense = "inside"`) acts on those that are far apart: then all are measured.
+//! Closed pairs, found by [`VerletList`], use the functions of single links in the order of the pairs, so a set has the
+//! bits of its pairs written out. A containing contact (`sense = "inside"`) acts on distant pairs, so it measures all.
 
 use super::measure::{Measure, Radial};
 use crate::law::Phi;
@@ -14,19 +12,16 @@ use crate::op::wide::{Body, Simd};
 use crate::state::State;
 use core::marker::PhantomData;
 
-/// Three numbers from `i` on.
 #[inline(always)]
 fn three<R: Real>(v: &[R], i: u32) -> [R; 3] {
     v[i as usize..].first_chunk::<3>().copied().unwrap_or_default()
 }
 
-/// The square of a vector.
 #[inline(always)]
 fn square<R: Real>([x, y, z]: [R; 3]) -> R {
     x * x + y * y + z * z
 }
 
-/// The ends of a pair, and what a radial port needs beside them.
 #[inline(always)]
 fn pair<R: Real>(set: &PairSet, rest: &[R], i: usize, j: usize) -> ([usize; 2], [R; 4]) {
     let (a, b) = (set.members[i], set.members[j]);
@@ -34,20 +29,19 @@ fn pair<R: Real>(set: &PairSet, rest: &[R], i: usize, j: usize) -> ([usize; 2], 
     ([a as usize, b as usize], [q[0] - p[0], q[1] - p[1], q[2] - p[2], R::ZERO])
 }
 
-/// The distance beyond which there is no force; infinite where the contact contains.
+/// Returns the distance beyond which the force is zero; infinite for a containing contact.
 #[inline(always)]
 fn radius<R: Real>((from, to): (R, R)) -> R {
     if to < R::INFINITY { R::INFINITY } else { from.max(R::ZERO) }
 }
 
-/// Puts the members where they are.
 #[inline(always)]
 fn place<R: Real>(near: &mut VerletList, set: &PairSet, rest: &[R], x: &[R]) {
     let members = &set.members;
     near.place(|k| [three(rest, members[k]), three(x, members[k])].map(|v| v.map(R::wide)));
 }
 
-/// Applies the law of `op` to all pairs of its set; the force on each member is kept in [`LinkState::tap`](crate::state::LinkState::tap) if asked.
+/// Applies the law of `op` to all pairs of its set. With `TAP` it stores the force on each member in `LinkState::tap`.
 pub struct All<P, const C: usize, const M: usize, const TAP: bool>(PhantomData<P>);
 
 impl<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body<R> for All<P, C, M, TAP> {
@@ -83,7 +77,7 @@ impl<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Bod
     }
 }
 
-/// The first pair that presses while nothing moves: its members and its force \[N\], by `force` of the elongation.
+/// Returns the first pair with a force while nothing moves; `force` is a function of the elongation.
 pub fn pressed<R: Real>(
     set: &PairSet,
     rest: &[R],
@@ -105,8 +99,8 @@ pub fn pressed<R: Real>(
     found
 }
 
-/// How many pairs a neighbour list has where nothing moves, and how many of them are near enough to be measured; of what
-/// contains, all are measured, and none is listed.
+/// Returns the number of pairs in a neighbour list while nothing moves, and the number near enough to be measured. A
+/// containing contact measures all pairs and lists none.
 pub fn neighbours<R: Real>(set: &PairSet, rest: &[R], x: &[R], idle: (R, R)) -> [usize; 2] {
     let mut near = VerletList::new(set.members.len(), set.rows, set.columns);
     place(&mut near, set, rest, x);
@@ -116,11 +110,11 @@ pub fn neighbours<R: Real>(set: &PairSet, rest: &[R], x: &[R], idle: (R, R)) -> 
     [near.listed(), measured]
 }
 
-/// Two members of a pair set by number, their distance \[m\], and the force between them \[N\].
+/// Two members of a pair set by index, their distance \[m\], and the force between them \[N\].
 pub type Pressed<R = f64> = (usize, usize, R, R);
 
-/// Calls `visit` for all pairs of a pair set that may have been in touch in the last two ticks, with the elongations
-/// before, at and after the tick between them; `d0` is the motion before the last one.
+/// Calls `visit` for all pairs of a set that may have touched in the last two ticks, with the elongations before, at
+/// and after the tick between them. `d0` is the motion before the last one.
 pub fn touched<R: Real>(
     layout: &Layout<R>,
     s: &State<R>,

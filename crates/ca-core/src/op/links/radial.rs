@@ -1,14 +1,15 @@
-//! Radial: links between points in space that are measured in every tick, many at a time.
+//! Links between points in space that are measured in every tick, many at a time.
 //!
-//! Links are taken in blocks, each in three loops: the vectors between its ends, laid side by side on the stack; from them
-//! lengths, forces and forces on the ends, a link in each lane, with one root and one division for all lanes; and the sums.
-//! Only the first and the last loop know which masses a link joins. They look ends up one by one, but of a row
-//! ([`LinkArrays::rows`]), where ends follow each other, they take all numbers as they stand: a row of a cloth costs no indices.
+//! Links are processed in blocks, in three loops: the vectors between their ends, on the stack; lengths, forces and
+//! forces on the ends, one link per lane, with one square root and one division for all lanes; the sums. Only the first
+//! and the last use the ends of a link, looked up one by one, or for a row ([`LinkArrays::rows`]) read as consecutive
+//! numbers, so a row of a cloth needs no indices.
 //!
-//! Forces are summed in the order of the links. In a row every mass is second end of an earlier link before it is first end of
-//! a later one, so all second ends come before all first ones, as in [`Run`](super::run::Run). What a block leaves over at the
-//! end of the batch, and what is too short, goes one by one, to the same bits. Decides for three numbers a point, as they
-//! are everywhere else: with a fourth one a point would be a vector, and every pass that moves masses a third longer.
+//! Forces are summed in the order of the links. In a row every mass is the second end of an earlier link before it is
+//! the first end of a later one, so all second ends are summed before all first ends, as in [`Run`](super::run::Run).
+//! The remainder of a batch, and batches that are too short, are processed one by one, with the same bits.
+//!
+//! A point is three numbers, as everywhere. With a fourth, passes that move masses would take a third longer.
 
 use super::folded::{LANES, Lanes};
 use super::measure::Radial;
@@ -21,12 +22,11 @@ use crate::op::wide::{Body, Simd};
 use crate::state::State;
 use core::marker::PhantomData;
 
-/// Links of a block.
 const BLOCK: usize = 64;
-/// Batches of fewer go one by one: there is room to be cleared first.
+/// Smaller batches are processed one by one, since a block must clear its working memory first.
 const FEWEST: usize = 16;
 
-/// Applies the law of `op`, whose force runs in vectors, to each of its links.
+/// Applies a law with a vector form of its force to each link of `op`.
 pub struct Blocks<P, const C: usize, const M: usize, const TAP: bool>(PhantomData<P>);
 
 impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body<f64> for Blocks<P, C, M, TAP> {
@@ -37,7 +37,7 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body<f64> fo
             return;
         }
         let whole = op.n - op.n % S::F64_LANES;
-        // and one number more, so that the last vector may be written as four
+        // one more number, so that the last vector can be written as four
         let mut room = [0.0; 3 * BLOCK + 1];
         let mut first = 0;
         while first < whole {
@@ -55,20 +55,19 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body<f64> fo
     }
 }
 
-/// The numbers of a block in passing, for laws that are asked link by link.
+/// Working memory of a block, for laws that are called link by link.
 struct Room {
-    /// vectors between ends, then forces, and one number more
+    /// vectors between ends, then forces, and one more number
     v: [f64; 3 * BLOCK + 1],
     /// lengths
     l: [f64; BLOCK],
-    /// elongations, then forces of the law
+    /// elongations, then forces of the law \[N\]
     e: [f64; BLOCK],
     /// changes of length
     w: [f64; BLOCK],
 }
 
-/// A block of links whose law is asked link by link: what stands before and behind the law is the same for all laws, and is
-/// made once.
+/// A block of links whose law is called link by link. The code around the law is compiled once for all laws.
 struct Around<'a> {
     op: &'a Op,
     layout: &'a Layout,
@@ -78,7 +77,7 @@ struct Around<'a> {
     room: &'a mut Room,
 }
 
-/// Before the law: lengths, elongations and their changes.
+/// Computes lengths, elongations and their changes, before the law is called.
 struct Before<'a>(Around<'a>);
 
 impl pulp::WithSimd for Before<'_> {
@@ -105,7 +104,7 @@ impl pulp::WithSimd for Before<'_> {
     }
 }
 
-/// Behind it: its forces pull along the vectors.
+/// Applies the forces of the law along the vectors, after the law was called.
 struct Behind<'a>(Around<'a>);
 
 impl pulp::WithSimd for Behind<'_> {
@@ -124,9 +123,9 @@ impl pulp::WithSimd for Behind<'_> {
     }
 }
 
-/// Applies a law that is asked link by link to each link of `op`.
+/// Applies a law that is called link by link to each link of `op`.
 pub fn by_law<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool>(op: &Op, layout: &Layout, s: &mut State) {
-    // blocks are whole for vectors of any width, so that the same links are taken one by one with each
+    // a multiple of 8 at any vector width, so that the same links are processed one by one on all machines
     let whole = if op.n < FEWEST { 0 } else { op.n - op.n % LANES };
     let mut room = Room { v: [0.0; 3 * BLOCK + 1], l: [0.0; BLOCK], e: [0.0; BLOCK], w: [0.0; BLOCK] };
     let mut first = 0;
@@ -154,7 +153,6 @@ pub fn by_law<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool>(op:
     links::<f64, P, Radial, C, M, TAP>(op, layout, s, whole..op.n);
 }
 
-/// Four numbers from `i` on, where there are so many.
 #[inline(always)]
 fn four(all: &[f64], i: u32) -> Option<&[f64; 4]> {
     match all.get(i as usize..i as usize + 4) {
@@ -163,7 +161,6 @@ fn four(all: &[f64], i: u32) -> Option<&[f64; 4]> {
     }
 }
 
-/// Three numbers from `i` on.
 #[inline(always)]
 fn three(all: &[f64], i: u32) -> [f64; 3] {
     match all.get(i as usize..i as usize + 3) {
@@ -172,13 +169,13 @@ fn three(all: &[f64], i: u32) -> [f64; 3] {
     }
 }
 
-/// Link `i` is the first of how many that are a row, or are none.
+/// Returns the number of links from `i` on that form a row, or that form none, and whether they form a row.
 #[inline(always)]
 fn stretch(rows: &[i32], i: usize) -> (usize, bool) {
     ((rows[i].unsigned_abs() as usize).clamp(1, rows.len() - i), rows[i] > 0)
 }
 
-/// The vectors between the ends of the links from `first` on, and one number that is none.
+/// Computes the vectors between the ends of the links from `first` on; one extra number in `v` is overwritten.
 #[inline(always)]
 fn vectors<S: Simd>(simd: S, op: &Op, layout: &Layout, s: &State, first: usize, v: &mut [f64]) {
     let n = v.len() / 3;
@@ -207,7 +204,7 @@ fn vectors<S: Simd>(simd: S, op: &Op, layout: &Layout, s: &State, first: usize, 
             let mut at = 3 * i as u32;
             for ([a, b], r) in ends[i..][..links].iter().zip(&reach[i..]) {
                 let to = v.get_mut(at as usize..at as usize + 4).and_then(|to| to.first_chunk_mut::<4>());
-                // four at once, of which the last is written over by the next link
+                // writes four numbers at once; the next link overwrites the last
                 if let (Some(p), Some(q), Some(to)) = (four(x, *a), four(x, *b), to) {
                     let d = [q[0] - p[0], q[1] - p[1], q[2] - p[2], q[3] - p[3]];
                     let d = [r[0] + d[0], r[1] + d[1], r[2] + d[2], r[3] + d[3]];
@@ -225,7 +222,7 @@ fn vectors<S: Simd>(simd: S, op: &Op, layout: &Layout, s: &State, first: usize, 
     }
 }
 
-/// Lengths of the tick before, by motion, where none is known.
+/// Computes the lengths of the tick before from the motion, if they are unknown.
 #[cold]
 #[inline(never)]
 fn recall(op: &Op, layout: &Layout, s: &mut State, first: usize, v: &[f64]) {
@@ -238,7 +235,6 @@ fn recall(op: &Op, layout: &Layout, s: &mut State, first: usize, v: &[f64]) {
     }
 }
 
-/// The lengths of vectors, whose squares are longer by `soft`.
 #[inline(always)]
 fn length<S: Simd>(simd: S, v: [S::f64s; 3], soft: Option<&S::f64s>) -> Lanes<S> {
     let [x, y, z] = [Lanes(simd, v[0]), Lanes(simd, v[1]), Lanes(simd, v[2])];
@@ -249,7 +245,6 @@ fn length<S: Simd>(simd: S, v: [S::f64s; 3], soft: Option<&S::f64s>) -> Lanes<S>
     Lanes(simd, simd.sqrt_f64s(square.1))
 }
 
-/// Forces along vectors of lengths `l`, one vector after the other.
 #[inline(always)]
 fn along<S: Simd>(simd: S, v: [S::f64s; 3], force: S::f64s, l: S::f64s) -> [S::f64s; 3] {
     let zero = simd.splat_f64s(0.0);
@@ -258,10 +253,9 @@ fn along<S: Simd>(simd: S, v: [S::f64s; 3], force: S::f64s, l: S::f64s) -> [S::f
     simd.interleave_shfl_f64s(g)
 }
 
-/// The numbers of a block as vectors: those between ends, elongations at rest, and lengths of the tick before.
+/// A block as vectors: vectors between ends, elongations at rest, and lengths of the tick before.
 type Vectors<'a, S> = (&'a mut [[<S as Simd>::f64s; 3]], &'a [<S as Simd>::f64s], &'a mut [<S as Simd>::f64s]);
 
-/// Splits a block, of which `v` are the vectors.
 #[inline(always)]
 fn block<'a, S: Simd>(v: &'a mut [f64], e0: &'a [f64], last: &'a mut [f64]) -> Vectors<'a, S> {
     let steps = e0.len() / S::F64_LANES;
@@ -269,7 +263,7 @@ fn block<'a, S: Simd>(v: &'a mut [f64], e0: &'a [f64], last: &'a mut [f64]) -> V
     (v, &S::as_simd_f64s(e0).0[..steps], &mut S::as_mut_simd_f64s(last).0[..steps])
 }
 
-/// What softens the links of a block, where they have any; `room` is for it.
+/// Returns the squared softening lengths of a block in `room`, if it has any.
 #[inline(always)]
 fn softened<'a, S: Simd>(op: &Op, layout: &Layout, first: usize, room: &'a mut [f64]) -> Option<&'a [S::f64s]> {
     if !op.form.soften {
@@ -281,7 +275,7 @@ fn softened<'a, S: Simd>(op: &Op, layout: &Layout, first: usize, room: &'a mut [
     Some(S::as_simd_f64s(room).0)
 }
 
-/// Vectors become the forces on the first ends of their links, by a law whose force runs in vectors.
+/// Turns vectors into the forces on the first ends of their links, for a law with a vector form of its force.
 #[inline(always)]
 fn pulls<S: Simd, P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool>(
     simd: S,
@@ -318,7 +312,7 @@ fn pulls<S: Simd, P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool>
     }
 }
 
-/// Adds `g` to forces, or takes it from them. In two passes over a row: in one, what was just written would be read askew.
+/// Adds `g` to the forces, or subtracts it. A row takes two passes: one would read at unaligned addresses just written.
 #[inline(always)]
 fn added<S: Simd, const LESS: bool>(simd: S, f: &mut [f64], g: &[f64]) {
     let ((f, f_left), (g, g_left)) = (S::as_mut_simd_f64s(f), S::as_simd_f64s(g));
@@ -330,7 +324,6 @@ fn added<S: Simd, const LESS: bool>(simd: S, f: &mut [f64], g: &[f64]) {
     }
 }
 
-/// Adds the forces `g` to the ends of the links from `first` on.
 #[inline(always)]
 fn sums<S: Simd>(simd: S, op: &Op, layout: &Layout, s: &mut State, first: usize, g: &[f64]) {
     let n = g.len() / 3;

@@ -1,6 +1,6 @@
-//! Run: links in a row between MATs a constant stride apart, as along a string (1) or across the rows of a mesh (its
-//! width). No indices are read, so the loops vectorise. Each MAT receives the force of the link before it and then that
-//! of the link after it, which is the order of the gather kernel, so the bits are the same.
+//! Links in a row between MATs a constant stride apart, as along a string (1) or across the rows of a mesh (its width).
+//! No indices are read, so the loops vectorise. Each MAT receives the force of the link before it, then of the link
+//! after it, as in the gather kernel, so the bits are the same.
 
 use crate::law::Phi;
 use crate::numeric::{Real, Table};
@@ -10,7 +10,7 @@ use crate::op::wide::{Body, Simd};
 use crate::state::State;
 use core::marker::PhantomData;
 
-/// The forces of a row, left in [`LinkState::tap`] from `op.tap` on.
+/// Computes the forces of a row and stores them in [`LinkState::tap`] from `op.tap` on.
 #[inline(always)]
 pub fn links<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool>(
     op: &Op<R>,
@@ -27,7 +27,7 @@ pub fn links<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET
     each::<R, P, C, M, OFFSET>([xa, xb, da, db], e0, &columns, &layout.tables, mem, force);
 }
 
-/// The loop over a row; a function of its own, so that the compiler knows that what is written is none of what is read.
+/// Loops over a row. A separate function, so that slices are known not to overlap.
 #[inline(always)]
 fn each<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: bool>(
     [xa, xb, da, db]: [&[R]; 4],
@@ -44,7 +44,7 @@ fn each<R: Real, P: Phi<C, M>, const C: usize, const M: usize, const OFFSET: boo
         }
         let w = db[i] - da[i];
         let c = core::array::from_fn(|k| columns[k][i]);
-        // laws without memory must not carry a bounds check that keeps the loop from being vectorised
+        // laws without memory must avoid a bounds check, which would prevent vectorisation
         let mut none = [R::ZERO; M];
         let m = if M == 0 { &mut none } else { mem[i * M..].first_chunk_mut::<M>().unwrap_or(&mut none) };
         force[i] = P::force(&c, m, tables, e, w);

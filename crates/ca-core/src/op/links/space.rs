@@ -1,6 +1,6 @@
-//! Space: links between points in space, one by one, in order: contacts, links along a direction, and what
-//! [`Blocks`](super::radial::Blocks) leaves over, which agrees with this in every bit. The force of the law pulls along what the
-//! measure measured; contacts that are idle cost a squared distance and no square root.
+//! Links between points in space, one by one, in order: contacts, links along a direction, and the remainder of
+//! [`Blocks`](super::radial::Blocks), with the same bits. The force of the law acts along the measured direction. An
+//! open contact costs a squared distance and no square root.
 
 use super::measure::Measure;
 use crate::law::Phi;
@@ -19,7 +19,7 @@ pub fn space<R: Real, P: Phi<C, M>, G: Measure, const C: usize, const M: usize, 
     links::<R, P, G, C, M, TAP>(op, layout, s, 0..op.n);
 }
 
-/// Applies it to some of them.
+/// Applies the law to the links in the range `some`.
 #[inline(always)]
 pub fn links<R: Real, P: Phi<C, M>, G: Measure, const C: usize, const M: usize, const TAP: bool>(
     op: &Op<R>,
@@ -38,7 +38,7 @@ pub fn links<R: Real, P: Phi<C, M>, G: Measure, const C: usize, const M: usize, 
     for i in some {
         let at = ends[i].map(|m| m as usize);
         let c = core::array::from_fn(|k| columns[k][i]);
-        // what remembers must see that it is let go
+        // a law with memory must be called when it is released
         let passes = P::CONTACT && M == 0;
         if passes {
             let (from, to) = P::idle(&c);

@@ -1,4 +1,4 @@
-//! Known: laws, kinds and units by the codes that a plan names them by.
+//! Resolves the codes in a plan to laws, kinds and units.
 
 use crate::catalog::Catalog;
 use crate::kind::{Kind, MatSpec, Role, Type, Unit};
@@ -8,7 +8,6 @@ use crate::phi;
 use crate::scene::symbols::MODE;
 use alloc::vec::Vec;
 
-/// Laws, kinds and units that a plan may name.
 pub(super) struct Known<'a> {
     catalog: &'a Catalog,
     laws: Vec<&'static Law>,
@@ -20,7 +19,7 @@ impl Known<'_> {
         Known { catalog, laws }
     }
 
-    /// A law that links run by. Laws of one code run alike.
+    /// Returns a law for links. Laws of one code run alike.
     pub(super) fn law(&self, code: &str) -> Option<&'static Law> {
         self.laws.iter().copied().find(|law| law.code == code)
     }
@@ -29,7 +28,7 @@ impl Known<'_> {
         self.catalog.get(code)
     }
 
-    /// A kind of MAT, and how it gets its coefficients.
+    /// Returns a kind of MAT and its rule for coefficients.
     pub(super) fn mat(&self, code: &str) -> Option<(&'static Kind, &'static MatSpec)> {
         self.catalog.iter().find_map(|kind| match kind.role {
             Role::Mat(spec) if spec.code == code => Some((kind, spec)),
@@ -37,13 +36,11 @@ impl Known<'_> {
         })
     }
 
-    /// The code of a module.
     pub(super) fn code(&self, code: &str) -> Option<&'static str> {
         let kinds = self.catalog.iter().map(|kind| kind.code);
         self.laws.iter().map(|law| law.code).chain(kinds).chain([MODE]).find(|known| *known == code)
     }
 
-    /// The symbol of a unit.
     pub(super) fn symbol(&self, symbol: &str) -> Option<&'static str> {
         let of_params = self.catalog.iter().flat_map(|kind| kind.params).filter_map(|param| match param.ty {
             Type::Number { unit, .. } => Some(unit.symbol),
@@ -54,7 +51,7 @@ impl Known<'_> {
     }
 }
 
-/// A law that computes coefficients from the parameters of items of `kind`. The links of a generator have parameters of REF.
+/// Returns a law for the parameters of items of `kind`. Links of a generator have the parameters of REF.
 pub(super) fn law_of(kind: &'static Kind, code: &str) -> Option<&'static Law> {
     let own = law(kind).unwrap_or(&phi::ref_::LAW);
     family(own).into_iter().chain([&phi::implicit::LAW]).find(|law| law.code == code)

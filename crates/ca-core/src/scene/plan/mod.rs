@@ -1,16 +1,16 @@
-//! Plan: a compiled scene as bytes, to be kept, sent to another process, and read without a compiler.
+//! Plans: a compiled scene as bytes, to be stored, sent to another process, and read without a compiler.
 //!
-//! A plan is a head, then a record of the scene in the format of `postcard`. The head has eight bytes that say what it is,
-//! the version of the record, the arithmetic of the tick, the length of the record and its checksum. A record names laws, kinds
-//! and units by their codes, which a [`Catalog`] finds again. Numbers keep their bits.
+//! A plan is a head followed by a record of the scene in `postcard` format. The head consists of eight identifying
+//! bytes, the version of the record, the arithmetic of the tick, the length of the record and its checksum. A record
+//! names laws, kinds and units by their codes, which a [`Catalog`] resolves. Numbers keep their bits.
 //!
-//! [`Scene::from_bytes`] trusts nothing: each index that a tick, a start or a change of a live parameter uses is compared with the
-//! length of what it indexes (`verify`), before memory is taken by a count. A scene that is read can therefore be played without a
-//! panic. Values are not judged: a plan may hold coefficients that no compiler writes, and arguments with which a generator fails
-//! when a live parameter changes.
+//! [`Scene::from_bytes`] does not trust its input. It compares each index that a tick, a start or a live change uses
+//! with the length of the indexed array (`verify`), before it allocates by any count. A scene that was read can thus be
+//! played without a panic. Values are not checked: a plan may hold coefficients that the compiler never writes, and
+//! arguments with which a generator fails when a live parameter changes.
 //!
-//! The format serves one version of the arithmetic, and its records follow the structures of this crate. A program that meets
-//! another version compiles the model again.
+//! The format supports one version of the arithmetic, and its records follow the structures of this crate. A program
+//! that finds another version compiles the model again.
 
 mod known;
 mod read;
@@ -28,44 +28,43 @@ use known::Known;
 use record::SceneRecord;
 use verify::Wrong;
 
-/// A compiled scene over `f64`, from which scenes over other numbers are bound, and which has a form in bytes.
+/// A compiled scene over `f64`. It can be bound to other number types and converted to bytes.
 pub type Plan = Scene<f64>;
 
-/// The first bytes of a plan.
 const MAGIC: &[u8; 8] = b"ca plan\n";
-/// Version of the record. It changes whenever a structure that a record holds does.
+/// Version of the record. It changes with any structure that a record holds.
 pub const PLAN_VERSION: u32 = 2;
 /// Bytes before the record.
 const HEAD: usize = 32;
 
-/// Why bytes are not a plan that can be played.
+/// Why bytes are not a playable plan.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PlanError {
-    /// they begin as no plan does
+    /// they do not begin like a plan
     Magic,
-    /// a plan of this version, which is not [`PLAN_VERSION`]
+    /// the plan has this version instead of [`PLAN_VERSION`]
     Version(u32),
-    /// a plan for this arithmetic, which is not [`ARITHMETIC`]
+    /// the plan is for this arithmetic instead of [`ARITHMETIC`]
     Arithmetic(u32),
-    /// the head names another length than there is
+    /// the length in the head differs from the actual length
     Length {
-        /// bytes of the whole plan by its head
+        /// length of the whole plan according to its head
         expected: u64,
-        /// bytes there are
+        /// actual length
         found: u64,
     },
-    /// the bytes were changed since they were written
+    /// the bytes were changed after writing
     Checksum,
-    /// the record ends early, goes on behind its end, or is of another form
+    /// the record ends early, continues past its end, or has another form
     Record,
-    /// this code of a law is not in the catalog
+    /// the catalog has no law with this code
     Law(String),
-    /// this code of a kind is not in the catalog
+    /// the catalog has no kind with this code
     Kind(String),
-    /// no unit has this symbol
+    /// units do not include this symbol
     Unit(String),
-    /// the parts of the record do not fit each other: what does not
+    /// the parts of the record do not fit together, with the reason
     Invalid(&'static str),
 }
 
@@ -108,10 +107,10 @@ impl From<Wrong> for PlanError {
 }
 
 impl Scene {
-    /// The scene as bytes. Two scenes of one model that were compiled with the same options have the same bytes.
+    /// Returns the scene as bytes. Compiling a model twice with the same options gives the same bytes.
     pub fn to_bytes(&self) -> Vec<u8> {
         let record = write::scene(self);
-        // numbers alone are written, into memory that grows
+        // writing numbers to growing memory cannot fail
         let mut bytes = postcard::to_extend(&record, alloc::vec![0; HEAD]).unwrap_or_default();
         if let Some((head, body)) = bytes.split_at_mut_checked(HEAD) {
             let sum = checksum(body);
@@ -127,11 +126,10 @@ impl Scene {
         bytes
     }
 
-    /// The scene of bytes that [`Scene::to_bytes`] wrote. `catalog` lists the kinds of its links, and of its items with live
-    /// parameters.
+    /// Reads a scene from the bytes of [`Scene::to_bytes`]. `catalog` lists the kinds of its links and live items.
     ///
     /// # Errors
-    /// [`PlanError`]. Takes time and memory in proportion to the bytes, whatever they are.
+    /// [`PlanError`]. Time and memory are proportional to the number of bytes, for any input.
     pub fn from_bytes(bytes: &[u8], catalog: &Catalog) -> Result<Scene, PlanError> {
         let record: SceneRecord = match postcard::take_from_bytes(body(bytes)?) {
             Ok((record, [])) => record,
@@ -141,7 +139,6 @@ impl Scene {
     }
 }
 
-/// The record behind the head.
 fn body(bytes: &[u8]) -> Result<&[u8], PlanError> {
     let word = |at: usize| bytes.get(at..)?.first_chunk().map(|w| u32::from_le_bytes(*w));
     let long = |at: usize| bytes.get(at..)?.first_chunk().map(|w| u64::from_le_bytes(*w));

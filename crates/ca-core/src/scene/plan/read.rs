@@ -1,6 +1,6 @@
-//! Read: the scene of a record.
+//! Reads the scene of a record.
 //!
-//! Codes become laws, kinds and units of a [`Catalog`]. Each part is verified before memory is taken by its counts.
+//! A [`Catalog`] resolves codes to laws, kinds and units. Each part is verified before its counts are used to allocate.
 
 use super::PlanError;
 use super::known::{Known, law_of};
@@ -28,7 +28,6 @@ use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-/// The scene of a record.
 pub(super) fn scene(record: SceneRecord, known: &Known) -> Result<Scene, PlanError> {
     let laws = record.laws.iter().map(|code| known.law(code).ok_or_else(|| PlanError::Law(code.as_ref().into())));
     let laws = Laws(laws.collect::<Result<_, _>>()?);
@@ -82,7 +81,7 @@ fn as_it_is(form: Form) -> Form {
     form
 }
 
-/// The laws of a record, in its order.
+/// Laws of a record, in its order.
 struct Laws(Vec<&'static Law>);
 
 impl Laws {
@@ -90,7 +89,7 @@ impl Laws {
         self.0.get(place as usize).copied().ok_or(Wrong("a pass names a law beyond the list of laws"))
     }
 
-    /// Passes with their kernels; `form` says by which form links run.
+    /// Makes passes with their kernels; `form` selects the form of their links.
     fn ops(&self, list: Vec<OpRecord>, form: fn(Form) -> Form) -> Result<Vec<Op>, Wrong> {
         list.into_iter().map(|op| self.op(op, form)).collect()
     }
@@ -192,7 +191,7 @@ fn loaded(record: LoadedRecord, layout: &Layout) -> Result<State, Wrong> {
     Ok(state)
 }
 
-/// A state at load without its group.
+/// Makes a state at load without its group.
 fn flat(record: StateRecord, layout: &Layout) -> Result<State, Wrong> {
     verify::state(&record, layout)?;
     let kick = record.kick.map(|kick| Box::new(Ledger { kick: kick.into_owned(), ..empty_ledger(layout) }));

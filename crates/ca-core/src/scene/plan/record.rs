@@ -1,6 +1,6 @@
-//! Records: the parts of a scene that name laws, kinds and units, with the names in place of references.
+//! Records: the parts of a scene that refer to laws, kinds and units, with codes in place of references.
 //!
-//! All other parts of a scene are written as they are. No record holds itself, so that a file cannot nest them without end.
+//! All other parts of a scene are written as they are. Records are not recursive, so a file cannot nest them endlessly.
 
 use crate::equivalence::Equivalence;
 use crate::kind::Dim;
@@ -18,12 +18,12 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use serde::{Deserialize, Serialize};
 
-/// A list that is borrowed from the scene that is written.
+/// A list borrowed from the scene being written.
 pub(super) type List<'a, T> = Cow<'a, [T]>;
-/// A text that is borrowed from the scene that is written.
+/// A text borrowed from the scene being written.
 pub(super) type Text<'a> = Cow<'a, str>;
 
-/// A pass; its law is an index into [`SceneRecord::laws`].
+/// A pass. Its law is an index into [`SceneRecord::laws`].
 #[derive(Clone, Copy, Serialize, Deserialize)]
 pub(super) struct OpRecord {
     pub pass: Pass,
@@ -102,7 +102,7 @@ pub(super) struct GroupRecord<'a> {
     pub response: Cow<'a, Response>,
 }
 
-/// A state at load, without its group; `kick` belongs to its ledger.
+/// A state at load without its group. `kick` belongs to its ledger.
 #[derive(Serialize, Deserialize)]
 pub(super) struct StateRecord<'a> {
     pub x: List<'a, f64>,
@@ -170,7 +170,7 @@ pub(super) struct DrivenRecord<'a> {
     pub span: [f64; 2],
 }
 
-/// The rule for coefficients, by the code of a MAT or of a law.
+/// Rule for coefficients, with the code of a MAT or a law.
 #[derive(Serialize, Deserialize)]
 pub(super) enum LoaderRecord<'a> {
     Mat(Text<'a>, f64),
@@ -178,7 +178,7 @@ pub(super) enum LoaderRecord<'a> {
     Times(f64),
 }
 
-/// A live module; its values are an index into [`LiveRecord::values`].
+/// A live module. Its values are an index into [`LiveRecord::values`].
 #[derive(Serialize, Deserialize)]
 pub(super) struct ModuleRecord<'a> {
     pub loader: LoaderRecord<'a>,
@@ -223,10 +223,9 @@ pub(super) struct SymbolsRecord<'a> {
     pub lias: List<'a, [u32; 2]>,
 }
 
-/// A scene.
 #[derive(Serialize, Deserialize)]
 pub(super) struct SceneRecord<'a> {
-    /// codes of the laws that passes, accounts and heard links name
+    /// codes of the laws of passes, accounts and links that outputs read
     pub laws: Vec<Text<'a>>,
     pub rate: f64,
     pub layout: LayoutRecord<'a>,

@@ -1,4 +1,4 @@
-//! Write: the record of a scene.
+//! Makes the record of a scene.
 
 use super::record::{
     AccountRecord, BeforeRecord, DrivenRecord, GroupRecord, HeardRecord, ItemRecord, LayoutRecord, LedgerRecord, List,
@@ -18,7 +18,6 @@ use alloc::collections::BTreeMap;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-/// The record of a scene.
 pub(super) fn scene(scene: &Scene) -> SceneRecord<'_> {
     let mut laws = Codes::default();
     let Scene {
@@ -61,12 +60,11 @@ pub(super) fn scene(scene: &Scene) -> SceneRecord<'_> {
         seconds: *seconds,
         initial: loaded(initial),
         before: before.as_ref().map(|b| laws.before(b)),
-        // last, when all of them are known
+        // last, when all laws are known
         laws: laws.0.into_iter().map(Cow::Borrowed).collect(),
     }
 }
 
-/// The codes of laws met so far.
 #[derive(Default)]
 struct Codes(Vec<&'static str>);
 
@@ -171,7 +169,7 @@ fn loaded(state: &State) -> LoadedRecord<'_> {
     LoadedRecord { state: flat(state), slow }
 }
 
-/// A state at load without its group, and without the parts that each load makes anew.
+/// Makes the record of a state at load without its group, and without the parts that loading creates.
 fn flat(state: &State) -> StateRecord<'_> {
     let State {
         scene: _,
@@ -240,11 +238,11 @@ fn param(param: &LiveParam) -> ParamRecord<'_> {
     ParamRecord { name: name.into(), symbol, dim, min: *min, max: *max, value: *value, doc: doc.into() }
 }
 
-/// Lists of values, which modules share.
+/// Lists of values, shared by modules.
 #[derive(Default)]
 struct Values<'a> {
     lists: Vec<List<'a, Source>>,
-    /// the place of each by its address
+    /// index of each list by its address
     places: BTreeMap<*const Source, u32>,
 }
 

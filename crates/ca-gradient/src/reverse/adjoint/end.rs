@@ -1,19 +1,19 @@
-//! End: adjoints of all numbers of a scene, behind the way back.
+//! Adjoints of all numbers of a scene, after the backward pass.
 //!
-//! The sums over all ticks of adjoints of forces times places and motions become adjoints of the numbers that multiply these
-//! (docs/numerics.md §9, eq. 3).
+//! Sums over all ticks, of adjoints of forces times positions and motions, become adjoints of the numbers that multiply
+//! these (docs/numerics.md §9, eq. 3).
 
 use super::Adjoint;
 use crate::parts::{Parts, number};
 use ca_core::Scene;
 
 impl Adjoint<'_> {
-    /// Ends before the first tick: adjoints of all numbers.
+    /// Returns the adjoints of all numbers, once the first tick is done.
     pub fn end(mut self) -> Vec<f64> {
         let (scene, place) = (self.scene, self.place);
         let (coef, adjoint, n) = (&place.initial.coef, &mut self.of_numbers, scene.layout.counts.n_mat);
         let own = &scene.initial.coef;
-        // the adjoint of the motion to come is ν times this inertia
+        // the adjoint of the motion to come is this inertia times ν
         let [by_d, by_both] = [&self.first[..], &self.a.x[..]].map(|v| inertia(scene, self.parts, v));
         for m in 0..n {
             let [p, q, c] = [0, 1, 2].map(|k| own[k * n + m]);
@@ -60,7 +60,7 @@ impl Adjoint<'_> {
     }
 }
 
-/// The inertia of the scene times `v`: of masses, and what implicit links add.
+/// Returns the inertia of the scene times `v`: masses and what implicit links add.
 fn inertia(scene: &Scene, parts: &Parts, v: &[f64]) -> Vec<f64> {
     let (n, coef) = (scene.layout.counts.n_mat, &scene.initial.coef);
     let mut all: Vec<f64> = v.iter().zip(&coef[2 * n..]).map(|(v, c)| if *c == 0.0 { 0.0 } else { v / c }).collect();

@@ -1,14 +1,14 @@
-//! Adjoint: a scene backwards, one tick at a time.
+//! Plays a scene backwards, one tick at a time.
 //!
-//! A tick of linear links and masses on a line is d' = P d + Q x + C (f − K x − Z d), x' = x + d', with K and Z symmetric. The
-//! adjoint of d', times C, is moved by the same equation, from the last tick to the first, where f has the adjoints
-//! of places. So the scene itself, without its constant forces, plays it: the same passes, the same layout, as fast. What links
-//! that are run alone give their ends goes into f as the forces of those links did. An adjoint of a motion d = x − x₋ is
-//! one of the place now, and its opposite one of the place before.
+//! A tick of linear links and masses on a line is d' = P d + Q x + C (f − K x − Z d), x' = x + d', with K and Z
+//! symmetric. The adjoint of d', times C, obeys the same equation from the last tick to the first, where f holds the
+//! adjoints of positions. So the scene without its constant forces plays it: the same passes, the same layout, as fast.
+//! Links evaluated alone add to f as they do forwards. The adjoint of a motion d = x − x₋ is added to the adjoint of x
+//! and subtracted from the adjoint of x₋, the position one tick before.
 //!
-//! In the state that plays, x is ν = C times the adjoint of d', and d its change; where no force moves a slot both
-//! are 0. The adjoint of the sum of the forces on a slot is ν, unless that sum is heard or a link goes by it
-//! ([`Parts::summed`]): there it grows while links are run.
+//! In the backward state, x is ν = C times the adjoint of d', and d is its change; both are 0 where no force moves a
+//! slot. The adjoint of the sum of the forces on a slot is ν, except where an output or a link reads that sum
+//! ([`Parts::summed`]): there it grows while links are evaluated.
 
 mod end;
 
@@ -26,60 +26,56 @@ use ca_core::internal::op::Op;
 use ca_core::internal::op::layout::Layout;
 use ca_core::{Dual, Scene, State};
 
-/// A scene on its way back.
 pub struct Adjoint<'a> {
     scene: &'a Scene,
     parts: &'a Parts,
-    /// that of the scene, without constant elongations
+    /// Layout without constant elongations.
     layout: Layout,
     a: State,
-    /// passes that have few links or masses, and all others of linear links and of motion
+    /// Passes with few links or masses, other passes of linear links, and other passes of motion.
     small: Small,
     linear: Vec<&'a Op>,
     moves: Vec<&'a Op>,
-    /// what is heard
     pub outputs: Outputs,
     links: Vec<Single>,
     sets: Vec<Pairs>,
     last: Vec<Single>,
     heard: Vec<HeardLink>,
-    /// adjoints of the forces of links that are heard, by tap
+    /// Adjoints of tapped link forces, by tap.
     taps: Vec<f64>,
-    /// sums of linear links, those that are listed and those of rows
+    /// Sums of linear links: listed ones, and rows.
     listed: Vec<Links>,
     rows: Vec<Links>,
     masses: Masses,
-    /// adjoints of forces in the ticks that are not summed yet, the latest of them first, and their number (any x slots)
+    /// Adjoints of forces in the `unsummed` ticks, in order of time and filled from the end (any x slots).
     nu: Aligned,
-    /// the same as listed links have it, where the adjoints of sums of forces grow meanwhile
+    /// The same for listed links, where sums of forces are read and their adjoints grow.
     more: Aligned,
     unsummed: usize,
-    /// adjoints of motions at this tick, and at the one after
+    /// Adjoints of motions at this tick and at the next.
     motion: [Vec<f64>; 2],
-    /// slots that may have such
+    /// Slots whose motion may have an adjoint.
     moved: Vec<usize>,
-    /// adjoints of the sums of forces at the tick after, as [`Parts::summed`]
+    /// Adjoints of the sums of forces at the next tick, as [`Parts::summed`].
     sums: Vec<f64>,
-    /// what the state has of these while they grow
+    /// Position and motion of the backward state at these slots, restored after the links.
     before: Vec<[f64; 2]>,
-    /// adjoints of memory and lengths
     mem: Vec<f64>,
     lengths: Vec<f64>,
-    /// at the first tick, adjoints of motions
+    /// Adjoints of motions at the first tick.
     first: Vec<f64>,
-    /// the number of each number of the scene
+    /// The scene with each number replaced by its index.
     place: &'a Scene,
-    /// adjoints of the numbers
     pub of_numbers: Vec<f64>,
-    /// adjoints of coefficients that ports drive, as they are at the tick at hand
+    /// Adjoints of the values that port-driven coefficients have at the current tick.
     pub driven: Vec<f64>,
-    /// adjoints of inputs at the tick at hand, of a device as if it were given in each
+    /// Adjoints of inputs at the current tick, for a device as if it sent a value in each tick.
     pub inputs: Vec<f64>,
 }
 
 impl<'a> Adjoint<'a> {
-    /// Begins behind the last tick. `place` is the scene with each number replaced by its place among them, `needed` which of them
-    /// some parameter changes.
+    /// Begins after the last tick. `place` is the scene with each number replaced by its index; `needed` marks the
+    /// numbers that some parameter changes.
     pub fn new(
         scene: &'a Scene,
         parts: &'a Parts,
@@ -158,7 +154,6 @@ impl<'a> Adjoint<'a> {
         Ok(adjoint)
     }
 
-    /// Slots whose motion may have an adjoint of its own.
     fn motions(&self) -> Vec<usize> {
         let l = &self.scene.layout;
         let heard = l.out.outputs.iter().filter_map(|o| match o.tap {
@@ -175,19 +170,19 @@ impl<'a> Adjoint<'a> {
         all
     }
 
-    /// True where as many ticks wait to be summed as there is room for.
+    /// Returns whether the ticks have to be summed before the next one.
     pub fn is_full(&self) -> bool {
         self.unsummed == TICKS
     }
 
-    /// Sums the ticks that wait for it, the last of which is tick `k` of the stretch.
+    /// Sums the ticks that are not summed yet; the last of them is tick `k` of the stretch.
     pub fn sum(&mut self, record: &Record, k: usize) {
         let (n, ticks) = (whole_lines(self.a.x.len()), self.unsummed);
         let more = if self.more.is_empty() { &self.nu } else { &self.more };
         let e0 = &self.scene.layout.links.e0[..];
         for (all, links, masses) in [(more, &mut self.listed, None), (&self.nu, &mut self.rows, Some(&mut self.masses))]
         {
-            // the last tick came first
+            // adjoints are filled from the end, since the last tick came first
             let adjoint = all.get((TICKS - ticks) * n..).unwrap_or_default();
             let (rows, width, d) = record.rows(k, ticks + 1);
             let seen = Seen { rows, width, d, adjoint, slots: n.max(1) };
@@ -196,20 +191,20 @@ impl<'a> Adjoint<'a> {
         self.unsummed = 0;
     }
 
-    /// Goes back over tick `tick`, which began with `row`, `adjoint` being that of its samples (outputs).
+    /// Goes back over tick `tick`, which began with `row`; `adjoint` holds the adjoints of its samples (outputs).
     pub fn back(&mut self, tick: usize, row: Row, adjoint: &[f64]) {
         let (a, of_numbers, place) = (&mut self.a, &mut self.of_numbers, self.place);
         let [now, late] = &mut self.motion;
-        // what goes by modes, and what stands between others, is given the forces of these in parts
+        // the adjoint of a force on a modal mass, or a moving point, is a weighted sum over its modes or nodes
         if let Some([read, _]) = self.parts.modal {
             let op = &self.scene.passes.reads[read];
             (op.kernel)(op, &self.layout, a);
         }
         let points = &self.scene.layout.places.moving_points;
         let cells = || points.iter().map(|p| p.mat as usize).zip(row.cells.chunks_exact(8));
-        // these grow below, and only then that of a point is known
+        // the adjoint of a point is summed below
         cells().for_each(|(m, _)| a.x[m] = 0.0);
-        // what is heard
+        // outputs
         let (taps, summed) = (&mut self.taps, &self.parts.summed);
         self.before.clear();
         self.before.extend(summed.iter().map(|m| [a.x[*m], a.d[*m]]));
@@ -228,7 +223,7 @@ impl<'a> Adjoint<'a> {
             of_numbers[number(place.layout.out.blockers[k].g)] += g;
         }
         self.driven.fill(0.0);
-        // first links that go by sums of forces: they add to the adjoints of these sums, which all others read
+        // links that depend on sums of forces first: they add to the adjoints of these sums, which all other links read
         let mut adjoints = Adjoints {
             a,
             now,
@@ -269,7 +264,7 @@ impl<'a> Adjoint<'a> {
                 h.back(&row, phi, a, now, of_numbers);
             }
         }
-        // what does not hang together with anything
+        // weights and force ports, which depend on nothing else
         for k in &self.parts.weights {
             let op = &self.scene.passes.forces[*k];
             for (k, m) in self.scene.layout.weighed[..op.n].iter().enumerate() {
@@ -317,7 +312,7 @@ impl<'a> Adjoint<'a> {
                 self.scene.layout.places.modal.iter().zip(&place.layout.places.modal).zip(row.modal)
             {
                 let (m, first, n) = (p.mat as usize, p.first as usize, p.n as usize);
-                // at the first tick its motion is no difference of two places
+                // at the first tick, the motion is not a difference of two positions
                 let start = forced.as_ref().map_or(0.0, |b| b.f[m]);
                 for (k, share) in place.layout.places.shares[other.share as usize..][..n].iter().enumerate() {
                     let q = first + k;
@@ -329,7 +324,7 @@ impl<'a> Adjoint<'a> {
                 (op.kernel)(op, layout, b);
             }
         }
-        // at the first tick a port has no motion
+        // at the first tick, the motion of a port is 0
         let to_port = |mat: u32| a.f[mat as usize] - forced.as_ref().map_or(0.0, |b| b.f[mat as usize]);
         for (p, other) in self.scene.layout.ports.enx.iter().zip(&place.layout.ports.enx) {
             self.inputs[p.input as usize] += to_port(p.mat);

@@ -1,11 +1,11 @@
-//! Frames of every kind of device, and how fast the hand was said to move.
+//! Frames of every kind of device, and the speed measured from them.
 
 use super::*;
 
 const FRAME_DT: f64 = 1.0 / 3000.0;
 
-/// The largest speed seen while a device of `rate` frames a second moves at `speed`, with a clock of its own and one
-/// frame at `spike` metres from the truth.
+/// Returns the largest and last speed measured and the dropped frames, while a device of `rate` frames a second moves
+/// at `speed` with its own clock, one frame being `spike` metres off.
 fn fastest(rate: u32, speed: f64, clock: impl Fn(f64) -> u64, spike: f64) -> (f64, f64, u64) {
     let mut p = Profile::shipped("tgr12").expect("shipped");
     (p.dof, p.rate, p.guard.speed) = (1, f64::from(rate), 1.0);
@@ -53,7 +53,7 @@ fn one_wrong_position_is_no_throw() {
     for rate in [3000, 1000, 500] {
         let frame = 1.0 / f64::from(rate);
         let clock = |t: f64| (t * 1e9) as u64;
-        // as far as H10 lets pass, from a hand at rest; farther is dropped
+        // as far as H10 accepts from a hand at rest; farther is dropped
         let (most, _, dropped) = fastest(rate, 0.0, clock, 1.99 * (frame + FRAME_DT));
         assert!(dropped == 0 && most > 0.5 && most < 1.0, "{rate} Hz: {most} m/s, {dropped} dropped");
         let (most, _, dropped) = fastest(rate, 0.0, clock, 5.0 * frame);
@@ -61,8 +61,8 @@ fn one_wrong_position_is_no_throw() {
     }
 }
 
-/// Why forces end in four seconds of a device of one profile that is armed from the beginning; `frames` hands over what it
-/// sends before each frame of the engine, and in the first two seconds nothing that is wrong.
+/// Returns the cause that ends forces in four seconds of an armed device. `frames` passes on its frames before each
+/// engine frame, without a fault in the first two seconds.
 fn ended(p: &Profile, what: &str, mut frames: impl FnMut(u32, &mut dyn FnMut(&DeviceFrame))) -> Cause {
     let mut validator = InputValidator::new(p, FRAME_DT);
     let mut hand = GuardFrame::new(p.dof as usize, FRAME_DT);
@@ -82,8 +82,8 @@ fn ended(p: &Profile, what: &str, mut frames: impl FnMut(u32, &mut dyn FnMut(&De
     hand.cause
 }
 
-/// Why forces end when a device of `rate` frames a second goes on with what `wrong` makes of its frames; false where
-/// it sends none.
+/// Returns the cause that ends forces when `wrong` alters the later frames of a device of `rate` frames a second;
+/// `wrong` returns false to send none.
 fn wronged(rate: u32, wrong: impl Fn(u32, &mut DeviceFrame) -> bool) -> Cause {
     let mut p = Profile::shipped("tgr12").expect("shipped");
     (p.dof, p.rate, p.guard.speed) = (2, f64::from(rate), 1.0);
@@ -138,7 +138,7 @@ fn a_position_that_is_not_valid_moves_nothing() {
         (1, 0, FrameVerdict::Masked),
         (2, 0b01, FrameVerdict::Masked),
         (3, 0b110, FrameVerdict::Masked),
-        // what the profile does not have need not be valid
+        // positions beyond the profile need not be valid
         (4, 0b011, FrameVerdict::Good),
         (5, u32::MAX, FrameVerdict::Good),
     ] {
@@ -150,8 +150,8 @@ fn a_position_that_is_not_valid_moves_nothing() {
     assert_eq!(validator.dropped, 3);
 }
 
-/// Why forces end in a throw at `speed` times the speed of the trip, with `at_once` frames of the device to one of the
-/// engine, as a busy machine delivers them.
+/// Returns the cause that ends forces in a throw at `speed` times the trip speed, with `at_once` device frames arriving
+/// together, as on a busy machine.
 fn thrown(speed: f64, at_once: u32) -> Cause {
     let mut p = Profile::shipped("tgr12").expect("shipped");
     (p.dof, p.rate, p.guard.speed, p.range) = (1, 3000.0, 0.5, [-10.0, 10.0]);
@@ -169,10 +169,10 @@ fn thrown(speed: f64, at_once: u32) -> Cause {
 
 #[test]
 fn a_throw_ends_forces_however_its_frames_come() {
-    // with more than these the device is late, and forces do not begin
+    // beyond these the device is late, and forces do not begin
     for at_once in 1..=4 {
         assert_eq!(thrown(1.5, at_once), Cause::Velocity, "{at_once} frames at once");
-        // faster than any hand that is believed: found first as a throw only where each frame comes alone
+        // above the fastest motion accepted, the throw is found first only if each frame comes alone
         let cause = if at_once == 1 { Cause::Velocity } else { Cause::Implausible };
         assert_eq!(thrown(3.0, at_once), cause, "{at_once} frames at once");
     }

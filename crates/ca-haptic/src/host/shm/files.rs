@@ -1,6 +1,6 @@
-//! The files of shared memory: in `/dev/shm`, and below the folder of a place.
+//! Lists the files of shared memory in `/dev/shm` and below the folder of a site.
 //!
-//! All users share `/dev/shm`, so these functions ask who owns a file. A file of another user is foreign, whatever its name.
+//! All users share `/dev/shm`, so a file counts as foreign by its owner, whatever its name.
 
 use super::names::{SHM, parse};
 use crate::host::user::uid;
@@ -8,7 +8,7 @@ use std::fs::{self, Metadata};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
-/// Everything with this prefix: path and metadata. Files that vanish meanwhile are left out.
+/// Lists path and metadata of everything with this prefix, except files that vanish meanwhile.
 pub(in crate::host) fn with_prefix(prefix: &str) -> impl Iterator<Item = (PathBuf, Metadata)> {
     let entries = fs::read_dir(SHM).into_iter().flatten().flatten();
     let named = entries.filter(move |e| e.file_name().as_encoded_bytes().starts_with(prefix.as_bytes()));
@@ -19,7 +19,7 @@ pub(in crate::host) fn is_foreign(about: &Metadata) -> bool {
     about.uid() != uid() || !about.is_file()
 }
 
-/// Files of other users with this prefix, and what is not a file.
+/// Returns files of other users with this prefix, and what is not a regular file.
 pub(in crate::host) fn foreign(prefix: &str) -> Vec<(PathBuf, Metadata)> {
     with_prefix(prefix).filter(|(_, about)| is_foreign(about)).collect()
 }
@@ -35,7 +35,6 @@ pub(in crate::host) fn remove_hash(root: &Path, digits: &str) {
     each_ours(root, &mut remove);
 }
 
-/// All files of this user in `/dev/shm` and below the folder of a place.
 pub(in crate::host) fn each_ours(root: &Path, each: &mut impl FnMut(PathBuf)) {
     let uid = uid();
     walk(Path::new(SHM), 0, &mut |path| {
@@ -46,7 +45,6 @@ pub(in crate::host) fn each_ours(root: &Path, each: &mut impl FnMut(PathBuf)) {
     walk(root, 3, each);
 }
 
-/// All files below a folder.
 fn walk(folder: &Path, depth: u32, each: &mut impl FnMut(PathBuf)) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     for entry in entries.flatten() {

@@ -1,31 +1,28 @@
-//! The names of shared memory.
+//! Builds and parses the names of shared memory.
 //!
-//! A name begins with a prefix, e.g. `ca1-0.10.0-1a2b3c4d_`. The prefix holds the version of our frames, the release of iceoryx2
-//! and the digits of a place, which [`prefix`](super::prefix) claims.
+//! A name begins with a prefix, e.g. `ca1-0.10.0-1a2b3c4d_`. The prefix holds the version of the frames, the release of
+//! iceoryx2 and the digits of a site, which [`prefix`](super::prefix) claims.
 
 use crate::frame::VERSION;
 
-/// The folder in which shared memory has its names.
 pub(in crate::host) const SHM: &str = "/dev/shm";
-/// Release of iceoryx2 this build speaks.
+/// Release of iceoryx2 that this build uses.
 pub(in crate::host) const IOX: &str = "0.10.0";
 
-/// The part of the prefix before the digits of the folder: the version.
+/// Returns the part of the prefix before the digits of the folder: the versions.
 pub(in crate::host) fn stamp() -> String {
     format!("ca{VERSION}-{IOX}-")
 }
 
-/// The prefix with these digits.
 pub(in crate::host) fn prefix(digits: &str) -> String {
     format!("{}{digits}_", stamp())
 }
 
-/// True for the digits of a folder.
 pub(super) fn is_hash(text: &str) -> bool {
     text.len() == 8 && text.bytes().all(|b| b.is_ascii_hexdigit())
 }
 
-/// Version of frames, release of iceoryx2 and digits of the folder, from the name of a file.
+/// Parses the name of a file: version of the frames, release of iceoryx2 and digits of the folder.
 pub(in crate::host) fn parse(name: &str) -> Option<(&str, &str, &str)> {
     let (prefix, _) = name.strip_prefix("ca")?.split_once('_')?;
     let (rest, hash) = prefix.rsplit_once('-')?;

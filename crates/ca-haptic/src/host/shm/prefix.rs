@@ -1,12 +1,12 @@
-//! The prefix of the names of a place: eight random hexadecimal digits in the file `prefix` of its folder.
+//! Claims the prefix of the names of a site: eight random hexadecimal digits in the file `prefix` of its folder.
 //!
-//! All users share `/dev/shm`, and a file of another user under a name that a process needs would block that process. Other
-//! users cannot read the folder, so they do not know the prefix before it is used. From then on they can see it in
-//! `/dev/shm`. So a place takes new digits when another user has a file under the old ones and no process uses them.
+//! All users share `/dev/shm`, and a file of another user under a name that a process needs would block that process.
+//! Other users cannot read the folder, so they do not know the prefix before it is used. From then on they can see it
+//! in `/dev/shm`. So a site takes new digits when another user has a file under the old ones and no process uses them.
 //!
 //! A process that uses the digits has a shared lock on the file, and only a process with an exclusive lock writes new
-//! digits: two processes of one place never have different prefixes. The kernel releases the lock of a killed process.
-//! Python does the same (`device.py`).
+//! digits. So two processes of one site never have different prefixes. The kernel releases the lock of a killed
+//! process. Python does the same (`device.py`).
 
 use super::names::is_hash;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -16,20 +16,18 @@ use std::path::Path;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// Name of the file.
 const FILE: &str = "prefix";
-/// Number of digits.
 const DIGITS: usize = 8;
 /// Longest wait for a process that writes new digits.
 const LIMIT: Duration = Duration::from_secs(2);
 
-/// The digits of the place at `root`, and the file whose lock protects them.
+/// Returns the digits of the site at `root`, and the file whose lock protects them.
 ///
-/// `squatted` says whether other users have files under these digits. `retire` removes what this user has under the old
-/// digits before new ones are written.
+/// `squatted` returns true if other users have files under these digits. `retire` removes the files that this user has
+/// under the old digits, before new ones are written.
 ///
 /// # Errors
-/// Where the file cannot be read, written or locked.
+/// If the file cannot be read, written or locked.
 pub(in crate::host) fn claim(
     root: &Path,
     squatted: impl Fn(&str) -> bool,
@@ -61,7 +59,7 @@ pub(in crate::host) fn claim(
             }
             Err(TryLockError::WouldBlock) => {
                 share(&file, end)?;
-                // other processes use them
+                // another process uses the digits
                 if let (Some(found), true) = (digits(&file)?, old.is_some()) {
                     return Ok((found, file));
                 }
@@ -75,7 +73,6 @@ pub(in crate::host) fn claim(
     }
 }
 
-/// Locks the file together with others.
 fn share(file: &File, end: Instant) -> io::Result<()> {
     loop {
         match file.try_lock_shared() {
@@ -87,7 +84,7 @@ fn share(file: &File, end: Instant) -> io::Result<()> {
     }
 }
 
-/// The digits in the file; `None` where it has others or none.
+/// Reads the digits; `None` if the file does not hold exactly eight of them.
 fn digits(file: &File) -> io::Result<Option<String>> {
     let mut bytes = [0; DIGITS + 1];
     let n = file.read_at(&mut bytes, 0)?;

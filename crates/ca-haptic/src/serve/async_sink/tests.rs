@@ -1,4 +1,4 @@
-//! What a line does under load, on a slow disk and at its end.
+//! Tests an asynchronous sink under load, on a slow disk and at its end.
 
 use super::*;
 use crate::engine::tests::setup;
@@ -12,7 +12,7 @@ const RATE: f64 = 48_000.0;
 /// Sound of a gesture frame of one channel.
 const FRAME: [f64; 16] = [0.0; 16];
 
-/// A disk that stands still until it is let go, and is full after so many blocks.
+/// A disk that blocks while `still` is locked, and is full after `blocks` blocks.
 struct Disk {
     still: Arc<Mutex<()>>,
     ticks: Vec<u64>,
@@ -48,7 +48,7 @@ fn room(seconds: f64) -> BufferLimits {
 fn what_waits_is_bounded_by_seconds_and_by_memory_and_the_rest_is_counted() {
     let each = size_of::<Message>() + size_of_val(&FRAME);
     let by_bytes = BufferLimits { bytes: 700 * each, ..room(1e9) };
-    // ten seconds of sound for a disk that stands still
+    // 10 s of sound for a blocked disk
     for (room, fits) in [(room(2.0), 6000), (room(0.5), 1500), (by_bytes, 700), (room(20.0), 30_000)] {
         let (mut line, aside, still) = disk(room, usize::MAX);
         let held = still.lock().expect("nobody panics");
@@ -60,7 +60,7 @@ fn what_waits_is_bounded_by_seconds_and_by_memory_and_the_rest_is_counted() {
         let disk = aside.end().expect("no failure").expect("a disk");
         assert!(disk.ticks.iter().copied().eq((0..fits).map(|n| 16 * n)), "{room:?}");
     }
-    // a device at 3 kHz, its forces and two channels of sound, for as long as a disk may stand still
+    // 30 s of a device at 3 kHz, its forces and two channels of sound fit in 256 MB
     let second = 6000 * (size_of::<Record>() + size_of::<Message>()) + 3000 * (each + size_of_val(&FRAME));
     assert!(30 * second < 1 << 28, "{second} bytes a second");
 }
@@ -88,7 +88,7 @@ fn a_loss_is_reported_while_it_lasts_and_that_it_is_over() {
     }
     assert_eq!(line.news(), Some((false, "disk: written in time again".into())));
     assert_eq!(line.news(), None);
-    // and there is room again, after one hole
+    // data is accepted again, after one gap
     line.sound(240_000, &FRAME).expect("handed over");
     let lost = aside.lost();
     let ticks = aside.end().expect("no failure").expect("a disk").ticks;
@@ -96,10 +96,10 @@ fn a_loss_is_reported_while_it_lasts_and_that_it_is_over() {
     assert_eq!(lost, [0, 240_000 - 120_000, 0]);
 }
 
-/// Ticks of sounds, number of records, words.
+/// Ticks of sounds, number of records, messages.
 type Heard = (Vec<u64>, u64, Vec<String>);
 
-/// What the recorder says, and all it hands over.
+/// A sink that stores everything from the recorder.
 #[derive(Clone, Default)]
 struct Ear(Arc<Mutex<Heard>>);
 
@@ -126,15 +126,14 @@ impl Sink for Ear {
 
 struct Played {
     ear: Ear,
-    /// failures the recorder knew of before the disk went on, and after
+    /// Failures known to the recorder before the disk continued, and after.
     broken: [usize; 2],
     disk: Result<Option<Disk>, FileError>,
-    /// by the summary, and by the disk's own count
+    /// Losses by the summary, and by the sink of the disk.
     lost: [[u64; 3]; 2],
 }
 
-/// So many gesture frames for a disk that may stand still all the while, and for somebody who hears everything. In
-/// the last one somebody arms.
+/// Plays for a disk, which blocks all the while if `hold`, and for a sink that stores all. Arms in the last frame.
 fn play(room: BufferLimits, blocks: usize, frames: u64, hold: bool) -> Played {
     let (model, _) = read::read(crate::engine::tests::KEY, "key.ca.toml", &ca_model::catalog());
     let scene =
@@ -159,11 +158,11 @@ fn play(room: BufferLimits, blocks: usize, frames: u64, hold: bool) -> Played {
     let engine = live.run(Some(0));
     recorder.poll();
     let before = recorder.broken().len();
-    // what was reported while it stood still
+    // reports while the disk was blocked
     let ear = Ear(Arc::new(Mutex::new(ear.heard())));
     drop(held);
     if blocks < 100 && hold {
-        // the recorder learns of the failure if something is left to hand over
+        // the recorder detects the failure when it hands over the next message
         while !aside.shared.over.load(Relaxed) {
             std::thread::yield_now();
         }
@@ -175,7 +174,7 @@ fn play(room: BufferLimits, blocks: usize, frames: u64, hold: bool) -> Played {
     Played { ear, broken: [before, recorder.broken().len()], disk: aside.end(), lost }
 }
 
-/// A sink that takes its time, and says when it is gone.
+/// A slow sink that sets a flag when it is dropped.
 struct Slow(Arc<AtomicBool>);
 
 impl Sink for Slow {
@@ -214,25 +213,24 @@ fn a_disk_that_stands_still_for_a_while_loses_nothing() {
 fn a_disk_that_stands_still_for_long_loses_what_is_counted_and_no_other_file_does() {
     let p = play(room(1.0), usize::MAX, 9000, true);
     let (ticks, records, reported) = p.ear.heard();
-    // the others have everything, a force and a sound each, the orders and what is waited for besides: nobody waits for
-    // the disk
+    // the other sink does not wait for the disk: it has a force and a sound per frame, two orders and a wait
     assert_eq!((ticks.len(), records), (9001, 9001 + 3));
-    // a frame is as late as its force, which is of its end
+    // a frame has the tick of its force, which is at its end
     let fits = ticks.iter().filter(|t| **t + 16 <= 48_000).count();
     assert!(reported.iter().any(|t| t.starts_with("disk: ") && t.contains("are missing so far")), "{reported:?}");
     let disk = p.disk.expect("no failure").expect("a disk");
     assert_eq!(disk.ticks, ticks[..fits]);
     let forces = disk.records.iter().filter(|r| matches!(r, Record::Force { .. })).count();
     let missing = 9001 - fits as u64;
-    // and that it waits, once
+    // and one `Waiting` record
     assert_eq!((forces, p.lost), (fits, [[missing + 1, 16 * missing, 0]; 2]));
-    // what decides the future is there, and before it the count of what is not
+    // orders are present, each after the number of missing records
     let end = &disk.records[fits..];
     let [Record::Lost { records: a, .. }, Record::Order { order: Order::Arm, .. }, off @ ..] = end else {
         panic!("{end:?}")
     };
     let [Record::Lost { records: b, .. }, Record::Order { order: Order::Disarm, .. }] = off else { panic!("{off:?}") };
-    // the very last force, which says that they are off, comes after the last order
+    // the last force, with forces off, comes after the last order
     assert_eq!(a + b + 1, missing + 1);
 }
 
@@ -245,12 +243,12 @@ fn a_disk_that_fails_with_much_behind_it_is_reported_once_and_holds_up_nobody() 
 #[test]
 fn a_full_disk_is_reported_once() {
     let p = play(room(2.0), 10, 3000, false);
-    // by the recorder if it came by again, else at the end
+    // by the recorder if it polled again, else at the end
     assert_eq!(p.broken[1] + usize::from(p.disk.is_err()), 1);
     assert!(p.disk.is_err() || p.disk.is_ok_and(|d| d.is_none()));
 }
 
-/// A sink that nothing came to for long is not late with the first thing that comes, and loses nothing of it.
+/// After a long pause, a sink is not late with the next data, and loses none of it.
 #[test]
 fn who_had_nothing_to_write_is_not_late() {
     let (mut line, aside, still) = disk(room(2.0), usize::MAX);

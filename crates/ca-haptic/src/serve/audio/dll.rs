@@ -1,56 +1,56 @@
-//! When a sound device will ask for a sample, learnt from when it asked for others.
+//! Predicts when a sound device asks for a sample, from the times of its earlier calls.
 //!
-//! Decides on the delay-locked loop of F. Adriaensen, "Using a DLL to filter time" (LAC 2005): of second order, critically
-//! simple (√2·ω and ω²), so that a device of any steady rate is followed without lasting error, and the jitter of its
-//! calls is filtered. The measured rate alone was the alternative; it drifts by every call it misjudges. The loop here
-//! steps by samples, not by calls, so that calls may be of any size and may be missing. A call that is far from where it
-//! was expected is a device that was stopped: the loop locks again, and keeps the rate it knows.
+//! This is the delay-locked loop of F. Adriaensen, "Using a DLL to filter time" (LAC 2005). It has second order, with
+//! gains √2·ω and ω², so it follows any steady rate without lasting error, and filters the jitter of the calls. A
+//! measured rate alone would drift with each misjudged call. The loop steps by samples, not by calls, so that calls may
+//! have any size and may be missing. A call far from its expected time means that the device was stopped: the loop
+//! locks again, and retains the rate.
 //!
-//! What is late by chance is never early, and a linear loop that took a call of 30 ms late for a phase would overshoot by
-//! 6 ms. So a call much too early moves the time back at once, as do the first calls after a lock; one much too late is
-//! left out, until so many in a row are that the device must have lost time.
+//! Random delays make calls late, never early, and a linear loop would overshoot by 6 ms after a call that is 30 ms
+//! late. So a call that is much too early moves the time back at once, and so do early calls just after a lock. A call
+//! that is much too late is ignored, unless [`LATE`] of them in a row show that the device has lost time.
 
-/// Bandwidth \[Hz\]: a rate that is off by 1000 ppm is never followed later than by 0.15 ms.
+/// Bandwidth \[Hz\]. With it, a rate error of 1000 ppm gives a time error of at most 0.15 ms.
 const BANDWIDTH: f64 = 0.5;
-/// The largest phase a call may turn the loop by \[rad\], so that it is stable for calls of any length.
+/// Largest phase step of one call \[rad\], so that the loop is stable for calls of any length.
 const TURN: f64 = 0.3;
-/// Off by more than this \[ns\], or two calls, it locks again.
+/// Error from which the loop locks again \[ns\], or two calls if that is longer.
 const JUMP: f64 = 5e7;
-/// Off by more \[ns\], or this part of a call, and it is no jitter.
+/// Error that is more than jitter \[ns\], or [`PART`] of a call if that is longer.
 const JITTER: f64 = 1e6;
 const PART: f64 = 0.02;
-/// So many calls late in a row, and the device has lost time.
+/// Late calls in a row that show a loss of time.
 const LATE: u32 = 8;
-/// Calls after a lock that may move the time back at once.
+/// Calls after a lock that move the time back at once if they are early.
 const SETTLE: u32 = 16;
-/// The loop has settled after so long \[ns\]: e^{−ωt/√2} is 1e-3 there.
+/// Settling time of the loop \[ns\]: e^{−ωt/√2} = 1e-3.
 const SETTLED: f64 = 3.2e9;
-/// No device is off by more, as a part of its rate.
+/// Largest rate error of a device, as a fraction of its rate.
 const WRONG: f64 = 0.05;
 
-/// The loop. Times are those of one clock \[ns\], samples those of all channels together.
+/// The loop. Times are \[ns\] of one clock; a sample covers all channels.
 #[derive(Clone, Debug)]
 pub struct Dll {
     nominal: f64,
-    /// where times count from \[ns\]
+    /// Origin of the times \[ns\].
     base: u64,
-    /// the last call: its first sample, and when, filtered \[ns\]
+    /// Last call: first sample, and filtered time \[ns\].
     n: u64,
     t: f64,
-    /// a sample \[ns\]
+    /// Duration of a sample \[ns\].
     dt: f64,
-    /// of the last lock \[ns\], and the first call after it has settled
+    /// Time of the last lock \[ns\], and the first call after it has settled.
     lock: f64,
     since: Option<(u64, f64)>,
     settle: u32,
     locked: bool,
-    /// calls in a row that were much too late, and the least of them \[ns\]
+    /// Number of much too late calls in a row, and their smallest error \[ns\].
     late: u32,
     least: f64,
 }
 
 impl Dll {
-    /// Of a device of so many samples a second.
+    /// Makes a loop for a device with `rate` samples per second.
     pub fn new(rate: f64) -> Dll {
         let dt = 1e9 / rate;
         Dll {
@@ -68,7 +68,7 @@ impl Dll {
         }
     }
 
-    /// At `at` \[ns\] the device asked for samples from `n` on. True where that was so far off that it locked again.
+    /// Notes that the device asked for samples from `n` on at `at` \[ns\]. Returns true if this locked the loop again.
     pub fn add(&mut self, n: u64, at: u64) -> bool {
         if !self.locked {
             (self.base, self.locked) = (at, true);
@@ -113,7 +113,7 @@ impl Dll {
         self.shift(at, true);
     }
 
-    /// Sets the phase; what was `lost` is no rate.
+    /// Sets the phase. With `lost`, the measurement of the rate starts again.
     fn shift(&mut self, at: f64, lost: bool) {
         self.t = at;
         if lost {
@@ -121,22 +121,22 @@ impl Dll {
         }
     }
 
-    /// When sample `n` is asked for \[ns\].
+    /// Returns when sample `n` is requested \[ns\].
     pub fn when(&self, n: i64) -> f64 {
         self.base as f64 + self.t + (n as f64 - self.n as f64) * self.dt
     }
 
-    /// A sample \[ns\], as of now.
+    /// Returns the present duration of a sample \[ns\].
     pub fn sample(&self) -> f64 {
         self.dt
     }
 
-    /// True once the device has asked for anything.
+    /// Returns true once the device has asked for samples.
     pub fn is_locked(&self) -> bool {
         self.locked
     }
 
-    /// How much faster than nominal the device is \[ppm\]: the mean since it settled, before that the rate of now.
+    /// Returns the rate of the device above nominal \[ppm\]: the mean since the loop settled, or else the present one.
     pub fn ppm(&self) -> f64 {
         let dt = match self.since {
             Some((n, t)) if self.n > n => (self.t - t) / (self.n - n) as f64,
@@ -155,18 +155,17 @@ mod tests {
     /// \[rad/s\]
     const OMEGA: f64 = std::f64::consts::TAU * BANDWIDTH;
 
-    /// A device: `rate` samples a second from `from` \[ns\] on.
+    /// Returns when a device with `rate` samples per second from `from` \[ns\] on asks for sample `n` \[ns\].
     fn at(n: u64, rate: f64, from: f64) -> f64 {
         from + n as f64 / rate * 1e9
     }
 
-    /// Numbers in −1 … 1 that look random.
     fn noise(seed: &mut u64) -> f64 {
         *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (*seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
 
-    /// e(t) = Δ·√2/ω·e^{−ωt/√2}·sin(ωt/√2) after a step of the rate by Δ: nothing of it lasts.
+    /// After a step of the rate by Δ, the error is e(t) = Δ·√2/ω·e^{−ωt/√2}·sin(ωt/√2), which decays to zero.
     #[test]
     fn another_rate_is_followed_as_theory_says() {
         for ppm in [-1000.0, -37.0, 250.0, 1000.0] {
@@ -178,25 +177,25 @@ mod tests {
                 let n = k * CALL;
                 let real = at(n, rate, 5e12);
                 assert!(!d.add(n, real as u64));
-                // one that is faster is at first followed call by call
+                // a faster device is at first followed call by call
                 let settled = if ppm > 0.0 { u64::from(SETTLE) - 1 } else { 0 };
                 let t = (n as f64 - (settled * CALL) as f64).max(0.0) / rate;
-                // the device is slower: it asks later than expected
+                // a slower device asks later than expected
                 let e = -ppm * 1e-6 * 2_f64.sqrt() / OMEGA * (-a * t).exp() * (a * t).sin() * 1e9;
                 let got = real - d.when(n as i64);
-                // calls instead of a flow, two times that are whole nanoseconds, and the first calls
+                // tolerance for discrete calls, for two times in whole nanoseconds, and for the first calls
                 assert!((got - e).abs() < 0.03 * most + 5.0, "{ppm} ppm, {t} s: {got} ns, not {e}");
             }
-            // two minutes later: no drift, and the rate
+            // after two minutes: no drift, and the right rate
             let n = 90_000 * CALL;
             assert!((d.when(n as i64) - at(n, rate, 5e12)).abs() < 5.0);
-            // what was left of the transient when it counted as settled, over 117 s
+            // tolerance: rest of the transient at `SETTLED`, over 117 s
             assert!((d.ppm() - ppm).abs() < 5e-3, "{} for {ppm} ppm", d.ppm());
         }
     }
 
-    /// Calls that come up to J early or late: never off by more than the sum of the loop's impulse response says, and by
-    /// √(1.5·ω/√2·T) of the deviation of the jitter in the mean.
+    /// With calls up to J early or late, the error never exceeds the bound by the sum of the loop's impulse response.
+    /// Its r.m.s. value is √(1.5·ω/√2·T) of the standard deviation of the jitter.
     #[test]
     fn jitter_is_filtered() {
         for (rate, jitter) in [(RATE, 8e5), (RATE * 1.0003, 2e5)] {
@@ -223,7 +222,7 @@ mod tests {
         }
     }
 
-    /// Most calls come soon, one in ten some milliseconds late: those are left out, and the others are filtered.
+    /// Most calls come soon, and one in ten some milliseconds late. The late ones are ignored, and the others filtered.
     #[test]
     fn what_is_much_too_late_does_not_count() {
         let (mut d, mut seed) = (Dll::new(RATE), 3);
@@ -234,14 +233,14 @@ mod tests {
             let late = if noise(&mut seed) > 0.8 { 4e6 * (1.0 + noise(&mut seed)) } else { 0.0 };
             d.add(n, (real + soon + late) as u64);
             if n as f64 > 10.0 * RATE {
-                // in the mean 0.1 ms, and those between it and a millisecond: 1 in 80
+                // 0.1 ms on average, plus the effect of 1 call in 80 that is late by less than a millisecond
                 let e = d.when(n as i64) - real;
                 assert!((5e4..2.5e5).contains(&e), "{e} at {k}");
             }
         }
     }
 
-    /// A device that loses 30 ms at once: never late by it, and the rate it had.
+    /// A device loses 30 ms at once: the prediction is never late by that, and the rate stays.
     #[test]
     fn a_step_does_not_overshoot() {
         for (step, calls) in [(3e7, LATE), (2e6, LATE), (-2e7, 1)] {
@@ -260,7 +259,7 @@ mod tests {
         }
     }
 
-    /// A late first call: what comes next shows when it should have come.
+    /// After a late first call, the next calls show when it should have come.
     #[test]
     fn a_lock_on_a_late_call_is_mended_at_once() {
         let mut d = Dll::new(RATE);
@@ -282,7 +281,7 @@ mod tests {
         assert!((d.ppm() - 100.0).abs() < 1e-3, "{}", d.ppm());
     }
 
-    /// A device that stands still for a while, and one that loses a call of its own.
+    /// A device stops for a while, and later loses a call.
     #[test]
     fn after_a_stop_it_locks_again_and_keeps_the_rate() {
         let rate = RATE * 0.9995;
@@ -299,14 +298,14 @@ mod tests {
             assert!((d.when(n as i64) - at(n, rate, 2e9)).abs() < 100.0, "no second transient");
         }
         assert!((d.ppm() + 500.0).abs() < 0.1);
-        // a call lost: it comes a call later, once and for all
+        // after a lost call, all calls come one call later
         let late = 2e9 + CALL as f64 / rate * 1e9;
         for _ in 0..10_000 {
             n += CALL;
             assert!(!d.add(n, at(n, rate, late) as u64), "no reason to lock");
         }
         assert!((d.when(n as i64) - at(n, rate, late)).abs() < 5.0);
-        // numbers that run back are another stream
+        // sample numbers that go back belong to another stream
         assert!(d.add(0, (at(n, rate, late) + 1e6) as u64));
     }
 

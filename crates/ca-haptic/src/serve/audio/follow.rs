@@ -1,12 +1,14 @@
-//! The side of the engine: when a gesture frame is due, if the device that plays its sound is the clock.
+//! The engine's side: determines when a gesture frame is due if the sound device is the clock.
 //!
-//! Decides that a frame is due a lead before its first sample is asked for: what the device asks for at once, the frame
-//! itself, and a margin. Which of the device's samples that is follows from what it has taken so far, so silence that
-//! was played, or sound that was left out, moves it by as much, and the ring holds the same amount whatever happened.
-//! Where it holds less, frames come at twice the rate until it is full again, never faster: each is a step of the hand.
-//! Where it holds more, at half the rate, never slower: forces do not depend on a sound device, and one that no longer
-//! asks is left out; frames go on at the rate it had. One that stood still may ask for all of that time at once: the lead
-//! never exceeds half of the ring, or no sound would fit into it any more.
+//! A frame is due one lead before its first sample is requested. The lead is the number of samples that the device
+//! requests at once, plus the frame itself and a margin. The samples taken so far determine the matching sample of the
+//! device. So silence played and sound left out shift it by as much, and the ring always holds the same amount.
+//!
+//! If the ring holds less, frames come at up to twice the rate until it is full again, never faster, because each frame
+//! is a step of the hand. If it holds more, they come at no less than half the rate, because forces must not depend on
+//! a sound device. A device that stops asking is ignored, and frames continue at its last rate. After a stall, a device
+//! may ask for all of that time at once. So the lead never exceeds half of the ring; otherwise, no sound would fit in
+//! it any more.
 
 use super::{Call, Counts, Dll};
 use crate::rt::{Waits, now_ns};
@@ -15,19 +17,19 @@ use rtrb::{Consumer, Producer};
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
-/// Room for what makes engine or device late \[s\], at least.
+/// Smallest margin for delays of engine and device \[s\].
 const MARGIN: f64 = 0.001;
-/// So long without a call \[ns\], and as many calls' time, and the device is left out.
+/// Time without a call after which the device is ignored \[ns\], or [`CALLS`] calls if they take longer.
 const PATIENCE: f64 = 1e8;
 const CALLS: f64 = 4.0;
 
-/// From when a frame of `frame` samples is due until its first is asked for \[samples\]. A device that asks for much at
-/// once is one that need not be quick: half of it is margin.
+/// Returns the time from when a frame of `frame` samples is due until its first is requested \[samples\]. Half of a
+/// large buffer is margin, because a device with a large buffer need not be fast.
 pub(super) fn lead(buffer: u32, frame: u32, rate: f64) -> u64 {
     u64::from(buffer) + u64::from(frame) + ((MARGIN * rate) as u64).max(u64::from(buffer / 2))
 }
 
-/// The engine's end. After it is made nothing allocates or locks.
+/// The engine's side. Its methods neither allocate nor lock.
 pub struct Follow {
     samples: Producer<f32>,
     calls: Consumer<Call>,
@@ -36,22 +38,22 @@ pub struct Follow {
     waits: Waits,
     rate: f64,
     channels: usize,
-    /// samples of a gesture frame
+    /// Samples of a gesture frame.
     frame: u32,
     buffer: u32,
     lead: u64,
-    /// the largest lead: half of what the ring holds
+    /// Largest lead: half of the ring.
     most: u64,
-    /// frames handed over
+    /// Samples handed over.
     sent: u64,
-    /// from a sample of ours to that of the device which plays it
+    /// Offset from a sample of the engine to the sample of the device that plays it.
     shift: i64,
-    /// when the last frame was due, or began where it was too late \[ns\]
+    /// Time at which the last frame was due, or at which it began if it was too late \[ns\].
     planned: f64,
-    /// when the device asked last \[ns\]
+    /// Time of the last call \[ns\].
     heard: u64,
     alive: bool,
-    /// silence in samples that is not counted as periods yet
+    /// Samples of silence not yet counted as periods.
     left: i64,
 }
 
@@ -87,7 +89,6 @@ impl Follow {
         }
     }
 
-    /// Waits for the next frame.
     pub(in crate::serve) fn next(&mut self) -> Start {
         self.hear(now_ns());
         let due = self.due();
@@ -95,7 +96,7 @@ impl Follow {
         self.begin(due, now)
     }
 
-    /// Learns what the device did.
+    /// Reads the calls of the device.
     pub(super) fn hear(&mut self, now: u64) {
         let before = self.heard;
         while let Ok(call) = self.calls.pop() {
@@ -127,12 +128,12 @@ impl Follow {
         }
     }
 
-    /// A gesture frame \[ns\].
+    /// Returns the duration of a gesture frame \[ns\].
     fn period(&self) -> f64 {
         f64::from(self.frame) * self.dll.sample()
     }
 
-    /// When the next frame is due \[ns\].
+    /// Returns when the next frame is due \[ns\].
     pub(super) fn due(&self) -> f64 {
         let period = self.period();
         if !self.alive {
@@ -142,7 +143,7 @@ impl Follow {
         asked.clamp(self.planned + 0.5 * period, self.planned + 2.0 * period)
     }
 
-    /// A frame that was `due` begins `now` \[ns\].
+    /// Notes that the frame that was `due` begins `now` \[ns\].
     pub(super) fn begin(&mut self, due: f64, now: u64) -> Start {
         let late = (now as f64 - due).max(0.0);
         let period = self.period();
@@ -155,7 +156,7 @@ impl Follow {
         Start { late: late as u64, missed: missed as u64 }
     }
 
-    /// Hands over sound, interleaved.
+    /// Hands interleaved sound to the device.
     pub(in crate::serve) fn put(&mut self, sound: &[f64]) {
         let frames = (sound.len() / self.channels.max(1)) as u64;
         match self.samples.write_chunk_uninit(sound.len()) {

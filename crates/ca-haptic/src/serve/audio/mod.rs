@@ -1,13 +1,14 @@
-//! Sound straight to a device that plays it: the ring between engine and device, and the clock the device is.
+//! Sends sound straight to a device that plays it: the ring between engine and device, and the device as a clock.
 //!
 //! ```text
 //! engine thread ── Follow ── samples ─► Player ── callback of the device
 //!                        ◄── calls ───
 //! ```
 //!
-//! Decides that the two sides share rings and counters only. [`Player`] is called by whatever plays sound, and knows no
-//! device; [`Follow`] tells the engine when its next gesture frame falls due. Each call of the device says how far it
-//! has come, what it took and when; nothing else passes, so that either side can stand still, and the other sees it.
+//! The two sides share only rings and counters. [`Player`] is called by any player of sound and does not depend on the
+//! device. [`Follow`] gives the engine the time at which its next gesture frame is due. Each call of the device reports
+//! its position, the samples taken and the time. Nothing else is exchanged, so either side can stall, and the other
+//! detects it.
 
 #[cfg(feature = "system")]
 mod dll;
@@ -41,120 +42,120 @@ use std::sync::atomic::{AtomicBool, AtomicI64, AtomicU64, Ordering::Relaxed};
 /// One call of the device.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Call {
-    /// first sample it asked for, counted by the device
+    /// First sample requested, counted by the device.
     pub from: u64,
-    /// how many
+    /// Number of samples requested.
     pub frames: u32,
-    /// samples of the engine that have been taken, after it
+    /// Samples taken from the engine so far, including this call.
     pub taken: u64,
-    /// when \[ns of [`now_ns`](crate::rt::now_ns)\]
+    /// Time \[ns of [`now_ns`](crate::rt::now_ns)\].
     pub at: u64,
 }
 
-/// What both sides and the recorder may look at. Counts are since the start.
+/// State shared by both sides and the recorder. Counts are since the start.
 #[derive(Debug, Default)]
 pub struct Counts {
-    /// times there was nothing to play
+    /// Times at which there was nothing to play.
     pub underruns: AtomicU64,
-    /// samples of silence that were played for it
+    /// Samples of silence played instead.
     pub silent: AtomicU64,
-    /// samples that were left out, since they were too old
+    /// Samples left out because they were too old.
     pub skipped: AtomicU64,
-    /// samples that found no room, since the device did not ask
+    /// Samples that did not fit because the device did not ask for any.
     pub unheard: AtomicU64,
-    /// underruns the device itself reported
+    /// Underruns reported by the device.
     pub xruns: AtomicU64,
-    /// times the device stopped asking
+    /// Times at which the device stopped asking.
     pub stops: AtomicU64,
-    /// the device asks
+    /// True while the device asks.
     pub alive: AtomicBool,
-    /// all is played, and nothing will come
+    /// True once everything is played and nothing follows.
     pub done: AtomicBool,
-    /// how much faster than nominal the device is \[1e-9\]
+    /// Rate of the device above nominal \[1e-9\].
     pub ppb: AtomicI64,
-    /// the most frames the device asked for at once
+    /// Most frames that the device requested at once.
     pub buffer: AtomicU64,
-    /// from when a gesture frame is due until its first sample is asked for \[samples\]
+    /// Time from when a gesture frame is due until its first sample is requested \[samples\].
     pub lead: AtomicU64,
-    /// from the call until its sound is heard, as the device says \[ns\]; 0 where it does not
+    /// Output latency after a call, as the device reports it \[ns\]; 0 if it does not.
     pub delay: AtomicU64,
 }
 
-/// The sound device that plays.
+/// A sound device.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct PlaybackDevice {
-    /// the system that leads to it: `JACK`, `ALSA` …
+    /// Sound system through which it plays: `JACK`, `ALSA` …
     pub host: String,
-    /// its name
+    /// Name.
     pub device: String,
-    /// samples a second
+    /// Samples per second.
     pub rate: u32,
-    /// channels it is given
+    /// Channels that it receives.
     pub channels: u16,
 }
 
-/// How it went.
+/// Summary of a sound device.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AudioSummary {
-    /// the device that played
+    /// The device.
     #[serde(flatten)]
     pub playback: PlaybackDevice,
-    /// frames it asks for at once
+    /// Most frames that it requested at once.
     pub buffer: u64,
-    /// from when a gesture frame is due until its first sample is asked for \[samples\]
+    /// Time from when a gesture frame is due until its first sample is requested \[samples\].
     pub lead: u64,
-    /// from when a gesture frame is due until it is heard \[ms\]: the lead, and a buffer or what the device says
+    /// Latency from when a gesture frame is due \[ms\]: the lead, plus one buffer or the reported output latency.
     pub latency_ms: f64,
-    /// times there was nothing to play
+    /// Times at which there was nothing to play.
     pub underruns: u64,
-    /// the first of them: the sample that came late
+    /// Samples that came late, of the first underruns.
     pub gaps: Vec<u64>,
-    /// samples of silence instead
+    /// Samples of silence played instead.
     pub silent: u64,
-    /// samples left out since they were too old
+    /// Samples left out because they were too old.
     pub skipped: u64,
-    /// samples that found no room since the device did not ask
+    /// Samples that did not fit because the device did not ask for any.
     pub unheard: u64,
-    /// underruns the device reported
+    /// Underruns reported by the device.
     pub xruns: u64,
-    /// times the device stopped asking
+    /// Times at which the device stopped asking.
     pub stops: u64,
-    /// its rate against the monotonic clock \[ppm\]
+    /// Deviation of its rate from nominal, by the monotonic clock \[ppm\].
     pub ppm: f64,
 }
 
 impl AudioSummary {
-    /// True where all was heard as it was computed.
+    /// Returns true if all sound was played as computed.
     pub fn is_faithful(&self) -> bool {
         self.underruns + self.skipped + self.unheard + self.xruns + self.stops == 0
     }
 }
 
-/// The recorder's end.
+/// The recorder's side.
 pub struct Watch {
-    /// the device that plays
+    /// The sound device.
     pub playback: PlaybackDevice,
-    /// what both sides count
+    /// Counts of both sides.
     pub counts: Arc<Counts>,
     gaps: Consumer<u64>,
     reported: Vec<u64>,
-    /// gaps before this sample are not reported
+    /// Gaps before this sample are not reported.
     quiet: u64,
     was_alive: bool,
 }
 
-/// Gaps whose samples are kept.
+/// Most gaps that are stored.
 const GAPS: usize = 1000;
 
 impl Watch {
-    /// What people should know since the last call.
+    /// Returns messages for people since the last call.
     pub(super) fn news(&mut self) -> Vec<String> {
         let mut news = Vec::new();
         while let Ok(at) = self.gaps.pop() {
             if self.reported.len() < GAPS {
                 self.reported.push(at);
             }
-            // once a second is enough, the summary has all of them
+            // one message a second; the summary has all gaps
             if at >= self.quiet {
                 self.quiet = at + u64::from(self.playback.rate);
                 news.push(format!("{}: nothing to play at sample {at}", self.playback.device));
@@ -167,7 +168,7 @@ impl Watch {
             } else {
                 "no longer asks for sound; the engine goes on at its last rate, and is heard again once it asks"
             };
-            // that it begins is what everybody expects
+            // the first start is not reported
             if !alive || self.counts.stops.load(Relaxed) > 0 {
                 news.push(format!("{}: {what}", self.playback.host));
             }
@@ -176,7 +177,7 @@ impl Watch {
         news
     }
 
-    /// The account.
+    /// Returns the summary.
     pub fn summary(&self) -> AudioSummary {
         let c = &self.counts;
         let n = |of: &AtomicU64| of.load(Relaxed);
@@ -199,12 +200,12 @@ impl Watch {
     }
 }
 
-/// How late a call may be \[s\] before what waits for it is too old to be played.
+/// Delay of a call after which the waiting samples are too old to be played \[s\].
 #[cfg(feature = "system")]
 const HELD: f64 = 0.1;
 
-/// Both sides, and the recorder's: of a scene of so many channels and so many samples a gesture frame, for a device that asks
-/// for `buffer` samples at once.
+/// Makes all three sides, for a scene with `channels` channels and `frame` samples per gesture frame, and for a device
+/// that asks for `buffer` samples at once.
 #[cfg(feature = "system")]
 pub fn link(channels: usize, frame: u32, playback: PlaybackDevice, buffer: u32) -> (Follow, Player, Watch) {
     let counts = Arc::new(Counts::default());

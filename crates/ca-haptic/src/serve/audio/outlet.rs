@@ -1,28 +1,29 @@
-//! The output of the sound, which may change while the engine runs.
+//! The sound output, which may change while the engine runs.
 //!
-//! The engine's side of another device is made outside and comes by a ring; the one before goes back by another ring and is freed
-//! there, so the engine thread neither allocates nor frees. Without a device the engine follows the clock of the machine.
+//! The engine's side of a new device is made on another thread and arrives through a ring. The old one returns through
+//! a second ring and is freed there, so the engine thread neither allocates nor frees. Without a device, the engine
+//! follows the monotonic clock.
 
 use super::Follow;
 use rtrb::{Consumer, Producer, RingBuffer};
 
-/// Changes that may wait, and devices that may wait to be freed.
+/// Most changes that wait, and most devices that wait to be freed.
 const WAITING: usize = 4;
 
-/// The engine's end.
+/// The engine's side.
 pub struct Outlet {
     now: Option<Box<Follow>>,
     next: Consumer<Option<Box<Follow>>>,
     gone: Producer<Box<Follow>>,
 }
 
-/// The other end, which changes it.
+/// The other side, which changes the device.
 pub struct Patch {
     next: Producer<Option<Box<Follow>>>,
     gone: Consumer<Box<Follow>>,
 }
 
-/// Both ends; `first` plays from the start.
+/// Makes both sides; `first` plays from the start.
 pub fn outlet(first: Option<Follow>) -> (Outlet, Patch) {
     let (to, next) = RingBuffer::new(WAITING);
     let (gone, back) = RingBuffer::new(WAITING);
@@ -30,19 +31,18 @@ pub fn outlet(first: Option<Follow>) -> (Outlet, Patch) {
 }
 
 impl Outlet {
-    /// The device that plays now.
     pub(in crate::serve) fn now(&mut self) -> Option<&mut Follow> {
         self.now.as_deref_mut()
     }
 
-    /// Takes up what is to play from now on; true where something came.
+    /// Applies a waiting change. Returns true if there was one.
     pub(in crate::serve) fn turn(&mut self) -> bool {
         if self.gone.slots() == 0 {
             return false;
         }
         let Ok(next) = self.next.pop() else { return false };
         if let Some(before) = core::mem::replace(&mut self.now, next) {
-            // there is room: only this thread fills the ring
+            // it fits, because only this thread writes to the ring
             let _ = self.gone.push(before);
         }
         true
@@ -50,7 +50,7 @@ impl Outlet {
 }
 
 impl Patch {
-    /// From the next frame on this plays, or nothing. False where the engine has not taken up the changes before.
+    /// Sets the device that plays from the next frame on, if any. Returns false if too many earlier changes still wait.
     pub fn put(&mut self, next: Option<Follow>) -> bool {
         while self.gone.pop().is_ok() {}
         self.next.push(next.map(Box::new)).is_ok()
@@ -77,14 +77,14 @@ mod tests {
         assert_eq!(out, [0.25; 200]);
         second_player.fill(&mut out, 1, 0);
         assert_eq!(out, [0.5; 200]);
-        // none at all, and more than the ring holds
+        // no device, and more changes than the ring holds
         for _ in 0..WAITING {
             assert!(patch.put(None));
         }
         assert!(!patch.put(None));
         while outlet.turn() {}
         assert!(outlet.now().is_none() && patch.put(None));
-        // the one before is freed at the other end, and its player ends
+        // the old device is freed on the other side, and its player ends
         second_player.fill(&mut out, 1, 0);
         assert_eq!(out[199], 0.0);
     }

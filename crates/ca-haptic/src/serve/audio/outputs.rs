@@ -1,26 +1,26 @@
-//! The outputs among which a person chooses.
+//! The choice of a sound output.
 
 use serde::Serialize;
 
-/// Outputs to choose from, the present one, and the one that is asked for.
+/// Outputs to choose from, the present one, and the requested one.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Outputs {
-    /// names that can be asked for; none where nothing can be chosen
+    /// Names that can be requested; empty if nothing can be chosen.
     pub choices: Vec<String>,
-    /// the name that is to play
+    /// Name of the output that should play.
     pub wanted: String,
-    /// what plays, in words
+    /// Description of what plays.
     pub plays: String,
-    /// what was asked for last is being opened
+    /// True while the requested output is being opened.
     pub busy: bool,
-    /// why what was asked for last does not play
+    /// Reason why the output requested last does not play.
     pub refused: Option<String>,
-    /// asked for, and not looked at yet
+    /// Request that is not handled yet.
     #[serde(skip)]
     pub asked: Option<String>,
 }
 
-/// Outputs cannot be chosen.
+/// The error if outputs cannot be chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NoChoice;
 
@@ -32,7 +32,7 @@ impl std::fmt::Display for NoChoice {
 
 impl std::error::Error for NoChoice {}
 
-/// An answer to a request is a text.
+/// Converts to the text of a reply.
 impl From<NoChoice> for String {
     fn from(why: NoChoice) -> String {
         why.to_string()
@@ -40,7 +40,7 @@ impl From<NoChoice> for String {
 }
 
 impl Outputs {
-    /// Asks for another.
+    /// Requests another output.
     ///
     /// # Errors
     /// If nothing can be chosen.

@@ -1,8 +1,8 @@
-//! The side of the device: gives what it asks for.
+//! The device's side: gives the device the samples that it asks for.
 //!
-//! Decides that a call never waits: what is missing is the last sample, fading away, then silence; what comes after it
-//! fades in, and not before most of the lead is there again: one gap, not one for each frame of a thread that is late.
-//! That costs a multiplication a sample near a gap and nothing elsewhere, where samples pass to the bit.
+//! A call never waits. Missing sound is replaced by the last sample, fading out, and then by silence. The sound after a
+//! gap fades in, but only when most of the lead is available again: a late thread then causes one gap instead of one
+//! for each frame. Fading costs one multiplication per sample near a gap; elsewhere samples pass unchanged.
 
 use super::{Call, Counts};
 use rtrb::chunks::ChunkError;
@@ -10,27 +10,26 @@ use rtrb::{Consumer, Producer};
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 
-/// A fade \[s\].
+/// Duration of a fade \[s\].
 const FADE: f64 = 0.001;
 
-/// The device's end. After it is made nothing allocates, locks or calls the system.
+/// The device's side. Its methods neither allocate nor lock, and do not call the system.
 pub struct Player {
     samples: Consumer<f32>,
     calls: Producer<Call>,
     gaps: Producer<u64>,
     counts: Arc<Counts>,
-    /// of the scene
+    /// Channels of the scene.
     channels: usize,
-    /// frames asked for, and frames taken
+    /// Frames requested, and frames taken.
     asked: u64,
     taken: u64,
-    /// more frames than the lead and these are too old
+    /// Frames beyond the lead plus this number are too old.
     held: u64,
     playing: bool,
     started: bool,
-    /// the last frame
     last: Vec<f32>,
-    /// of what comes, and of what is held; one of them is 1 or 0
+    /// Gains of new sound and of the held frame; one of them is 1 or 0.
     rise: f32,
     fall: f32,
     step: f32,
@@ -60,23 +59,23 @@ impl Player {
             playing: false,
             started: false,
             last,
-            // the engine fades in by itself
+            // the engine itself fades in at the start
             rise: 1.0,
             fall: 0.0,
             step,
         }
     }
 
-    /// Fills a buffer of `wide` interleaved channels that was asked for at `at` \[ns\]. One channel of a scene goes to
-    /// the first two of the device, several to as many.
+    /// Fills a buffer of `wide` interleaved channels that was requested at `at` \[ns\]. A scene with one channel plays
+    /// on the first two channels of the device, one with several on as many.
     pub fn fill(&mut self, out: &mut [f32], wide: usize, at: u64) {
         let frames = out.len() / wide.max(1);
-        // before samples are counted: an end that is seen here has sent all of them
+        // checked before samples are counted: at an end detected here, all have been sent
         let over = self.samples.is_abandoned();
         let there = self.skip(self.samples.slots() / self.channels);
         let lead = self.counts.lead.load(Relaxed);
         if !self.playing {
-            // most of the lead: what is left of it is for jitter
+            // three quarters of the lead; the rest is for jitter
             self.playing = over || there as u64 * 4 >= lead * 3;
         }
         let n = if self.playing { there.min(frames) } else { 0 };
@@ -94,11 +93,11 @@ impl Player {
         let from = self.asked;
         self.asked += frames as u64;
         self.taken += n as u64;
-        // without room the next call tells as much
+        // if the ring is full, the next call reports the same
         let _ = self.calls.push(Call { from, frames: frames as u32, taken: self.taken, at });
     }
 
-    /// Leaves out what is too old, and gives how many frames there are.
+    /// Skips frames that are too old, and returns the number of the others.
     fn skip(&mut self, there: usize) -> usize {
         let lead = self.counts.lead.load(Relaxed);
         if there as u64 <= lead + self.held {
@@ -117,7 +116,7 @@ impl Player {
     fn play(&mut self, out: &mut [f32], wide: usize, n: usize) {
         let chunk: Result<_, ChunkError> = self.samples.read_chunk(n * self.channels);
         let Ok(chunk) = chunk else {
-            // they were counted; only this side takes any
+            // not reached: `n` frames were counted, and only this side takes any
             out.fill(0.0);
             return;
         };
@@ -157,7 +156,6 @@ impl Player {
     }
 }
 
-/// One frame of a scene to one of a device.
 fn spread(from: &[f32], gain: f32, to: &mut [f32]) {
     to.fill(0.0);
     if let [mono] = from {

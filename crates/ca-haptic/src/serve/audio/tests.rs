@@ -1,4 +1,4 @@
-//! Both sides against devices that exist on paper: time is a number here, so every delay is what the test says.
+//! Tests both sides with simulated devices. Time is a number here, so the test sets every delay.
 
 use super::*;
 use crate::serve::audio::follow::lead;
@@ -6,28 +6,28 @@ use crate::serve::audio::follow::lead;
 const RATE: f64 = 48_000.0;
 const R: u64 = 16;
 
-/// An engine and a device in one time.
+/// An engine and a device in simulated time.
 struct Hall {
     follow: Follow,
     player: Player,
     watch: Watch,
-    /// frames the device asks for at once
+    /// Frames that the device requests at once.
     call: usize,
     /// \[ns\]
     now: f64,
-    /// when the engine's next frame begins, when the device asks next \[ns\]
+    /// When the engine's next frame is due and begins, and when the device asks next \[ns\].
     frame: Option<(f64, f64)>,
     ask: f64,
-    /// a sample of the device \[ns\]
+    /// Duration of a sample of the device \[ns\].
     dt: f64,
-    /// how late the engine wakes up, how late calls come \[ns\]
+    /// Delay of the engine's wake-ups, and of calls \[ns\].
     late: fn(u64) -> f64,
     jitter: fn(u64) -> f64,
     calls: u64,
     frames: u64,
     sent: u64,
     heard: Vec<f32>,
-    /// when each frame began \[ns\]
+    /// Start of each frame \[ns\].
     began: Vec<f64>,
     asks: bool,
 }
@@ -36,12 +36,11 @@ fn none(_: u64) -> f64 {
     0.0
 }
 
-/// 0 … 1, as if at random.
 fn chance(k: u64) -> f64 {
     (k.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(1) >> 40) as f64 / f64::from(1 << 24)
 }
 
-/// Sample `n` of the sound; never 0.
+/// Returns sample `n` of the sound; never 0.
 fn sound(n: u64) -> f64 {
     0.25 + 0.5 * chance(n)
 }
@@ -76,7 +75,7 @@ impl Hall {
             let frame = *self.frame.get_or_insert_with(|| {
                 self.follow.hear(self.now as u64);
                 let due = self.follow.due();
-                // one that need not wait is not late
+                // a frame that need not wait is not late
                 (due, if due > self.now { due + (self.late)(self.frames) } else { self.now })
             });
             let call = if self.asks { self.ask + (self.jitter)(self.calls) } else { f64::MAX };
@@ -103,7 +102,6 @@ impl Hall {
         }
     }
 
-    /// Where sample 0 was heard.
     fn first(&self) -> usize {
         self.heard.iter().position(|x| *x != 0.0).expect("something was heard")
     }
@@ -114,7 +112,7 @@ impl Hall {
     }
 }
 
-/// A device of another rate, calls that are late, a thread that wakes up late: every sample once, in order, to the bit.
+/// With another device rate, late calls and late wake-ups, each sample is played once, in order and bit for bit.
 #[test]
 fn a_steady_device_hears_every_sample() {
     for (call, ppm) in [(64, -800.0), (64, 90.0), (256, 1000.0), (1024, -40.0)] {
@@ -128,21 +126,21 @@ fn a_steady_device_hears_every_sample() {
         for (n, x) in h.heard[first..].iter().enumerate() {
             assert_eq!(*x, sound(n as u64) as f32, "{n}");
         }
-        // the engine has its clock from the device: frames for the samples that were asked for, and the lead
+        // the device is the clock: frames cover the requested samples and the lead
         let asked = h.heard.len() as f64 - first as f64;
         let ahead = h.sent as f64 - asked;
         let lead = lead(call, R as u32, RATE) as f64;
         assert_eq!(reported.lead as f64, lead);
-        // at any time between two calls: the lead, less what was just taken; late wake-ups and calls take from it
+        // between two calls: the lead, less the samples just taken, and less delays of wake-ups and calls
         assert!(ahead > lead - f64::from(call) - 64.0 && ahead < lead + 64.0, "{ahead} of {lead}");
         assert!((reported.ppm - ppm).abs() < 2.0, "{} for {ppm}", reported.ppm);
-        // forces keep their pace: each frame but the few of the start, half to twice a period after the other
+        // after the start, frames are due half to two periods apart, and wake-ups may be late
         let late = |w: &[f64]| (w[1] - w[0]) * 1e-9 * RATE / R as f64;
         assert!(h.began.windows(2).skip(100).all(|w| (-0.1..4.0).contains(&late(w))));
     }
 }
 
-/// The engine stands still for longer than the lead: a gap is counted where it is, and sound goes on after it to the bit.
+/// The engine stalls for longer than the lead: the gap is counted at its sample, and sound continues bit for bit.
 #[test]
 fn a_gap_is_counted_and_heard_as_a_fade() {
     let mut h = Hall::new(64, 0.0);
@@ -162,7 +160,7 @@ fn a_gap_is_counted_and_heard_as_a_fade() {
     assert!(before.iter().enumerate().all(|(n, x)| *x == sound(n as u64) as f32));
     let silence = &h.heard[first + gap..first + gap + reported.silent as usize];
     let fade = (0.001 * RATE) as usize;
-    // out of the last sample, in steps of a fade, into nothing
+    // a linear fade from the last sample to zero
     for (k, x) in silence.iter().enumerate() {
         let want = before[gap - 1] * (1.0 - (k + 1) as f32 / fade as f32).max(0.0);
         assert!((x - want).abs() < 1e-5, "{k}: {x}, not {want}");
@@ -176,12 +174,12 @@ fn a_gap_is_counted_and_heard_as_a_fade() {
             assert_eq!(*x, want, "{k}");
         }
     }
-    // the lead is there again
+    // the lead is restored
     let ahead = h.sent as i64 - (h.heard.len() - first) as i64 + reported.silent as i64;
     assert!((64..=160).contains(&ahead), "{ahead}");
 }
 
-/// The device stops asking: frames go on at its last rate; it comes back: old sound is left out, the lead is as before.
+/// If the device stops asking, frames continue at its last rate. Then old sound is left out, and the lead is restored.
 #[test]
 fn forces_do_not_depend_on_a_sound_device() {
     let ppm = 500.0;
@@ -194,7 +192,7 @@ fn forces_do_not_depend_on_a_sound_device() {
     assert!(!h.watch.counts.alive.load(Relaxed));
     let rate = RATE / R as f64 * (1.0 + ppm * 1e-6);
     let want = (h.now - at) * 1e-9 * rate;
-    // in the tenth of a second before it is noticed frames may come at half the rate
+    // frames may come at half the rate for 0.1 s, until the stop is detected
     assert!(((h.frames - frames) as f64 - want).abs() < 0.06 * rate, "{} of {want}", h.frames - frames);
     let (at, frames) = (h.now, h.frames);
     h.run(1.0);
@@ -206,7 +204,7 @@ fn forces_do_not_depend_on_a_sound_device() {
     let reported = h.reported();
     assert!(h.watch.counts.alive.load(Relaxed));
     assert!(reported.skipped > 0 && reported.unheard > 0 && reported.stops == 1, "{reported:?}");
-    // all there is: heard, left out, or without room; the rest is the lead, less what was just taken
+    // each sample was played, left out or did not fit; the rest is the lead, less the samples just taken
     let silent = (h.heard.len() - h.first()) as i64 - reported.silent as i64;
     let rest = h.sent as i64 - silent - (reported.skipped + reported.unheard) as i64;
     assert!((reported.lead as i64 - 128..=reported.lead as i64 + 64).contains(&rest), "{rest}: {reported:?}");
@@ -216,7 +214,7 @@ fn forces_do_not_depend_on_a_sound_device() {
     assert!(h.began.windows(2).skip(1).all(|w| (0.49..2.01).contains(&steps(w))), "never a jump of the frames");
 }
 
-/// The device stands still, and asks for all of that time at once: the lead stays within the ring, and sound comes back.
+/// The device stalls, then asks for all of that time at once: the lead stays within the ring, and sound continues.
 #[test]
 fn a_device_that_makes_up_for_a_stall_is_heard_again() {
     let mut h = Hall::new(256, 0.0);
@@ -245,7 +243,7 @@ fn a_device_that_makes_up_for_a_stall_is_heard_again() {
     assert!(h.sent - next <= reported.lead + 64 && reported.lead < 48_000 / 8, "{reported:?}");
 }
 
-/// A device of more channels is given silence on the others; of as many, each its own.
+/// Each channel of the scene goes to its channel of the device; further channels of the device get silence.
 #[test]
 fn channels_go_where_they_belong() {
     for (channels, wide, want) in
@@ -261,7 +259,7 @@ fn channels_go_where_they_belong() {
     }
 }
 
-/// At the end the rest is played, and its lack is no gap.
+/// At the end the rest is played, and the silence after it is not a gap.
 #[test]
 fn the_end_is_no_underrun() {
     let Hall { mut follow, mut player, mut watch, .. } = Hall::new(64, 0.0);

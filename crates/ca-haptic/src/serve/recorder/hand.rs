@@ -1,7 +1,7 @@
-//! Hands without a device, as the recorder knows them: what is held, and how far the model's own gesture is.
+//! Manual input without a device, as the recorder tracks it: the held mass and the progress of the model's own gesture.
 //!
-//! Decides that live parameters of a gesture are set from here, as by anybody else: the recorder alone knows what else
-//! was set, and what it sets is recorded, so that a take has the same bits however late this thread was.
+//! The recorder sets the live parameters of a gesture by the same command as all other changes. Only it knows the other
+//! changes, and its commands are recorded, so that a take replays to the same bits even if this thread was late.
 
 use super::{Recorder, Refused};
 use crate::engine::{EngineCommand, LONGEST, OwnGesture, Touch, Touched, lead};
@@ -9,19 +9,17 @@ use ca_core::Scene;
 use ca_core::pointer::Pointer;
 use ca_io::gesture::{Track, own};
 
-/// No port is sent further than this \[m or N\]: no model that is played is so large, and its numbers would leave every range.
+/// Largest value of a port \[m or N\]; playable models need less, and larger values would exceed every range.
 pub(super) const FURTHEST: f64 = 1e6;
 
-/// What the recorder knows of hands without a device.
 pub(super) struct Hand {
-    /// MAT that is held
     held: Option<usize>,
-    /// the tick from which the gesture is played as it is written, after its lead-in
+    /// Tick at which the lead-in of the gesture ends.
     began: Option<u64>,
-    /// ticks of the lead-in, and that it takes
+    /// Duration of the lead-in, and of the gesture \[ticks\].
     lead: u64,
     length: u64,
-    /// live parameters in it
+    /// Live parameters in the gesture.
     params: Vec<Track>,
 }
 
@@ -33,12 +31,11 @@ impl Hand {
         Hand { held: None, began: None, lead: lead(scene), length: length.ceil() as u64, params }
     }
 
-    /// The scene was loaded again.
+    /// Resets after the scene was loaded again.
     pub(super) fn let_go(&mut self) {
         (self.held, self.began) = (None, None);
     }
 
-    /// The engine did it.
     pub(super) fn touched(&mut self, tick: u64, touched: &Touched) {
         match touched {
             Touched::Grab(mass) => self.held = Some(*mass as usize),
@@ -51,19 +48,19 @@ impl Hand {
 }
 
 impl Recorder {
-    /// A pointer holds MAT number `mass` of the scene, where it is; one that held another lets go of that.
+    /// Holds MAT number `mass` of the scene with the pointer, where it is, and releases any other.
     ///
     /// # Errors
-    /// If it cannot be held, or the engine takes no order.
+    /// If the MAT cannot be held, or the engine does not take commands now.
     pub fn grab(&mut self, mass: usize) -> Result<(), Refused> {
         let pointer = Pointer::new(&self.scene, mass)?;
         self.command(EngineCommand::Touch(Touch::Grab(pointer)))
     }
 
-    /// Pulls the mass that is held to a displacement from rest \[m\]; on a line the first number counts.
+    /// Pulls the held mass to a displacement from rest \[m\]; in one dimension only the first number counts.
     ///
     /// # Errors
-    /// If that is not a place, or the engine does not take orders.
+    /// If the displacement is not finite, or the engine does not take commands now.
     pub fn drag(&mut self, to: [f64; 3]) -> Result<(), Refused> {
         if to.iter().any(|x| !x.is_finite()) {
             return Err(Refused::Place);
@@ -71,18 +68,18 @@ impl Recorder {
         self.command(EngineCommand::Touch(Touch::Pull(to)))
     }
 
-    /// Lets go of the mass that is held.
+    /// Releases the held mass.
     ///
     /// # Errors
-    /// If the engine takes no order.
+    /// If the engine does not take commands now.
     pub fn release(&mut self) -> Result<(), Refused> {
         self.command(EngineCommand::Touch(Touch::Release))
     }
 
-    /// Begins the model's own gesture, from its start, or ends it.
+    /// Starts the model's own gesture from its beginning, or stops it.
     ///
     /// # Errors
-    /// If the model has none, or the engine takes no order.
+    /// If the model has none, or the engine does not take commands now.
     pub fn gesture(&mut self, play: bool) -> Result<(), Refused> {
         if !play {
             return self.command(EngineCommand::Touch(Touch::Stop));
@@ -91,10 +88,12 @@ impl Recorder {
         self.command(EngineCommand::Touch(Touch::Play(Box::new(own))))
     }
 
-    /// Sends a position port, or a device key whose device has said nothing or does not have it, to a position \[m\], or a force port to a force \[N\], in so long \[s\].
+    /// Moves a position port to a position \[m\], or a force port to a force \[N\], in `over` seconds. A device key
+    /// counts as a position port until its device has sent a frame with that key.
     ///
     /// # Errors
-    /// If the port does not exist or belongs to a device, or the engine does not take orders.
+    /// If the port does not exist, its device moves it, the value is not finite or too large, or the engine does not
+    /// take commands now.
     pub fn port(&mut self, name: &str, value: f64, over: f64) -> Result<(), Refused> {
         let Some(input) = self.scene.input(name) else {
             return Err(Refused::Port(name.into(), self.scene.inputs.iter().map(|i| i.name.clone()).collect()));
@@ -112,17 +111,17 @@ impl Recorder {
         self.command(EngineCommand::Touch(Touch::Port(input as u32, value, over.clamp(0.0, LONGEST))))
     }
 
-    /// The MAT that a pointer holds.
+    /// Returns the MAT that the pointer holds.
     pub fn held(&self) -> Option<usize> {
         self.hand.held
     }
 
-    /// Whether the model's own gesture is under way.
+    /// Returns true while the model's own gesture plays.
     pub fn playing(&self) -> bool {
         self.hand.began.is_some_and(|began| self.tick < began + self.hand.length)
     }
 
-    /// Sets the live parameters of the gesture to where they are now.
+    /// Sets the live parameters of the gesture to their values at the present tick.
     pub(super) fn turn_gesture(&mut self) {
         if self.hand.params.is_empty() || !self.playing() {
             return;
@@ -141,7 +140,7 @@ impl Recorder {
             })
             .collect();
         if !changes.is_empty() {
-            // an engine that has more to do than it can take is asked again at the next turn
+            // after an error, the next poll tries again
             let _ = self.set(&changes);
         }
     }

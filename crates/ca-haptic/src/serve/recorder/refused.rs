@@ -1,43 +1,42 @@
-//! Why an order to the engine is refused.
+//! The error of a command to the engine.
 
 use super::hand::FURTHEST;
 use crate::engine::FixedPart;
 use ca_core::pointer;
 use std::fmt;
 
-/// Why an order to the engine is refused; nothing has changed then.
+/// The reason why a command to the engine was refused; it has changed nothing.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Refused {
-    /// another version of the model is on its way: an order for one scene is not for the next
+    /// Another version of the model is on its way: a command for one scene is not valid for the next.
     Swapping,
-    /// the ring of commands to the engine is full
+    /// The ring of commands to the engine is full.
     Busy,
-    /// a live parameter does not take this value
+    /// A live parameter does not accept this value.
     Param(ca_core::Refused),
-    /// a device of this name is not there; the names that are
+    /// No device has this name; the existing names.
     Device(String, Vec<String>),
-    /// the mass cannot be held
+    /// The mass cannot be held.
     Mass(pointer::Refused),
-    /// a place to which a mass is pulled is not finite
+    /// The position to which a mass is pulled is not finite.
     Place,
-    /// the model lacks a gesture
+    /// The model lacks a gesture.
     NoGesture,
-    /// a port of this name is not there; the names that are
+    /// No port has this name; the existing names.
     Port(String, Vec<String>),
-    /// a device moves this port: its name, and the name of the device
+    /// A device moves this port: names of the port and of the device.
     OfDevice(String, String),
-    /// the value or the time of this port is not a number
+    /// The value of this port is not finite, or its time is not a number.
     Value(String),
-    /// the value of this port is too large
+    /// The value of this port is too large.
     Far(String),
-    /// the new version is too large for the memory that was taken
+    /// The new version is too large for the allocated rings.
     Large,
-    /// the new version differs in what cannot change while it plays
+    /// The new version differs in a part that cannot change while it plays.
     Fixed(FixedPart),
 }
 
-/// Names in backquotes, with commas.
 fn listed(names: &[String]) -> String {
     let all: Vec<_> = names.iter().map(|name| format!("`{name}`")).collect();
     all.join(", ")
@@ -84,7 +83,7 @@ impl From<FixedPart> for Refused {
     }
 }
 
-/// An answer to a request is a text.
+/// Converts to the text of a reply.
 impl From<Refused> for String {
     fn from(why: Refused) -> String {
         why.to_string()

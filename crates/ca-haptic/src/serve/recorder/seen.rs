@@ -1,4 +1,4 @@
-//! One device as the recorder sees it: its mode, its latency, what it waits for, and what of that is worth a word.
+//! State of one device in the recorder: mode, latency, what it waits for, and messages about these.
 
 use crate::engine::{Port, coupled};
 use crate::frame::{Cause, DeviceFrame, ForceFrame, Mode, flag};
@@ -10,36 +10,34 @@ use crate::serve::summary::{DeviceSummary, Fault};
 use crate::stats::Times;
 use ca_core::{InputRole, Scene};
 
-/// Between two words on a device that is armed and waits \[s\].
+/// Interval between messages about a device that is armed and waits \[s\].
 const REPEAT: f64 = 2.0;
-/// Looks at a device that waits before that is reported: a model goes to its device within a second, which is no news.
+/// Checks after which a waiting device is reported; a model moves to its device within a second, without a message.
 const LOOKS: u32 = 5;
 
-/// A device.
 pub(super) struct Seen {
     pub name: String,
     profile: String,
     pub mode: Mode,
     pub cause: Cause,
     pub frames: u64,
-    /// degrees of freedom in its last frame
+    /// Degrees of freedom in its last frame.
     pub dof: u32,
-    /// forces were on
     forces_on: bool,
-    /// its passivity stage adds nothing for a while
+    /// True while its passivity stage is off.
     undamped: bool,
-    /// what it waited for when last looked at, how often that was the case, and when it was last reported
+    /// Reason for waiting, number of checks at which it waited, and tick of the last message.
     wait: Option<String>,
     looks: u32,
     reported: u64,
-    /// when it was disarmed or tripped, since when it waits for nothing
+    /// Tick of the disarm or trip that ended its wait.
     ended: Option<u64>,
     loops: Loops,
     times: Times,
 }
 
 impl Seen {
-    /// The device at a port, of which nothing is known yet.
+    /// Starts with the device of a port, before any frame.
     pub fn new(p: &Port) -> Seen {
         Seen {
             name: p.name.clone(),
@@ -59,7 +57,7 @@ impl Seen {
         }
     }
 
-    /// A frame of it; the latency of the loop that it ends \[ns\], if it ends one.
+    /// Notes a frame from the device. Returns the latency \[ns\] of the loop that it ends, if any.
     pub fn sent(&mut self, frame: &DeviceFrame) -> Option<u64> {
         self.frames += 1;
         self.dof = u32::from(frame.n);
@@ -68,7 +66,7 @@ impl Seen {
         Some(ns)
     }
 
-    /// A force to it: what happened with it, and the fault, if it is one.
+    /// Notes a force frame to the device, adds messages to `notices`, and returns the fault that it begins, if any.
     pub fn force(&mut self, frame: &ForceFrame, notices: &mut Vec<Notice>) -> Option<Fault> {
         self.loops.force(frame);
         let undamped = frame.flags & flag::PASSIVITY_OFF != 0;
@@ -101,7 +99,6 @@ impl Seen {
         (now.0 == Mode::Fault).then(|| Fault { device: self.name.clone(), cause: now.1, tick: frame.tick })
     }
 
-    /// An order to it.
     pub fn order(&mut self, tick: u64, order: Order) {
         if order == Order::Arm {
             (self.wait, self.looks, self.reported, self.ended) = (None, 0, 0, None);
@@ -110,7 +107,7 @@ impl Seen {
         }
     }
 
-    /// It is armed and has no force: reported once that is no matter of a moment, and again and again.
+    /// Notes that it is armed without force. Returns a message once this has lasted, and again at intervals.
     pub fn waits(&mut self, tick: u64, wait: &Wait, scene: &Scene) -> Option<Notice> {
         let name = |dof: u32| {
             let this = |d: &(String, u32)| d.0 == self.name && d.1 == dof;
@@ -130,12 +127,12 @@ impl Seen {
         said
     }
 
-    /// What it waits for, in words.
+    /// Returns the reason for which it waits.
     pub fn waiting(&self) -> Option<&str> {
         self.wait.as_deref().filter(|_| self.ended.is_none())
     }
 
-    /// The account, at the last `tick` of an engine with so many samples in a frame.
+    /// Returns the summary at the last `tick` of an engine with `ratio` samples in a gesture frame.
     pub fn summary(&self, port: &Port, scene: &Scene, tick: u64, ratio: u64) -> DeviceSummary {
         DeviceSummary {
             device: self.name.clone(),
@@ -145,7 +142,7 @@ impl Seen {
             softened: coupled(scene, &self.name).iter().map(|c| (c.0.into(), c.1)).collect(),
             loop_us: self.times.percentiles(),
             forces_on: self.forces_on,
-            // the last order of an engine is its own: what waited then has waited to the end
+            // the engine ends with its own disarm order, so a device that waited until then waited to the end
             waits: self.wait.clone().filter(|_| self.ended.is_none_or(|t| t + 2 * ratio >= tick)),
         }
     }

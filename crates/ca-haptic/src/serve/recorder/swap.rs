@@ -1,7 +1,7 @@
-//! Another version of the scene, as the recorder knows it: made ready, on its way, and there.
+//! Sends another version of the scene to the engine, and follows it when it plays.
 //!
-//! Decides that live parameters that somebody has moved stay where they are, and those that nobody has are as the new version
-//! says: who edits a value wants to hear it.
+//! A live parameter that was changed retains its value. The others take their values from the new version, so that an
+//! edit of a value is audible.
 
 use super::super::picture;
 use super::{Recorder, Refused, hand};
@@ -10,14 +10,15 @@ use crate::version::{self, Version};
 use ca_core::{LiveParam, Scene};
 use std::sync::Arc;
 
-/// Pictures of a new version that the ring must have room for.
+/// Pictures of a new version that must fit in the ring.
 const PICTURES: usize = 8;
 
 impl Recorder {
-    /// Another version of the scene plays from the next gesture frame on: masses of the same name go on from where they are.
+    /// Plays another version of the scene from the next gesture frame on; masses with the same name continue.
     ///
     /// # Errors
-    /// If the two differ in what cannot change while it plays, or the engine takes no order.
+    /// If the versions differ in a part that cannot change while it plays, the new one is too large, or the engine does
+    /// not take commands now.
     pub fn swap(&mut self, mut version: Version, setups: &[Setup]) -> Result<(), Refused> {
         let scene = version.scene.clone();
         let room = self.ends.views.as_ref().map(|v| v.buffer().capacity());
@@ -36,17 +37,17 @@ impl Recorder {
         Ok(())
     }
 
-    /// Whether a version is on its way to the engine: who asks something of the scene has to wait a few milliseconds.
+    /// Returns true while a version is on its way to the engine; commands to the scene must wait some milliseconds.
     pub fn is_swapping(&self) -> bool {
         self.coming.is_some()
     }
 
-    /// The scene that plays, or is about to.
+    /// Returns the scene that plays, or is about to.
     pub fn scene(&self) -> &Arc<Scene> {
         self.coming.as_ref().map_or(&self.scene, |c| &c.0.scene)
     }
 
-    /// The engine plays it.
+    /// Notes that the engine plays the new version.
     pub(super) fn swapped(&mut self, tick: u64) {
         let Some((version, controls)) = self.coming.take() else { return };
         self.hand = hand::Hand::new(&version.scene);

@@ -1,4 +1,4 @@
-//! What the recorder reports, and how often.
+//! Tests the messages of the recorder.
 
 use super::*;
 use crate::engine::tests::{KEY, setup};

@@ -1,20 +1,20 @@
-//! What a replay finds, and how two numbers or frames are compared.
+//! Result of a replay, and comparisons of numbers and frames.
 
 use crate::frame::ForceFrame;
 use std::fmt;
 
-/// The first thing that is not as it was, or, to a tolerance, what is furthest from it.
+/// The first difference, or the largest one where a tolerance is allowed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Difference {
-    /// sound sample
+    /// Sound sample.
     pub tick: u64,
-    /// when \[s\]
+    /// Time \[s\].
     pub time: f64,
-    /// what: which frame of which device and which of its fields, which sample, which hash
+    /// Name of the thing: a field of a frame of a device, a sample, or a hash.
     pub what: String,
-    /// as it was
+    /// Value in the take.
     pub was: String,
-    /// as it is
+    /// Value in the replay.
     pub is: String,
 }
 
@@ -25,49 +25,48 @@ impl fmt::Display for Difference {
     }
 }
 
-/// What a replay found.
+/// Result of a replay.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ReplayVerdict {
-    /// gesture frames computed again
+    /// Gesture frames computed.
     pub frames: u64,
-    /// device frames given to the engine
+    /// Device frames passed to the engine.
     pub taken: u64,
-    /// force frames compared
+    /// Force frames compared.
     pub forces: u64,
-    /// sound samples compared, of all channels
+    /// Sound samples compared, of all channels.
     pub samples: u64,
-    /// hashes of the state compared
+    /// Hashes of the state compared.
     pub hashes: u64,
-    /// versions of the model that played, the first included
+    /// Versions of the model that played, including the first.
     pub versions: u32,
-    /// length \[s\]
+    /// Length \[s\].
     pub seconds: f64,
-    /// how far forces and sound may be from what they were, as a part of their peak; 0 where to the bit
+    /// Allowed difference of forces and sound as a part of their peak; 0 for bit-exact comparison.
     pub tolerance: f64,
-    /// the first thing that is not as it was
+    /// The difference, if any.
     pub difference: Option<Difference>,
-    /// where something is missing in the take, so that nothing after it was compared \[s\]
+    /// Time from which records are missing, so that nothing later was compared \[s\].
     pub hole: Option<f64>,
-    /// why the file ends early, or is not used to its end, where that is so
+    /// Reason why the file ends early or is not used to its end.
     pub cut: Option<String>,
-    /// true where that is because bytes in it are not as they were written
+    /// True if that reason is corrupt bytes.
     pub damaged: bool,
 }
 
 impl ReplayVerdict {
-    /// True where something was compared, all of it is as it was, to the tolerance, and nothing is missing up to the end of the
-    /// file.
+    /// Returns true if something was compared, nothing differs beyond the tolerance, and nothing is missing before the
+    /// end.
     pub fn is_identical(&self) -> bool {
         let compared = self.forces > 0 || self.samples > 0 || self.hashes > 0;
         compared && self.difference.is_none() && self.hole.is_none()
     }
 }
 
-/// Numbers of one kind, compared to a tolerance.
 #[derive(Default)]
 pub(super) struct Apart {
     peak: f64,
-    /// the largest difference so far, and where it is
+    /// Largest difference so far.
     worst: Option<(f64, Difference)>,
 }
 
@@ -75,7 +74,7 @@ impl Apart {
     pub(super) fn see(&mut self, was: f64, is: f64, difference: impl FnOnce() -> Difference) {
         self.peak = self.peak.max(was.abs());
         let apart = (is - was).abs();
-        // NaN agrees with NaN only
+        // NaN equals only the same NaN
         let apart = if was.to_bits() == is.to_bits() {
             0.0
         } else if apart.is_nan() {
@@ -88,13 +87,13 @@ impl Apart {
         }
     }
 
-    /// What is further off than `part` of the peak.
+    /// Returns the largest difference if it exceeds `part` of the peak.
     pub(super) fn beyond(self, part: f64) -> Option<Difference> {
         self.worst.filter(|(apart, _)| *apart > part * self.peak).map(|(_, d)| d)
     }
 }
 
-/// The first field in which two force frames differ, with both values.
+/// Returns the name and both values of the first field in which two force frames differ.
 pub(super) fn which(was: &ForceFrame, is: &ForceFrame) -> (String, String, String) {
     if let Some(k) = (0..was.force.len()).find(|k| was.force[*k].to_bits() != is.force[*k].to_bits()) {
         return (format!("the force of degree {k}"), format!("{:e} N", was.force[k]), format!("{:e} N", is.force[k]));

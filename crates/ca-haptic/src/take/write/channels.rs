@@ -1,6 +1,6 @@
-//! The channels of a take: which topics there are, and what a message of each is.
+//! Channels of a take: its topics and the schema of each.
 //!
-//! Decides that all of them are declared before the first frame, so that a viewer knows what a take may hold from its first chunk.
+//! All are declared before the first frame, so that a viewer knows them from the first chunk.
 
 use super::super::flat::{Energy, Hand, Hashed, Lost, Ordered, Reloaded, Rt};
 use super::super::header::Header;
@@ -15,18 +15,16 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufWriter;
 
-/// A device as it is written.
 pub(super) struct DeviceChannels {
     pub(super) name: String,
     pub(super) joints: Vec<String>,
-    /// where the hand is \[m\], and the force on it \[N\]
+    /// Position \[m\] of the hand and force \[N\] on it.
     pub(super) at: ([f64; DOF], [f32; DOF]),
     pub(super) said: (u32, u16),
     pub(super) take: u16,
     pub(super) give: u16,
 }
 
-/// Numbers of the channels.
 pub(super) struct Ids {
     pub(super) change: u16,
     pub(super) param: u16,
@@ -47,7 +45,6 @@ pub(super) struct Ids {
     pub(super) log: u16,
 }
 
-/// Declares all channels.
 pub(super) fn declare(
     out: &mut Writer<NoSeek<BufWriter<File>>>,
     header: &Header,

@@ -1,8 +1,8 @@
-//! What viewers draw: masses and links in space, joints, sound to listen to, words.
+//! Messages for viewers: masses and links in space, joints, sound for listening, text.
 //!
-//! Decides on the messages of Foxglove (protobuf), which Foxglove, Lichtblick, PlotJuggler and Rerun know, made by their
-//! own library. They are for eyes and ears: rounded, decimated, never read back. What stands on a line is drawn as a
-//! row, one module a centimetre, with its position upwards.
+//! They are Foxglove messages (protobuf), made by the Foxglove library and known to Foxglove, Lichtblick, PlotJuggler
+//! and Rerun. They are rounded, decimated and never read back. Modules on a line are drawn as a row, a centimetre
+//! apart, with the position upwards.
 
 use ca_core::internal::op::layout::Layout;
 use ca_core::{InputRole, Location, Scene};
@@ -14,30 +14,28 @@ use foxglove::messages::{
 
 /// Distance of neighbours in a row \[m\].
 const ROW: f64 = 0.01;
-/// Links that are drawn at most.
+/// Largest number of links drawn.
 const LINKS: usize = 4000;
 
-/// How grave a message is.
+/// Severity of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
-    /// as it should be
+    /// Information.
     Info,
-    /// not as meant
+    /// An unintended state.
     Warning,
-    /// a fault
+    /// A fault.
     Error,
 }
 
-/// What of a scene is drawn, and where.
 pub struct Picture {
-    /// first place of each MAT, and whether it has three
+    /// First place of each MAT, and whether it has three.
     mats: Vec<(usize, bool)>,
     rest: Vec<f64>,
     links: Vec<[u32; 2]>,
 }
 
 impl Picture {
-    /// Of a scene.
     pub fn new(scene: &Scene) -> Picture {
         let layout: &Layout = scene;
         let mut mats: Vec<(usize, bool)> = scene
@@ -61,7 +59,7 @@ impl Picture {
         Picture { links, rest: layout.places.rest.clone(), mats }
     }
 
-    /// Where each MAT is \[m\], given the displacements of the state.
+    /// Returns the position of each MAT \[m\], from the displacements of the state.
     fn points(&self, x: &[f64]) -> Vec<[f64; 3]> {
         let at = |place: usize| x.get(place).copied().unwrap_or(0.0) + self.rest.get(place).copied().unwrap_or(0.0);
         let point = |(n, (place, space)): (usize, &(usize, bool))| {
@@ -70,7 +68,6 @@ impl Picture {
         self.mats.iter().enumerate().map(point).collect()
     }
 
-    /// Masses as a cloud and links as lines.
     pub fn draw(&self, time: u64, x: &[f64]) -> (PointCloud, SceneUpdate) {
         let points = self.points(x);
         let field = |(i, name): (usize, &str)| PackedElementField {
@@ -107,12 +104,12 @@ impl Picture {
     }
 }
 
-/// A time, since 1970 \[ns\], as viewers take it.
+/// Converts a time since 1970 \[ns\].
 fn stamp(time: u64) -> Timestamp {
     Timestamp::new((time / 1_000_000_000) as u32, (time % 1_000_000_000) as u32)
 }
 
-/// What a degree of freedom is called: the port it moves, else device and number.
+/// Returns the name of a degree of freedom: the port it moves, otherwise device and number.
 pub fn joint(scene: &Scene, device: &str, dof: usize) -> String {
     let mine = |i: &&ca_core::Input| {
         i.role == InputRole::Device && i.device.as_ref().is_some_and(|d| d.0 == device && d.1 as usize == dof)
@@ -120,7 +117,7 @@ pub fn joint(scene: &Scene, device: &str, dof: usize) -> String {
     scene.inputs.iter().find(mine).map_or_else(|| format!("{device}.{dof}"), |i| i.name.clone())
 }
 
-/// Joints: name, position \[m\] and force \[N\].
+/// Makes a message of joints: name, position \[m\] and force \[N\].
 pub fn joints<'a>(time: u64, all: impl Iterator<Item = (&'a str, f64, f64)>) -> JointStates {
     let one = |(name, x, f): (&str, f64, f64)| JointState {
         name: name.into(),
@@ -132,7 +129,7 @@ pub fn joints<'a>(time: u64, all: impl Iterator<Item = (&'a str, f64, f64)>) -> 
     JointStates { timestamp: Some(stamp(time)), joints: all.map(one).collect() }
 }
 
-/// Sound to listen to: 16 bits, channels interleaved.
+/// Makes a message of sound: 16 bits, channels interleaved.
 pub fn audio(time: u64, rate: u32, channels: u32, samples: &[f64]) -> RawAudio {
     let whole = |x: &f64| (x.clamp(-1.0, 1.0) * 32_768.0).round_ties_even().min(32_767.0) as i16;
     RawAudio {
@@ -144,7 +141,6 @@ pub fn audio(time: u64, rate: u32, channels: u32, samples: &[f64]) -> RawAudio {
     }
 }
 
-/// Words about `name`.
 pub fn words(time: u64, level: Level, name: &str, message: &str) -> Log {
     let level = match level {
         Level::Info => log::Level::Info,
@@ -160,14 +156,12 @@ pub fn words(time: u64, level: Level, name: &str, message: &str) -> Log {
     }
 }
 
-/// Schema of a message: name, encoding, data.
 pub fn schema<T: Encode>() -> (String, String, Vec<u8>) {
     T::get_schema().map(|s| (s.name, s.encoding, s.data.into_owned())).unwrap_or_default()
 }
 
-/// The bytes of a message.
 pub fn bytes<T: Encode>(out: &mut Vec<u8>, message: &T) {
     out.clear();
-    // a vector grows: the only failure there is is no room
+    // fails only if `out` cannot grow, and a vector can
     let _ = message.encode(out);
 }

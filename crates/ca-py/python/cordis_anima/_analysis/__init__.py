@@ -1,1 +1,1 @@
-"""What is computed of a scene: modes, energy and accuracy, its linear part, derivatives, and numbers found by a recorded sound."""
+"""Analyses of a scene: modes, energy, accuracy, linear part, derivatives, and fits to a recorded sound."""

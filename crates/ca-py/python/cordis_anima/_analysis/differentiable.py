@@ -1,9 +1,9 @@
-"""Renders of many instances, and the gradients of losses of them, for libraries that learn.
+"""Renders of many instances and gradients of their losses, for machine-learning libraries.
 
-Decides that what such a library is given is a function of plain arrays: rows of values in, sound out, and rows of gradients for
-cotangents. `torch` and `jax` differ in how they register it, and in nothing else. The values of an instance that cannot be
-played end the call with its message: a loss over silence would be believed. A gesture is read once, so that what is differentiated
-is what was played.
+The interface is a function of plain arrays: rows of values in, sound out, and rows of gradients for cotangents. `torch`
+and `jax` differ only in how they register it. If one instance cannot be played, the whole call fails with its message,
+because a loss over silence would be misleading. A gesture is read once, so that the gradient belongs to the gesture
+that was played.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from .._scene import Scene
 
 
 class Instances:
-    """Instances of a scene with other values of the same parameters, played and differentiated by threads."""
+    """Instances of a scene that differ in the values of some parameters, played and differentiated by threads."""
 
     def __init__(
         self,
@@ -37,7 +37,7 @@ class Instances:
         if not isinstance(scene, Scene):
             raise UsageError(f"a scene is what `ca.load` or `ca.parse` gives, not {type(scene).__name__}")
         self.names = tuple(names)
-        # that there are such names is said here, and not by who calls back
+        # unknown names are reported here, not in a later callback
         for name in names:
             scene._model.copy().set(name, 0.0)
         self._scene, self._gesture = scene, made(scene._compiled, gesture)
@@ -48,14 +48,14 @@ class Instances:
 
     @property
     def frames(self) -> int:
-        """Samples of each channel."""
+        """Samples per channel."""
         if self._seconds is None:
             return len(self._scene.render(gesture=self._gesture).audio)
-        # half a sample is one, as the engine has it
+        # rounded as in the engine
         return max(1, math.floor(self._seconds * self._scene.rate + 0.5))
 
     def sound(self, values: Floats) -> Sound:
-        """The sound (…, frames, channels) of values (…, parameters), in double precision."""
+        """Sound (…, frames, channels) for values (…, parameters), in double precision."""
         rows = values.reshape(-1, len(self.names)).astype(float)
         columns = {name: rows[:, k] for k, name in enumerate(self.names)}
         b = batch(self._scene, columns, self._seconds, gesture=self._gesture, dtype="float64", threads=self._threads)
@@ -65,8 +65,8 @@ class Instances:
         return b.audio.reshape(*values.shape[:-1], *b.audio.shape[1:])
 
     def pullback(self, values: Floats, cotangents: Sound, wanted: Sequence[bool] | None = None) -> Floats:
-        """The gradients (…, parameters) of a loss whose derivatives by the samples are `cotangents` (…, frames, channels); 0 where
-        they are not `wanted`.
+        """Gradients (…, parameters) of a loss whose derivatives by the samples are `cotangents` (…, frames, channels);
+        0 for parameters that are not `wanted`.
         """
         rows = values.reshape(-1, len(self.names)).astype(float)
         given = np.asarray(cotangents, float).reshape(len(rows), *cotangents.shape[-2:])
@@ -83,7 +83,7 @@ class Instances:
         try:
             all = list(pool.map(one, rows, given))
         finally:
-            # Ctrl-C does not wait for rows under way
+            # Ctrl-C does not wait for running rows
             pool.shutdown(wait=False, cancel_futures=True)
         return np.array(all).reshape(values.shape)
 
@@ -92,7 +92,7 @@ class Instances:
 
 
 def alone(scene: Scene, seconds: float | str | None, gesture: Gesture) -> Sound:
-    """The sound (frames, channels) of a scene by itself, in double precision."""
+    """Sound (frames, channels) of the unchanged scene, in double precision."""
     r = scene.render(seconds, gesture=gesture, dtype="float64")
     if r.status != "ok":
         raise FailedError(f"the scene is {r.status}: {r.message}")
@@ -100,10 +100,10 @@ def alone(scene: Scene, seconds: float | str | None, gesture: Gesture) -> Sound:
 
 
 def constants(scene: Scene, values: Mapping[str, Any], wanted: str) -> tuple[Scene, dict[str, Any]]:
-    """The scene with what is no array, and the arrays: numbers and quantities of Python have no derivative asked for.
+    """Splits values into constants, which are set in the scene, and arrays to differentiate by.
 
     Raises:
-        UsageError: values are not what is `wanted`.
+        UsageError: if the values are not what is `wanted`.
     """
     if not isinstance(values, Mapping) or not values:
         raise UsageError(f"values are {wanted}")

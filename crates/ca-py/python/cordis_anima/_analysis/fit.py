@@ -1,4 +1,4 @@
-"""Numbers of a model, found by a recorded sound."""
+"""Fits numbers of a model to a recorded sound."""
 
 from __future__ import annotations
 
@@ -18,89 +18,89 @@ from .._scene import Scene
 
 
 class Distance(NamedTuple):
-    """How far a model is from a recording."""
+    """Distance of a model from a recording."""
 
     #: root mean square of the differences of levels [dB]
     levels: float
-    #: what is left of the samples, beside the recording [dB]
+    #: residual of the samples, relative to the recording [dB]
     samples: float
 
 
 class Fitted(NamedTuple):
-    """A number that was fitted, in SI units."""
+    """A fitted number, in SI units."""
 
-    #: what was found
+    #: fitted value
     value: float
-    #: one standard deviation; ``None`` where the sound does not determine it, the search has not settled or may be in another
-    #: minimum, or the model does not explain the sound
+    #: one standard deviation; ``None`` if the sound does not determine it, the search has not settled or may be in
+    #: another minimum, or the model does not explain the sound
     deviation: float | None
-    #: its unit; empty for a plain number
+    #: unit; empty for a plain number
     unit: str
-    #: where it started
+    #: start value
     start: float
-    #: whether it is at an end of its range
+    #: true if it is at an end of its range
     at_end: bool
 
 
 class Pitch(NamedTuple):
-    """Pitches [Hz], by the period after which a sound repeats best; ``None`` of what has none."""
+    """Pitches [Hz], from the period at which a sound repeats best; ``None`` for sounds without pitch."""
 
-    #: of the recording
+    #: pitch of the recording
     recording: float | None
-    #: of the model where it started
+    #: pitch of the model at the start
     start: float | None
-    #: of the model with the values found
+    #: pitch of the fitted model
     found: float | None
-    #: whether it started more than a semitone from the recording: then there are deviations only where the samples agree
+    #: true if it started more than a semitone from the recording; deviations are then given only if the samples agree
     far: bool
-    #: whether it ended at another pitch, which is another minimum; if so, all deviations are ``None``
+    #: true if it ended at another pitch, i.e. in another minimum; all deviations are then ``None``
     elsewhere: bool
 
 
 class Beyond(NamedTuple):
-    """How well the time that was not fitted is predicted."""
+    """Prediction of the part of the recording after the fitted time."""
 
-    #: how long [s]
+    #: length [s]
     seconds: float
-    #: by the model
+    #: distance of the model
     model: Distance
-    #: by damped sinusoids with as many free numbers or more
+    #: distance of damped sinusoids with at least as many free numbers
     sinusoids: Distance
-    #: how many sinusoids
+    #: number of sinusoids
     n: int
 
 
 @dataclass(frozen=True)
 class Fit:
-    """What `fit` found."""
+    """Result of `fit`."""
 
-    #: the scene with the values found
+    #: scene with the fitted values
     scene: Scene
-    #: each number by its name
+    #: fitted numbers by name
     numbers: Mapping[str, Fitted]
     #: gain of the model in the recording
     gain: float
-    #: its delay there [s]
+    #: delay of the model in the recording [s]
     delay: float
-    #: how many renders it took
+    #: number of renders
     renders: int
-    #: how much of the recording was fitted [s]
+    #: length of the recording that was fitted [s]
     seconds: float
-    #: which distance decided
+    #: distance that decided
     stage: Literal["levels", "samples"]
-    #: whether the search arrived; if not, all deviations are ``None``
+    #: true if the search converged; if not, all deviations are ``None``
     settled: bool
-    #: whether so little is left that the sound may be one of this model; if not, all deviations are ``None``
+    #: true if the residual is small enough for the sound to come from this model; if not, all deviations are ``None``
     explained: bool
     #: pitches of the recording and of the model
     pitch: Pitch
-    #: what somebody should know of the values, a sentence each
+    #: warnings about the values, one sentence each
     warnings: tuple[str, ...]
-    #: distance before
+    #: distance at the start
     before: Distance
-    #: and after
+    #: distance at the end
     after: Distance
-    #: that of what was not fitted, where there is enough of it
+    #: prediction of the rest of the recording, if it is long enough
     beyond: Beyond | None
 
 
@@ -118,25 +118,26 @@ def fit(
     report: Path | None = None,
     progress: Progress | None = None,
 ) -> Fit:
-    """Finds numbers of a model by a recorded sound, as ``ca fit`` does.
+    """Fits numbers of a model to a recorded sound, as ``ca fit`` does.
 
     Args:
-        scene: where the search starts.
+        scene: start of the search.
         target: a WAV or FLAC file, or samples ``(frames,)`` or ``(frames, channels)``.
-        vary: names of numbers, as `Scene.replace` knows them.
-        sr: rate of samples [Hz]; that of the scene if none. A file has its own.
-        ranges: how far a number may go, from and to, numbers or text with units.
-        seconds: how much of the recording is fitted, from its onset on; up to 4 s if none.
-        gain: of the model in the recording; found if none.
-        renders: most renders of the model.
+        vary: names of numbers, as for `Scene.replace`.
+        sr: rate of the samples [Hz]; default: the rate of the scene. A file has its own.
+        ranges: smallest and largest values of numbers, as numbers or text with units.
+        seconds: length of the recording to fit, from its onset; default: up to 4 s.
+        gain: gain of the model in the recording; default: fitted.
+        renders: largest number of renders.
         gesture: as for `Scene.render`.
-        report: where a page about the fit is written.
-        progress: called with the renders so far and the most there may be.
+        report: path of a page about the fit.
+        progress: called with the numbers of renders done and allowed.
 
     Raises:
-        UsageError: no such number, one that cannot be varied, a range without it, or no renders.
-        FailedError: the recording is silent or too short, or the model makes no sound.
-        FileError: the recording cannot be read.
+        UsageError: if a number does not exist or cannot be varied, a range does not include its value, or no renders
+            are allowed.
+        FailedError: if the recording is silent or too short, or the model is silent.
+        FileError: if the recording cannot be read.
 
     >>> import cordis_anima as ca
     >>> r = ca.examples.string("113 Hz").render(0.3)

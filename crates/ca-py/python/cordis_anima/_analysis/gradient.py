@@ -1,4 +1,4 @@
-"""Derivatives of what a scene sounds, and of its energy, by its parameters."""
+"""Derivatives of the sound and the energy of a scene by its parameters."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from .._errors import UsageError
 from .._gestures import Gesture, made
 from .._results import Floats, length, reals, transposed, whole
 
-#: what a loss gives for a sound (frames, channels): its value, and its derivatives by each sample, of the same shape
+#: returns for a sound (frames, channels) the value of a loss, and its derivatives by each sample in the same shape
 Loss = Callable[[Floats], "tuple[float, npt.ArrayLike]"]
-#: which way derivatives go through the ticks; `auto` is reverse, and forward for scenes that reverse mode does not know
+#: direction of differentiation; `auto` is reverse, or forward for scenes that reverse mode does not support
 Mode = Literal["auto", "reverse", "forward"]
 
 
@@ -29,7 +29,7 @@ class Tangents:
         tangents: its derivatives (frames, channels, parameters), per unit of the parameter.
         wrt: names of the parameters.
         values: their values (parameters).
-        units: their units, of SI; empty for plain numbers.
+        units: their SI units; empty for plain numbers.
         sr: sound rate [Hz].
     """
 
@@ -41,7 +41,7 @@ class Tangents:
     sr: int
 
     def __getitem__(self, name: str) -> Floats:
-        """The derivatives by one parameter (frames, channels)."""
+        """Derivatives by one parameter (frames, channels)."""
         return self.tangents[:, :, _place(self.wrt, name)]
 
     def __repr__(self) -> str:
@@ -49,29 +49,29 @@ class Tangents:
         return f"<Tangents: {frames} frames x {channels} at {self.sr} Hz by {', '.join(self.wrt)}>"
 
     def gradient(self, cotangent: npt.ArrayLike) -> Floats:
-        """The gradient (parameters) of a loss whose derivatives by the samples are `cotangent` (frames, channels)."""
+        """Gradient (parameters) of a loss whose derivatives by the samples are `cotangent` (frames, channels)."""
         found: Floats = np.einsum("fc,fcp->p", _cotangent(cotangent, self.audio.shape), self.tangents)
         return found
 
 
-#: accounts of energy, by their names in `Energy`
+#: energy accounts, by their names in `Energy`
 _ACCOUNTS = ("start", "stored", "lost", "made", "work", "changed", "residual")
 
 
 @dataclass(frozen=True, eq=False)
 class EnergyTangents:
-    """Accounts of energy with their derivatives, at some instants.
+    """Energy accounts with their derivatives, at some instants.
 
-    ``stored = start + work − lost + made + changed + residual``, for the accounts and for their derivatives.
+    ``stored = start + work − lost + made + changed + residual`` holds for the accounts and for their derivatives.
 
     Attributes:
-        energy: each account (instants) [J], by its name in `Energy`: ``"start"``, ``"stored"``, ``"lost"``, ``"made"``, ``"work"``,
-            ``"changed"`` and ``"residual"``.
+        energy: each account (instants) [J], by its name in `Energy`: ``"start"``, ``"stored"``, ``"lost"``, ``"made"``,
+            ``"work"``, ``"changed"`` and ``"residual"``.
         tangents: its derivatives (instants, parameters) [J] per unit of the parameter, by the same names.
-        seconds: how much time the ledger covers (instants) [s]; a tick is entered when the next one begins.
+        seconds: time covered by the ledger (instants) [s]; a tick is booked when the next one begins.
         wrt: names of the parameters.
         values: their values (parameters).
-        units: their units, of SI; empty for plain numbers.
+        units: their SI units; empty for plain numbers.
     """
 
     energy: Mapping[str, Floats]
@@ -82,7 +82,7 @@ class EnergyTangents:
     units: tuple[str, ...]
 
     def __getitem__(self, name: str) -> dict[str, Floats]:
-        """The derivatives by one parameter: of each account (instants)."""
+        """Derivatives of each account (instants) by one parameter."""
         place = _place(self.wrt, name)
         return {account: all[:, place] for account, all in self.tangents.items()}
 
@@ -95,15 +95,15 @@ class Gradient:
     """A gradient of a loss.
 
     Attributes:
-        loss: value of the loss; none where its cotangent was given.
+        loss: value of the loss; ``None`` if its cotangent was given.
         gradient: its derivatives (parameters), per unit of the parameter.
         wrt: names of the parameters.
         values: their values (parameters).
-        units: their units, of SI; empty for plain numbers.
-        inputs: derivatives by what each port is given in each sample (frames), per m or N, by its name; of a device in the samples in
-            which its frames end, and in the last one. None of a port that says where a point is, or of a device with a `latency`, and none in forward
-            mode.
-        mode: which way it was found, ``"reverse"`` or ``"forward"``.
+        units: their SI units; empty for plain numbers.
+        inputs: derivatives by the input of each port in each sample (frames), per m or N, by port name. For a device
+            they are at the samples in which its frames end, and at the last one. Ports that position a moving point,
+            devices with a `latency`, and forward mode have none.
+        mode: ``"reverse"`` or ``"forward"``.
     """
 
     loss: float | None
@@ -115,7 +115,7 @@ class Gradient:
     mode: str
 
     def __getitem__(self, name: str) -> float:
-        """The derivative by one parameter."""
+        """Derivative by one parameter."""
         return float(self.gradient[_place(self.wrt, name)])
 
     def __repr__(self) -> str:
@@ -145,10 +145,10 @@ def _cotangent(given: npt.ArrayLike, shape: tuple[int, ...] | None) -> Floats:
 
 
 def named(wrt: object) -> list[str]:
-    """Names of parameters, at least one.
+    """Checks names of parameters, at least one.
 
     Raises:
-        UsageError: they are none.
+        UsageError: if they are not names.
     """
     names: list[Any] = [wrt] if isinstance(wrt, str) or not isinstance(wrt, Iterable) else list(wrt)
     if not names or not all(isinstance(name, str) for name in names):
@@ -162,7 +162,7 @@ def _about(forward: _core.Forward | _core.Energy | _core.Reverse) -> tuple[tuple
 
 
 class Derivatives:
-    """The part of `Scene` that has derivatives."""
+    """Derivatives: a base class of `Scene`."""
 
     __slots__ = ()
     _compiled: _core.Scene
@@ -170,17 +170,20 @@ class Derivatives:
     def tangents(
         self, wrt: Sequence[str], seconds: float | str | None = None, *, gesture: Gesture = None
     ) -> Tangents:
-        """Plays it with the derivatives of each sample by parameters, in forward mode: those of its ticks, and not differences. The
-        sound is that before anything is cut off at full scale, as `render` does.
+        """Plays it with the derivatives of each sample by parameters, in forward mode.
+
+        They are the exact derivatives of the ticks, not differences. The sound is the one before clipping at full scale
+        by `render`.
 
         Args:
-            wrt: names as `replace` takes them, e.g. ``"low.f"``, ``"hammer.v"``, and numbers of lists, e.g. ``"ball.v[1]"``.
+            wrt: names as for `replace`, e.g. ``"low.f"``, ``"hammer.v"``, and entries of lists, e.g. ``"ball.v[1]"``.
             seconds: as for `render`.
             gesture: as for `render`; it drives ports.
 
         Raises:
-            UsageError: no such name; a whole number, a word or a flag, by which there are no derivatives; a parameter that changes
-                what is built; groups at the gesture rate; parameters that gestures drive; a scene that diverges.
+            UsageError: if a name does not exist, is a whole number, a word or a flag (they cannot be differentiated),
+                or changes the structure of the scene. Also for groups at the gesture rate, parameters driven by
+                gestures, and a scene that diverges.
 
         >>> import cordis_anima as ca
         >>> t = ca.examples.string().tangents(["hammer.v", "low.f"], 0.1)
@@ -196,16 +199,17 @@ class Derivatives:
     def energy_tangents(
         self, wrt: Sequence[str], seconds: float | str | None = None, *, gesture: Gesture = None, instants: int = 1
     ) -> EnergyTangents:
-        """Plays it with the energy ledger and the derivatives of its accounts by parameters, in forward mode, as `tangents` does for samples.
+        """Plays it with the energy ledger and the derivatives of its accounts by parameters, in forward mode.
 
         Args:
             wrt: as for `tangents`.
             seconds: as for `render`.
             gesture: as for `tangents`.
-            instants: at how many instants, evenly spaced, the accounts are given; the last is the end, and 1 is the end alone.
+            instants: number of evenly spaced instants with accounts; the last is the end, and 1 is the end alone.
 
         Raises:
-            UsageError: as `tangents`; a scene of which no ledger is kept (`method = "pefrl"`); no instant, or more than samples.
+            UsageError: as for `tangents`; also for a scene without a ledger (`method = "pefrl"`), and if `instants` is
+                0 or above the number of samples.
 
         >>> import cordis_anima as ca
         >>> t = ca.examples.string().energy_tangents(["hammer.v", "hammer.m"], 0.1, instants=4)
@@ -239,24 +243,26 @@ class Derivatives:
         gesture: Gesture = None,
         mode: Mode = "auto",
     ) -> Gradient:
-        """The gradient of a loss of its sound, by parameters and by what ports are given, without memory for the derivatives of samples.
+        """Computes the gradient of a loss of its sound, by parameters and by the inputs of ports.
 
-        In reverse mode it takes as long as some renders, however many parameters there are, and as many tens where nearly all links
-        are not linear; besides, each parameter takes a few compilations of the model. In forward mode its time grows with the number
-        of parameters. Both find the same, to rounding.
+        It stores no derivatives of samples. In reverse mode it takes as long as a few renders, however many parameters
+        there are, and about ten times longer if nearly all links are non-linear; each parameter adds a few compilations
+        of the model. In forward mode its time grows with the number of parameters. Both give the same result, to
+        rounding.
 
         Args:
-            wrt: as for `tangents`; none where only `inputs` are wanted.
-            loss: called with the sound (frames, channels) in double precision; gives the loss, and its derivatives by each sample.
-            cotangent: these derivatives (frames, channels), where there is no loss to call; it says how long is played.
+            wrt: as for `tangents`; empty if only `inputs` are wanted.
+            loss: called with the sound (frames, channels) in double precision; returns the loss, and its derivatives by
+                each sample.
+            cotangent: these derivatives (frames, channels), instead of a loss; its length is the length played.
             seconds: as for `render`, with a loss.
             gesture: as for `tangents`.
-            mode: ``"reverse"``, ``"forward"``, or ``"auto"``: reverse, and forward for scenes that it does not know (waveguides,
-                samples of several ticks, and what docs/numerics.md §9 names).
+            mode: ``"reverse"``, ``"forward"``, or ``"auto"``: reverse, or forward for scenes that reverse mode does not
+                support (waveguides, several ticks per sample, and those named in docs/numerics.md §9).
 
         Raises:
-            UsageError: as `tangents`; neither a loss nor a cotangent, or one of another shape; ``mode="reverse"`` for a scene that has
-                none, with what is in its way.
+            UsageError: as for `tangents`; also if both or neither of loss and cotangent are given, if a shape is wrong,
+                or with ``mode="reverse"`` for a scene that does not support it; the message says why.
 
         >>> import cordis_anima as ca
         >>> g = ca.examples.string().gradient(["hammer.v"], loss=lambda y: ((y**2).sum(), 2 * y), seconds=0.1)
@@ -273,7 +279,7 @@ class Derivatives:
             raise UsageError("a cotangent says how long is played, and of which loss it is")
         seconds = None if seconds is None else length(seconds)
         way, driven = self._way(wrt, mode), made(self._compiled, gesture)
-        # a port may be under way at load, which is known with the gesture
+        # a port may be moving at load, which depends on the gesture
         if mode == "auto" and isinstance(way, _core.Reverse) and way.parameters and not way.knows(driven):
             way = self._forward(wrt)
         value, played = None, None
@@ -324,7 +330,7 @@ class Derivatives:
             except UsageError:
                 if mode == "reverse" or not names:
                     raise
-        # without names there is nothing that forward mode could find
+        # without names, forward mode has nothing to compute
         return self._compiled.forward(named(names))
 
     def _forward(self, wrt: Sequence[str]) -> _core.Forward:

@@ -1,4 +1,4 @@
-"""The linear part of a scene as sparse matrices, and where its masses go."""
+"""The linear part of a scene as sparse matrices, and motion of its masses."""
 
 from __future__ import annotations
 
@@ -21,29 +21,29 @@ class Linear:
 
         (M / T² + N) u = F + C − K x − Z d / T,    d ← d + u,    x ← x + d
 
-    with C the `constant` forces of weight and of springs that are not at their rest length
+    with C the `constant` forces of weight and of springs that are not at their rest length.
 
-    where the coefficients are those that the scene computes with, so `tick` is that of the scene to rounding. What is not linear is
-    not in it; `left_out` names it, and `acts` says where its forces go.
+    The scene computes with the same coefficients, so `tick` equals a tick of the scene to rounding. Non-linear links
+    are not included: `left_out` names them, and `acts` gives the places of their forces.
     """
 
-    #: the tick T [s]
+    #: length of a tick T [s]
     T: float
-    #: names of the places: one of each axis of each mass
+    #: names of the places: one for each axis of each mass
     places: tuple[str, ...]
-    #: names of the places that position ports move
+    #: names of the places moved by position ports
     driven: tuple[str, ...]
-    #: names of the links, a row each
+    #: names of the links, one per row
     links: tuple[str, ...]
     #: stored coefficient of each place, T²/m [m/N]
     mobility: Floats
-    #: spring of each place to the ground [N/m], and its viscosity [N per m/tick]
+    #: spring of each place to ground [N/m], and its viscosity [N per m/tick]
     own_k: Floats
     own_z: Floats
     #: stored coefficients of each link: stiffness [N/m] and viscosity [N per m/tick]
     link_k: Floats
     link_z: Floats
-    #: elongation of each link by places and, behind them, driven places (links, places + driven)
+    #: elongation of each link by places, then driven places (links, places + driven)
     B: Any
     #: mass (places, places) [kg]
     M: Any
@@ -51,26 +51,26 @@ class Linear:
     K: Any
     #: viscosity [N s/m]
     Z: Any
-    #: inertia that implicit methods add, over T² [N/m]
+    #: inertia added by implicit methods, over T² [N/m]
     N: Any
     #: stiffness [N/m] and viscosity [N s/m] between places and driven places (places, driven)
     K_driven: Any
     Z_driven: Any
-    #: force on each place that nothing changes [N]: weight, and springs whose rest length is not what they measure at rest
+    #: constant force on each place [N]: weight, and springs that are stretched at rest
     constant: Floats
     #: names and places of force ports (ports, places): weights of a force
     pushes: tuple[tuple[str, ...], Any]
-    #: names and places of outputs that hear displacement, before their gain (outputs, places)
+    #: names and places of displacement outputs, before their gain (outputs, places)
     hears: tuple[tuple[str, ...], Any]
-    #: names and places of links that are not linear (links, places): elongation
+    #: names and places of non-linear links (links, places): elongation
     acts: tuple[tuple[str, ...], Any]
     #: displacement [m] of each place at load, its motion in the tick before [m], and its speed [m/s]
     x: Floats
     d: Floats
     v: Floats
-    #: links that are not linear, and so not in it
+    #: non-linear links, which are not included
     left_out: tuple[str, ...]
-    #: what in the model moves in another way than by these matrices, if anything does
+    #: method of a part of the model that does not follow these matrices, if any
     other_scheme: str | None
 
     @classmethod
@@ -136,16 +136,16 @@ class Linear:
         force: npt.ArrayLike = 0.0,
         driven: tuple[npt.ArrayLike, npt.ArrayLike] = (0.0, 0.0),
     ) -> tuple[Floats, Floats]:
-        """One tick: displacements and motion after it.
+        """Computes one tick: displacements and motion after it.
 
         Args:
             x: displacements [m] (places,), or of several states side by side (places, states).
-            d: motion in the tick before [m], alike; at load `Linear.d`.
-            force: force on each place [N], besides `constant`.
+            d: motion in the tick before [m], in the same shape; at load `Linear.d`.
+            force: force on each place [N], in addition to `constant`.
             driven: displacement of each driven place [m], and its motion in this tick [m].
 
         Raises:
-            UsageError: some group does not move by forces at places, see `other_scheme`; or an array has another shape.
+            UsageError: if part of the scene has another scheme, see `other_scheme`; or if an array has the wrong shape.
         """
         if self.other_scheme is not None:
             raise UsageError(f"a part of this scene has `{self.other_scheme}`, whose tick is none of these matrices")
@@ -158,7 +158,7 @@ class Linear:
         for name, v, n in zip(("force", "driven[0]", "driven[1]"), given, (len(self), len(self.driven), len(self.driven)), strict=False):
             if v.ndim and v.shape not in ((n,), (n, *at.shape[1:])):
                 raise UsageError(f"`{name}` is a number for all, or {(n, *at.shape[1:])}, not {v.shape}")
-        # what is given for each place is so in all states
+        # values per place apply to all states
         given = [v[:, None] if v.ndim == 1 and at.ndim == 2 else v for v in given]
         shape = (len(self.driven), *at.shape[1:])
         port, moves = (np.broadcast_to(v, shape) for v in given[1:])
@@ -175,15 +175,15 @@ class Linear:
 
 @dataclass(frozen=True, eq=False)
 class Rollout:
-    """Where masses were at each sample."""
+    """Positions of masses at each sample."""
 
     #: names of the columns
     places: tuple[str, ...]
     #: displacement from rest (n, places) [m]
     x: Floats
-    #: samples a second [Hz]
+    #: sound rate [Hz]
     rate: float
-    #: as of a `Render`
+    #: status, as of a `Render`
     status: Status
 
     def __len__(self) -> int:

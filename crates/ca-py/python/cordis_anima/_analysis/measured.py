@@ -1,4 +1,4 @@
-"""What is measured of a scene without hearing it: modes, matrices, accuracy."""
+"""Measurements of a scene without a render: modes, matrices, accuracy."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from .linear import Linear
 from .mode_derivatives import derivatives
 from .._results import Accuracy, ModeDerivatives, Modes, number
 
-#: called with what is done and how much there is; an exception ends the call
+#: called with the work done and in total; an exception ends the call
 Progress = Callable[[int, int], object]
 
 
 class Measured:
-    """The part of `Scene` that measures."""
+    """Measurements: a base class of `Scene`."""
 
     __slots__ = ()
     _compiled: _core.Scene
@@ -26,7 +26,7 @@ class Measured:
     _asked: tuple[float | None, bool]
 
     def modes(self) -> Modes:
-        """Modes of its linear part: frequencies with and without the scheme, decay, shapes, and levels at ports.
+        """Computes the modes of its linear part: frequency, decay, shape, and level at ports.
 
         >>> import cordis_anima as ca
         >>> m = ca.load("harmonic_chain").modes()
@@ -46,8 +46,9 @@ class Measured:
         return derivatives(self.linear(), (raw["heard"], raw["t60"], raw["shapes"]), parameters, moved)
 
     def linear(self) -> Linear:
-        """The linear part of the scene at load as sparse matrices, and a tick made of them. Needs SciPy: ``pip install
-        "cordis-anima[linear]"``.
+        """Returns the linear part of the scene at load as sparse matrices, which can compute a tick.
+
+        Needs SciPy: ``pip install "cordis-anima[linear]"``.
 
         >>> import cordis_anima as ca, numpy as np
         >>> part = ca.load("harmonic_chain").linear()
@@ -65,13 +66,13 @@ class Measured:
         probes: Sequence[str] = (),
         progress: Progress | None = None,
     ) -> Accuracy:
-        """Error against run time over all methods the scene can take, at multiples of its rate.
+        """Measures error and run time of all methods that the scene supports, at multiples of its rate.
 
         Args:
-            seconds: how long it is played; without, as the model says, up to one second.
+            seconds: length to play; default: as given by the model, up to one second.
             times: multiples of the sound rate.
-            reference: that of the reference, a multiple of 4.
-            probes: what is compared; without, what the outputs listen to.
+            reference: multiple of the rate for the reference, itself a multiple of 4.
+            probes: modules to compare; default: the modules of the outputs.
 
         >>> import cordis_anima as ca
         >>> a = ca.examples.string().accuracy(0.02, times=[1], reference=4)
@@ -90,5 +91,5 @@ class Measured:
 
 
 def _frozen(raw: Mapping[str, Any]) -> dict[str, Any]:
-    """With tuples in place of lists."""
+    """Replaces lists by tuples."""
     return {k: tuple(v) if isinstance(v, list) else v for k, v in raw.items()}

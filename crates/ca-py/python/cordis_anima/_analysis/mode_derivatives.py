@@ -1,12 +1,12 @@
-"""How the modes of a scene change with its parameters.
+"""Derivatives of modes by parameters.
 
-Decides for the poles of the tick itself: with M, N, K and Z of `Scene.linear`, a mode is a solution of
+They are derivatives of the poles of the tick itself. With M, N, K and Z of `Scene.linear`, a mode solves
 
     Q(w) φ = ((M / T² + N) (w − 1)² + K w + Z (w − 1) / T) φ = 0,
 
-whose matrices are symmetric, so that dw = − φᵀ dQ φ / φᵀ Q'(w) φ (docs/numerics.md §9). That holds for damping that couples
-modes, where φ is complex. How the matrices change is had by differences of the eighth order, as in `tangents`. Where two poles
-are one, each of them has no derivative: not a number.
+whose matrices are symmetric, so that dw = − φᵀ dQ φ / φᵀ Q'(w) φ (docs/numerics.md §9). This also holds for coupled
+damping, where φ is complex. The derivatives of the matrices are eighth-order differences, as in `tangents`. Coinciding
+poles give NaN.
 """
 
 from __future__ import annotations
@@ -22,14 +22,14 @@ from .._errors import UsageError
 from .linear import Linear
 from .._results import Floats, ModeDerivatives
 
-#: weights of the matrices at 1, 2, … steps, less those at −1, −2, …: of the eighth order, and of the sixth
+#: weights of the matrices at 1, 2, … steps, minus those at −1, −2, …: of eighth and of sixth order
 _EIGHTH = (4 / 5, -1 / 5, 4 / 105, -1 / 280)
 _SIXTH = (3 / 4, -3 / 20, 1 / 60, 0.0)
-#: parts of a value that a step is
+#: steps relative to the value
 _STEPS = (1e-2, 1e-3, 1e-4)
-#: how far both orders may be apart, in parts of the change
+#: largest difference of both orders, relative to the change
 _ASKED = 1e-7
-#: poles that are nearer, in parts of their distance to 1, are one
+#: poles nearer than this, relative to their distance from 1, coincide
 _SAME = 1e-6
 
 Complex = npt.NDArray[np.complex128]
@@ -41,10 +41,11 @@ def derivatives(
     parameters: Sequence[tuple[str, float, str]],
     moved: Callable[[str, float, str], Linear],
 ) -> ModeDerivatives:
-    """Those of modes, given by ``heard``, ``t60`` and ``shapes``; `moved` is the linear part with another value of a parameter.
+    """Derivatives of the modes given by ``heard``, ``t60`` and ``shapes``. `moved` returns the linear part for another
+    value of a parameter.
 
     Raises:
-        UsageError: part of the scene is computed in another way, or changes by a jump.
+        UsageError: if part of the scene has another scheme, or changes discontinuously.
     """
     if part.other_scheme is not None:
         raise UsageError(f"a part of this scene has `{part.other_scheme}`, whose modes are not differentiated")
@@ -78,7 +79,7 @@ def _matrices(part: Linear) -> tuple[Any, Any, Any]:
 def _change(
     part: Linear, parameter: tuple[str, float, str], moved: Callable[[str, float, str], Linear]
 ) -> tuple[Any, Any, Any]:
-    """The derivatives of the three matrices."""
+    """Derivatives of the three matrices."""
     name, value, unit = parameter
     for step in _STEPS:
         h = step * (abs(value) or 1e-3)
@@ -91,7 +92,7 @@ def _change(
             for m, (u, d) in enumerate(zip(_matrices(up), _matrices(down))):
                 high[m], low[m] = high[m] + (u - d) * (a / h), low[m] + (u - d) * (b / h)
         sizes = [(abs(x).max(), abs(x - y).max()) for x, y in zip(high, low)]
-        # a change that is nothing beside the matrix is rounding
+        # a change below this is rounding
         floors = [1e-13 * abs(m).max() / h for m in _matrices(part)]
         if all(off <= _ASKED * size + floor for (size, off), floor in zip(sizes, floors)):
             return high[0], high[1], high[2]
@@ -99,7 +100,7 @@ def _change(
 
 
 def _poles(part: Linear, heard: Floats, t60: Floats, shapes: Floats) -> tuple[Complex, Complex]:
-    """Poles and their vectors, not a number where a mode does not swing or has no pole of its own."""
+    """Poles and their vectors, NaN if a mode does not oscillate or shares its pole."""
     solve: Any = import_module("scipy.sparse.linalg").splu
     A, K, Z = _matrices(part)
     poles = np.full(len(heard), np.nan + 0j)
@@ -111,7 +112,7 @@ def _poles(part: Linear, heard: Floats, t60: Floats, shapes: Floats) -> tuple[Co
             q = (A * (w - 1) ** 2 + K * w + Z * (w - 1)).tocsc()
             try:
                 u = solve(q).solve((A * (2 * (w - 1)) + K + Z) @ v)
-            except RuntimeError:  # singular: it is the pole to the last digit
+            except RuntimeError:  # singular: exactly at the pole
                 break
             step = (v.conj() @ v) / (v.conj() @ u)
             w, v = w - step, u / np.linalg.norm(u)

@@ -1,1 +1,1 @@
-"""What a notebook or browser shows: players and tables in HTML, the picture that turns, and the live page."""
+"""Displays for notebooks and browsers: players and tables in HTML, the moving picture, and the live page."""

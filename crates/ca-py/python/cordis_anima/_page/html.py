@@ -1,4 +1,4 @@
-"""Pictures and players for notebooks, in one piece of HTML that asks nobody for anything."""
+"""Pictures and players for notebooks, as self-contained HTML."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from .._results import Param, Port, Sound
 
 #: columns of a drawn waveform
 _WIDTH = 600
-#: characters of a text in a table
+#: longest text in a table [characters]
 _TEXT = 60
 
 
 def _wav(audio: Sound, sr: int) -> bytes:
-    """A WAV file of 16 bits, in memory."""
+    """Encodes a 16-bit WAV file in memory."""
     frames, channels = audio.shape
     data = np.clip(np.rint(audio.astype(np.float64) * 32768), -32768, 32767).astype("<i2").tobytes()
     head = struct.pack("<IHHIIHH", 16, 1, channels, sr, sr * channels * 2, channels * 2, 16)
@@ -31,7 +31,7 @@ def _wav(audio: Sound, sr: int) -> bytes:
 
 
 def _wave(x: Sound, height: int = 60) -> str:
-    """A waveform as SVG: the least and the largest sample of each column."""
+    """Draws a waveform as SVG: smallest and largest sample of each column."""
     edges = np.linspace(0, len(x), min(_WIDTH, len(x)) + 1).astype(int)[:-1]
     low, high = np.minimum.reduceat(x, edges), np.maximum.reduceat(x, edges)
     top = max(float(np.abs(x).max()), 1e-9)
@@ -46,7 +46,7 @@ def _wave(x: Sound, height: int = 60) -> str:
 
 
 def _player(audio: Sound, sr: int, channels: Sequence[str]) -> str:
-    """A player and the channels; nothing where there is no sound."""
+    """Player and waveforms of the channels; empty without sound."""
     if not audio.size:
         return ""
     sound = base64.b64encode(_wav(audio[:, :2], sr)).decode()
@@ -55,18 +55,18 @@ def _player(audio: Sound, sr: int, channels: Sequence[str]) -> str:
 
 
 def render(title: str, audio: Sound, sr: int, channels: Sequence[str]) -> str:
-    """A render: what it is, a player, its channels."""
+    """A render: title, player, waveforms."""
     return f"<div><p>{html.escape(title)}</p>{_player(audio, sr, channels)}</div>"
 
 
 def take(title: str, facts: Sequence[tuple[str, str]], audio: Sound, sr: int, channels: Sequence[str]) -> str:
-    """A take: what it is, what is to be known of it, a player, its channels."""
+    """A take: title, facts, player, waveforms."""
     rows = "".join(f"<tr><th>{html.escape(name)}</th><td>{html.escape(text)}</td></tr>" for name, text in facts)
     return f"<div><p>{html.escape(title)}</p><table>{rows}</table>{_player(audio, sr, channels)}</div>"
 
 
 def scene(title: str, inputs: Sequence[Port], params: Sequence[Param]) -> str:
-    """A scene: what it is, its ports and live parameters."""
+    """A scene: title, ports, live parameters."""
     rows = "".join(
         f"<tr><td>{html.escape(p.name)}</td><td>{p.value:g} {html.escape(p.unit)}</td>"
         f"<td>{p.min:g} … {p.max:g}</td><td>{html.escape(p.doc)}</td></tr>"
@@ -78,7 +78,7 @@ def scene(title: str, inputs: Sequence[Port], params: Sequence[Param]) -> str:
 
 
 def sweep(title: str, columns: Mapping[str, Sequence[object]], left: int) -> str:
-    """A sweep: how many runs ended how, and the first rows; what a run has not is an empty cell."""
+    """A sweep: title, the first rows, and the number of rows left. Missing values are empty cells."""
 
     def cell(value: object) -> str:
         if isinstance(value, float):

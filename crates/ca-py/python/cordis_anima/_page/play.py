@@ -1,4 +1,4 @@
-"""Scenes that are played by hand in a page."""
+"""Plays scenes interactively in a page."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from typing import Protocol
 from .. import _core
 from .._errors import FailedError, UsageError
 
-#: how long the program may take until it says where its page is [s]
+#: time limit for the program to report the address of its page [s]
 _PATIENCE = 60.0
 _ADDRESS = re.compile(r"play it at (http://127\.0\.0\.1:\d+/[0-9a-f]+/)")
 
 
 class _Performance(Protocol):
-    """What plays a scene: a thread of this process, or a program."""
+    """Interface of a player: a thread of this process, or a program."""
 
     def address(self) -> str | None: ...
     def is_playing(self) -> bool: ...
@@ -33,7 +33,7 @@ class _Performance(Protocol):
 
 
 def _program(given: str | os.PathLike[str] | None) -> list[str]:
-    """The program ``ca``: the given one, or the one of this package."""
+    """Command of the program ``ca``: the given one, or the one of this package."""
     wanted = os.fspath(given) if given is not None else os.environ.get("CA")
     if wanted is None:
         return [sys.executable, "-m", "cordis_anima"]
@@ -45,7 +45,7 @@ def _program(given: str | os.PathLike[str] | None) -> list[str]:
 
 
 class _Program:
-    """``ca play`` as a process. It ends with this process."""
+    """Runs ``ca play`` as a process, which ends with this process."""
 
     def __init__(self, program: list[str], name: str, text: str, args: Sequence[str]) -> None:
         self._ca = program
@@ -107,10 +107,10 @@ class _Program:
 
 
 class Playing:
-    """A scene that is played in a page: the moving instrument, touch, parameters, sound. In a notebook its last value in a
-    cell shows the page there. It ends with `stop`, with a ``with`` block, or when nothing refers to it.
+    """A scene that plays in a page: the moving instrument, touch, parameters, sound.
 
-    It plays in this process, unless the model has force devices or another program is named.
+    A notebook shows the page as the last value of a cell. It ends with `stop`, with a ``with`` block, or when nothing
+    refers to it. It plays in this process, unless the model has force devices or another program is named.
 
     >>> import cordis_anima as ca
     >>> with ca.load("hammered_string").play() as playing:
@@ -120,7 +120,7 @@ class Playing:
     False
     """
 
-    #: the address of the page, on this machine
+    #: address of the page, on this machine
     url: str
 
     def __init__(self, *_: object, **__: object) -> None:
@@ -137,7 +137,7 @@ class Playing:
         made = cls.__new__(cls)
         name = model.name or "model"
         args = ["--framed", *args]
-        # forces on a hand do not depend on what else this process does
+        # forces on a hand must not depend on other work of this process
         if devices or program is not None or "CA" in os.environ:
             made._plays = _Program(_program(program), name, model.toml(), args)
         else:
@@ -161,27 +161,29 @@ class Playing:
 
     @property
     def said(self) -> str:
-        """Its messages so far: the warnings of the model, refused requests."""
+        """Messages so far: warnings of the model, refused requests."""
         return "\n".join(self._plays.lines())
 
     def set(self, values: Mapping[str, float | str]) -> str:
-        """Changes live parameters, all in one tick, or other numbers of the model, which is then compiled again and plays on.
+        """Changes live parameters, all in one tick, or other numbers of the model.
+
+        With other numbers, the model is compiled again and plays on.
 
         Args:
-            values: numbers in SI units, or quantities in text, by name, e.g. ``{"k": "900 N/m"}``.
+            values: numbers in SI units, or quantities as text, by name, e.g. ``{"k": "900 N/m"}``.
 
         Returns:
-            The answer in words.
+            The answer as text.
 
         Raises:
-            UsageError: a name or a value is refused.
-            FailedError: it does not play any more.
+            UsageError: if a name or a value is refused.
+            FailedError: if it no longer plays.
         """
         typed = [(name, v if isinstance(v, str) else repr(float(v))) for name, v in values.items()]
         return self._plays.set(typed)
 
     def stop(self) -> None:
-        """Ends it, once its files are finished."""
+        """Stops it, and waits until its files are complete."""
         self._end()
 
     def __enter__(self) -> Playing:

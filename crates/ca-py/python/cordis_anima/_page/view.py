@@ -1,4 +1,4 @@
-"""The moving instrument, without a server."""
+"""Shows the moving instrument, without a server."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 class View:
-    """A page with the moving instrument, in step with its sound. In a notebook it is shown where it is the last value of a cell.
+    """A page with the moving instrument, in step with its sound. A notebook shows it as the last value of a cell.
 
     >>> import cordis_anima as ca, tempfile, os
     >>> view = ca.load("hammered_string").view(0.5)
@@ -20,19 +20,19 @@ class View:
     """
 
     __slots__ = ("html",)
-    #: the page, which loads nothing from elsewhere
+    #: text of the page, which loads no other resources
     html: str
 
     def __init__(self, html: str) -> None:
         self.html = html
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Writes the page, for any browser."""
+        """Writes the page to a file, for any browser."""
         Path(path).write_text(self.html, encoding="utf-8")
 
     def __repr__(self) -> str:
         return f"<View: a page of {len(self.html) / 1e6:.1f} MB>"
 
     def _repr_html_(self) -> str:
-        # in a frame of its own, so that its script and style are those of no other cell
+        # a separate frame isolates its script and style from other cells
         return f'<iframe srcdoc="{html.escape(self.html)}" style="width:100%;height:640px;border:0"></iframe>'

@@ -1,1 +1,1 @@
-"""Pictures, for ``plot``: their axes, then those of measurements, of many runs, and of sounds."""
+"""Plots for ``plot``: axes, then measurements, runs and sounds."""

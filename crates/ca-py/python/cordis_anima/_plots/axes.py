@@ -1,6 +1,6 @@
-"""What all plots share: axes with names and units, colours, and matplotlib itself.
+"""Common parts of all plots: labelled axes, colours, and matplotlib itself.
 
-Decides that whoever plots without matplotlib is told so here: the other files of plots have of it what this one has.
+The other plot files import matplotlib from here, so that a missing matplotlib is reported in one place.
 """
 
 from __future__ import annotations
@@ -46,16 +46,16 @@ __all__ = [
     "plt",
 ]
 
-#: how far below the loudest levels over frequency are shown [dB]
+#: range of levels shown below the loudest, over frequency [dB]
 DEPTH = 120.0
-#: level of what is silent [dB]
+#: level of silence [dB]
 NOTHING = -300.0
-#: colours of what is gained, given away, there, and of no weight
+#: colours of gains, losses, stored amounts and negligible ones
 GAIN, LOSS, STOCK, DUST = "#2a9d6f", "#d1603d", "#3b6ea5", "#777777"
 
 
 def given_or_new(ax: Axes | None, height: float) -> Axes:
-    """Those that were given, or new ones [inches]."""
+    """Returns the given axes, or new ones of this height [inches]."""
     if ax is not None:
         return ax
     made: Axes = plt.subplots(figsize=(8, height), layout="constrained")[1]
@@ -63,7 +63,7 @@ def given_or_new(ax: Axes | None, height: float) -> Axes:
 
 
 def named(ax: Axes, x: str, y: str, grid: bool = True) -> Axes:
-    """With names of the axes, and no more ink than that needs."""
+    """Labels the axes and removes unneeded lines."""
     ax.set_xlabel(x)
     ax.set_ylabel(y)
     ax.spines[["top", "right"]].set_visible(False)
@@ -74,12 +74,12 @@ def named(ax: Axes, x: str, y: str, grid: bool = True) -> Axes:
 
 
 def along_x(ax: Axes) -> Transform:
-    """Data along x, from 0 at the bottom to 1 at the top along y."""
+    """Transform with data along x, and 0 (bottom) to 1 (top) along y."""
     return ax.get_xaxis_transform()
 
 
 def hertz(ax: Axes, which: Literal["x", "y"] = "x") -> None:
-    """Frequencies as people write them: 20, 50, 100, 1k."""
+    """Labels frequencies as 20, 50, 100, 1k."""
     axis = ax.xaxis if which == "x" else ax.yaxis
     axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axis.set_major_formatter(FuncFormatter(lambda f, _: f"{f:g}" if f < 1000 else f"{f / 1000:g}k"))
@@ -87,7 +87,7 @@ def hertz(ax: Axes, which: Literal["x", "y"] = "x") -> None:
 
 
 def counted(axis: Axis) -> None:
-    """A logarithmic axis with plain numbers: 0.5, 1, 2, 5."""
+    """Makes a logarithmic axis with plain numbers: 0.5, 1, 2, 5."""
     axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
     axis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
     axis.set_minor_formatter(NullFormatter())

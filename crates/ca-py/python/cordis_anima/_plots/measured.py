@@ -1,4 +1,4 @@
-"""Plots of what was measured: energy, modes and accuracy."""
+"""Plots of measurements: energy, modes and accuracy."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ from .._errors import UsageError
 from .._render import Render
 from .._results import Accuracy, Energy, Modes
 
-#: what rings longer than a day does not fall [s]
+#: a longer decay counts as infinite [s]
 _DAY = 86400.0
 
 
 def energy(ledger: Render | Energy, ax: Axes | None = None) -> Axes:
-    """The energy ledger as an account: a bar for each entry [J], which begins where the one above ends.
+    """Plots the energy ledger as a waterfall: a bar for each entry [J], which begins where the one above ends.
 
     Raises:
-        UsageError: the render kept none; ask for it by ``render(…, energy=True)``.
+        UsageError: if the render lacks a ledger; request it by ``render(…, energy=True)``.
 
     >>> import cordis_anima as ca
     >>> from cordis_anima import plot
@@ -72,12 +72,12 @@ def energy(ledger: Render | Energy, ax: Axes | None = None) -> Axes:
 
 
 def modes(modes: Modes, port: str | None = None, ax: Axes | None = None) -> Axes:
-    """How long each mode rings, T60 [s], over the frequency that is heard [Hz]; or how loud it is at `port` [dB].
+    """Plots the decay time T60 [s] of each mode over its frequency [Hz], or its level at `port` [dB].
 
-    What has no damping stands at the upper edge; levels are those of the displacement at `port`, the loudest is 0 dB.
+    Undamped modes are at the upper edge. Levels are of the displacement at `port`, relative to the loudest.
 
     Raises:
-        UsageError: no such port, or nothing swings.
+        UsageError: if the port does not exist, or no mode oscillates.
 
     >>> import cordis_anima as ca
     >>> from cordis_anima import plot
@@ -104,7 +104,7 @@ def modes(modes: Modes, port: str | None = None, ax: Axes | None = None) -> Axes
                 ax.plot(f[which], np.full(which.sum(), 0.95), mark, ms=6, color=colour, label=name, transform=along_x(ax))
         if falls.any():
             ax.set_yscale("log")
-            # no narrower than a factor of 10, so that nearly equal ones look so
+            # at least a factor of 10, so that nearly equal values look nearly equal
             low, high = float(modes.t60[swings][falls].min()), float(modes.t60[swings][falls].max())
             wide = max(0.2, (1 - np.log10(high / low)) / 2)
             ax.set_ylim(low / 10**wide, high * 10**wide)
@@ -131,10 +131,10 @@ def modes(modes: Modes, port: str | None = None, ax: Axes | None = None) -> Axes
 
 
 def accuracy(accuracy: Accuracy, ax: Axes | None = None) -> Axes:
-    """Error against the time of one sample [ns]: a line for each method, through the multiples of the sound rate.
+    """Plots the error over the time of one sample [ns]: a line per method, through the multiples of the rate.
 
-    Full dots are beaten by nothing in both, and have names as far as there is room. Errors less than the reference is
-    known by stand where it is known; what diverges is named in the legend.
+    Full dots are methods that no other beats in both; they have names as far as space allows. Errors below the error of
+    the reference are drawn at that value; unstable methods are named in the legend.
 
     >>> import cordis_anima as ca
     >>> from cordis_anima import plot
@@ -169,7 +169,7 @@ def accuracy(accuracy: Accuracy, ax: Axes | None = None) -> Axes:
 
 
 def _names(ax: Axes, points: list[tuple[float, float, str]]) -> None:
-    """Names beside points, above or below, right or left, where they meet no other and no axis; else none."""
+    """Adds names beside points, on a side without overlap with names and axes; else leaves them out."""
     ax.autoscale_view()
     dots = [ax.transData.transform((x, y)) for x, y, _ in points]
     per_point = ax.figure.dpi / 72
@@ -190,7 +190,7 @@ def _names(ax: Axes, points: list[tuple[float, float, str]]) -> None:
 
 
 def _joule(energy: float) -> str:
-    """With a unit people know, or a power of ten."""
+    """Formats an energy with a common unit or a power of ten."""
     for factor, unit in [(1.0, "J"), (1e-3, "mJ"), (1e-6, "µJ"), (1e-9, "nJ")]:
         if factor <= abs(energy) < 1000 * factor:
             return f"{energy / factor:.3g} {unit}".replace("-", "−")

@@ -1,4 +1,4 @@
-"""Plots of what was run: the runs of a sweep, and takes."""
+"""Plots of runs of a sweep, and of takes."""
 
 from __future__ import annotations
 
@@ -13,30 +13,31 @@ from .._results import Floats
 from .._sweeps.sweep import Sweep
 from .._take import Take
 
-#: columns of a sweep that say nothing of a run which was not played to its end
+#: columns of a sweep that are meaningless for a run that was not played to its end
 _HEARD = ("peak", "rms", "partial", "t60", "residual")
-#: what columns of a sweep are counted in; those of parameters are in SI units
+#: units of sweep columns; parameters are in SI units
 _UNITS = {"partial": "Hz", "t60": "s", "failed": "s", "run_time": "s", "peak": "full scale = 1", "rms": "full scale = 1"}
-#: colours of how a force is meant
+#: colours of the modes of a force
 _MODES = {"off": "#b8b8b8", "ramp": "#f2d16b", "on": "#a9d8b8", "damp": "#f0a35e", "fault": "#e08080"}
-#: the share of the longest way of all degrees of freedom below which one does not move: a sensor makes noise
+#: travel, relative to the longest over all degrees of freedom, below which motion counts as sensor noise
 _STILL = 0.01
 
 
 def sweep(sweep: Sweep, x: str, y: str, *, color: str | None = None, ax: Axes | None = None) -> Axes:
-    """One column of a sweep over another, a dot for each run; texts are categories.
+    """Plots one column of a sweep over another, with a dot for each run; texts are categories.
 
-    Runs that clip are triangles. All others that are not ok are crosses; they stand at the upper or right edge where the
-    column is measured of a sound, since theirs was not played to its end. Runs that have no place at all are counted
-    above. Axes are linear: where values were drawn by ratios, ``ax.set_xscale("log")`` shows them so.
+    Clipped runs are triangles. Other runs that are not ok are crosses, at the upper or right edge if the column is
+    measured from the sound, because theirs was not played to its end. The number of runs that cannot be placed is shown
+    above. Axes are linear; for values drawn by ratios use ``ax.set_xscale("log")``.
 
     Args:
         x: name of a column.
         y: name of another.
-        color: name of a column that colours dots and triangles: a bar for numbers, a legend for texts.
+        color: name of a column for the colour of dots and triangles, with a colour bar for numbers or a legend for
+            texts.
 
     Raises:
-        UsageError: the sweep has no such column.
+        UsageError: if the sweep lacks a column.
 
     >>> import cordis_anima as ca
     >>> from cordis_anima import plot
@@ -72,10 +73,10 @@ def sweep(sweep: Sweep, x: str, y: str, *, color: str | None = None, ax: Axes | 
     lost = int(np.where(played, ~(has_x & has_y), ~(has_x | has_y)).sum())
     if lost:
         ax.set_title(f"{lost} without a place left out", loc="right", fontsize=8)
-    # one entry for a label, wherever its marks are
+    # one legend entry per label
     marks = {str(mark.get_label()): mark for mark in [*ax.collections, *ax.lines]}
     if list(marks) != ["ok"]:
-        # above, where it hides nothing
+        # placed above, where it hides no data
         key = ax.legend(list(marks.values()), list(marks), loc="lower left", bbox_to_anchor=(0, 1), ncols=4, fontsize=8)
         key.set_frame_on(False)
     return named(ax, _counted_in(x), _counted_in(y))
@@ -88,18 +89,18 @@ def take(
     *,
     axes: tuple[Axes, Axes] | None = None,
 ) -> tuple[Axes, Axes]:
-    """Where a hand was [mm] and the force it got [N], over time [s], above each other.
+    """Plots the position of a hand [mm] above the force on it [N], over time [s].
 
-    Colours behind them say how the force was meant: off, ramp, on, damp or fault; a line stands where forces ended, with
-    the cause. Positions are taken for metres, as a device that is calibrated says them.
+    The background colour is the mode of the force: off, ramp, on, damp or fault. A line with the cause marks the end of
+    forces. Positions are taken as metres, which holds for calibrated devices.
 
     Args:
-        device: its name; the first of the take if none.
-        dof: one or several of its degrees of freedom; those that move if none.
-        axes: for the positions and for the forces.
+        device: name of the device; default: the first of the take.
+        dof: one or several degrees of freedom; default: those that move.
+        axes: axes for positions and for forces.
 
     Raises:
-        UsageError: the take has no such device or degree of freedom, or no frame of it.
+        UsageError: if the take lacks the device, the degree of freedom, or any frame of it.
 
     >>> import cordis_anima as ca, tempfile, os
     >>> from cordis_anima import plot
@@ -119,7 +120,7 @@ def take(
         raise UsageError(f"no frames of `{name}` in the take")
     if dof is None:
         way = np.ptp(hand.position, axis=0)
-        # all that move; the first where all stand still
+        # the first one if none moves
         asked = np.flatnonzero((way > 0) & (way >= _STILL * way.max())).tolist() or [0]
     else:
         asked = [dof] if isinstance(dof, int) else list(dof)
@@ -133,9 +134,9 @@ def take(
     for n, k in enumerate(asked):
         colour, label = f"C{n}", f"{name} {k}"
         above.plot(hand.time, 1e3 * hand.position[:, k], lw=0.9, color=colour, label=label)
-        # a device holds a force until the next one comes
+        # a device holds a force until the next arrives
         below.plot(hand.force_time, hand.force[:, k], lw=0.9, color=colour, label=label, drawstyle="steps-post")
-    # each lasts until the next begins
+    # each mode lasts until the next begins
     begin = np.flatnonzero(np.concatenate([[True], hand.mode[1:] != hand.mode[:-1]]))
     ends = np.append(hand.force_time[begin[1:]], max(hand.force_time[-1], hand.time[-1]))
     for a, b in zip(begin, ends):
@@ -146,7 +147,7 @@ def take(
         if fault.device == name:
             for ax in axes:
                 ax.axvline(fault.time, color=LOSS, lw=1)
-            # where no force is any more
+            # below the line, since the force has ended
             at, beside = (fault.time, 0.25), (3, 0)
             below.annotate(fault.cause, at, beside, xycoords=along_x(below), textcoords="offset points", fontsize=8, color=LOSS)
     start = min(hand.force_time[0], hand.time[0])
@@ -162,7 +163,7 @@ def take(
 
 
 def _dots(sweep: Sweep, color: str | None, which: npt.NDArray[np.bool_], across: Floats, up: Floats, ax: Axes) -> None:
-    """Runs that were played to their end, coloured by a column if there is one."""
+    """Plots the complete runs, coloured by a column if given."""
     shade, texts = (np.zeros(len(up)), [""]) if color is None else _numbers(sweep, color)
     known = shade[which & np.isfinite(shade)]
     ends = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
@@ -185,15 +186,15 @@ def _dots(sweep: Sweep, color: str | None, which: npt.NDArray[np.bool_], across:
 
 
 def _numbers(sweep: Sweep, name: str) -> tuple[Floats, list[str]]:
-    """A column as numbers; for texts, which of the names that follow it is."""
+    """A column as numbers; for texts, indices into the returned names."""
     column = sweep[name]
     if column.dtype.kind in "iuf":
         return column.astype(np.float64), []
-    # what has no text is empty in some stores
+    # a missing text is empty in some stores
     texts, at = np.unique(np.array([str(t or "none") for t in column.tolist()]), return_inverse=True)
     return at.astype(np.float64), [str(t) for t in texts]
 
 
 def _counted_in(name: str) -> str:
-    """The name of a column, with its unit where that is known."""
+    """Name of a column, with its unit if known."""
     return f"{name} [{_UNITS[name]}]" if name in _UNITS else name

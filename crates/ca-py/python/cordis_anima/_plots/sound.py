@@ -1,6 +1,6 @@
-"""Plots of what was heard: sounds, their spectra, and probes.
+"""Plots of sounds, their spectra, and probes.
 
-Decides that a spectrum reads a sine at its level, whatever window it is seen through.
+A spectrum shows a sine at its level, whatever the window.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ from .._results import Floats, Modes, Sound
 
 Ints = npt.NDArray[np.int64]
 
-#: from the lowest pitch that is heard up [Hz]
+#: lowest audible frequency [Hz]
 _LOWEST = 20.0
-#: how far below the loudest a spectrogram is shown [dB]
+#: range of levels shown in a spectrogram, below the loudest [dB]
 _DARK = 90.0
 #: most columns of a spectrogram
 _COLUMNS = 640
@@ -43,7 +43,7 @@ _WINDOW = 1 << 17
 
 
 def sound(render: Render, ax: Axes | None = None) -> Axes:
-    """The waveform, a lane for each channel: samples over time [s], at full scale they are 1.
+    """Plots the waveform, one lane per channel: samples over time [s], where full scale is 1.
 
     >>> import cordis_anima as ca
     >>> from cordis_anima import plot
@@ -60,7 +60,7 @@ def sound(render: Render, ax: Axes | None = None) -> Axes:
     tick = _below(top)
     ticks, texts = [], []
     for k, name in enumerate(render.channels):
-        # samples stay what they are: the lane is in how they are drawn
+        # the data stay unchanged; a transform makes the lane
         down = -k * apart
         lane = Affine2D().translate(0, down) + ax.transData
         ax.plot(_time(render), render.audio[:, k], lw=0.6, color=f"C{k}", label=name, transform=lane)
@@ -76,10 +76,10 @@ def sound(render: Render, ax: Axes | None = None) -> Axes:
 
 
 def spectrum(render: Render, modes: Modes | None = None, ax: Axes | None = None) -> Axes:
-    """The level of each channel over frequency [Hz]: a sine at full scale reads 0 dBFS, as in ``ca report``.
+    """Plots the level of each channel over frequency [Hz]: a sine at full scale reads 0 dBFS, as in ``ca report``.
 
-    Windows of up to 2.7 s that overlap by half, whose powers are averaged. Where `modes` are given, a line stands at
-    each frequency that is heard, with a number [Hz] as far as there is room.
+    It averages the powers of windows of up to 2.7 s that overlap by half. With `modes`, a line marks each heard
+    frequency, labelled [Hz] as far as space allows.
 
     >>> import cordis_anima as ca
     >>> from cordis_anima import plot
@@ -117,7 +117,7 @@ def spectrum(render: Render, modes: Modes | None = None, ax: Axes | None = None)
                     (0, 4),
                     xycoords=along_x(ax),
                     textcoords="offset points",
-                    # not beside the axes where somebody looks closer
+                    # hides labels outside the axes after zooming
                     annotation_clip=True,
                     rotation=90,
                     ha="center",
@@ -130,9 +130,9 @@ def spectrum(render: Render, modes: Modes | None = None, ax: Axes | None = None)
 
 
 def spectrogram(render: Render, ax: Axes | None = None) -> Axes:
-    """How the spectrum goes with time [s]: the power of all channels, a sine at full scale is 0 dBFS.
+    """Plots the spectrum over time [s]: the power of all channels; a sine at full scale is 0 dBFS.
 
-    Windows of up to 0.1 s; rows are equal ratios of frequency and show the loudest that is in them.
+    Windows are up to 0.1 s long. Rows have equal frequency ratios and show the loudest bin in them.
 
     >>> import cordis_anima as ca
     >>> from cordis_anima import plot
@@ -161,7 +161,7 @@ def spectrogram(render: Render, ax: Axes | None = None) -> Axes:
     level = decibel(np.array(columns).T)
     loudest = float(level.max())
     loudest = loudest if loudest > NOTHING else 0.0
-    # it begins where the sound does, and each where the one before ends
+    # the first column begins with the sound, each other where the one before ends
     centre = (starts + window / 2) / rate
     begin = (centre[each::each] + centre[each - 1 : -1 : each]) / 2
     times = np.concatenate([[0.0], begin, [n / rate]])
@@ -175,13 +175,13 @@ def spectrogram(render: Render, ax: Axes | None = None) -> Axes:
 
 
 def probes(render: Render, selector: str | Sequence[str] | None = None, ax: Axes | None = None) -> Axes:
-    """What was listened to besides, over time [s]: displacements [m], and forces [N] by an axis of their own.
+    """Plots probes over time [s]: displacements [m], and forces [N] on a second axis.
 
     Args:
-        selector: one or several of those the render was asked for; all if none.
+        selector: one or several selectors of the render; default: all.
 
     Raises:
-        UsageError: the render has no such probe.
+        UsageError: if the render lacks the probe.
 
     >>> import cordis_anima as ca
     >>> from cordis_anima import plot
@@ -211,7 +211,7 @@ def probes(render: Render, selector: str | Sequence[str] | None = None, ax: Axes
             colour = plt.get_cmap("viridis")(k / (len(columns) - 1)) if many else f"C{len(drawn)}"
             name = column if side is ax else f"{column} (right)"
             (line,) = side.plot(time, values[:, k], lw=0.8, color=colour, label=name)
-            # of many, the first and the last say what the colours mean
+            # of many, only the first and the last are in the legend
             if not many or k in (0, len(columns) - 1):
                 drawn.append(line)
     for unit, side in sides.items():
@@ -220,13 +220,13 @@ def probes(render: Render, selector: str | Sequence[str] | None = None, ax: Axes
     if len(sides) > 1:
         sides[units[1]].spines["right"].set_visible(True)
     ax.set_xlim(0, render.seconds)
-    # above, where it hides nothing
+    # placed above, where it hides no data
     ax.legend(handles=drawn, loc="lower left", bbox_to_anchor=(0, 1), ncols=6, fontsize=8, frameon=False)
     return ax
 
 
 def _below(top: float) -> float:
-    """The greatest of 1, 2 and 5 times a power of ten that is not above."""
+    """Largest number of 1, 2 and 5 times a power of ten that is not above the given one."""
     power = 10.0 ** np.floor(np.log10(top))
     return float(max(d * power for d in (1, 2, 5) if d * power <= top * (1 + 1e-9)))
 
@@ -237,13 +237,13 @@ def _heard(render: Render) -> None:
 
 
 def _time(render: Render) -> Floats:
-    """When each sample is [s]."""
+    """Time of each sample [s]."""
     n = len(render.audio)
     return np.arange(n, dtype=np.float64) / (n / render.seconds)
 
 
 def _starts(n: int, window: int, hop: int) -> Ints:
-    """Where windows begin that are at most so far apart, from the first sample to the last."""
+    """Start indices of windows at most this far apart, from the first sample to the last."""
     return np.linspace(0, n - window, 1 + -(-(n - window) // hop)).astype(np.int64)
 
 
@@ -266,7 +266,7 @@ def _levels(x: Sound, rate: float) -> tuple[Floats, Floats]:
 
 
 def _outline(f: Floats, level: Floats, lowest: float, highest: float) -> tuple[Floats, Floats]:
-    """The loudest bin of each column a picture has room for, at its own frequency."""
+    """Loudest bin of each pixel column, at its own frequency."""
     edges = np.searchsorted(f, np.geomspace(lowest, highest, 1501))
     bins = [a + int(np.argmax(level[a:b])) for a, b in zip(edges[:-1], edges[1:]) if b > a]
     return f[bins], level[bins]

@@ -1,1 +1,1 @@
-"""One model with many values: sweeps, who plays their tasks, where their sound goes, and batches in one call."""
+"""Sweeps and batches: one model with many values, the executors that play it, and where its sounds go."""

@@ -1,8 +1,7 @@
-"""One scene played many times, with values that are given, into one array.
+"""Plays one scene many times with given values, into one array.
 
-Decides that a batch is one call: values go in as columns, sound comes out as an array over instances, and threads of the
-engine play them, without the lock of the interpreter. What is drawn, measured, kept in files or handed to other machines is
-a `sweep`.
+A batch is one call: values go in as columns, sound comes out as an array over instances. Threads of the engine play
+them without the interpreter lock. For random values, measurements, files or other machines, use a `sweep`.
 """
 
 from __future__ import annotations
@@ -24,13 +23,13 @@ from .._probes import columns
 from .._results import DType, Floats, Sound, is_double, length, value, whole
 from .._scene import Scene
 
-#: most instances
+#: largest number of instances
 _MOST = 1_000_000
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Batch:
-    """What was heard of many instances of a scene.
+    """Result of a batch: sounds of many instances of a scene.
 
     >>> import cordis_anima as ca
     >>> b = ca.batch(ca.examples.string(), {"low.f": [110, 165, 220]}, 0.1)
@@ -42,22 +41,23 @@ class Batch:
     audio: Sound
     #: sound rate [Hz]
     sr: int
-    #: what was varied, by name, in the order of instances
+    #: values of the instances, by parameter name
     values: Mapping[str, tuple[Any, ...]]
-    #: what was listened to besides, by selector: (instances, frames), or (instances, frames, n) where it chose several
+    #: probes by selector: (instances, frames), or (instances, frames, n) if it chose several
     probes: Mapping[str, Sound]
-    #: of each: ``ok``, ``clipped``, ``unstable``, ``refused``, ``mute``, ``gained`` or ``invalid``, as in a sweep
+    #: status of each: ``ok``, ``clipped``, ``unstable``, ``refused``, ``mute``, ``gained`` or ``invalid``, as in a
+    #: sweep
     status: npt.NDArray[np.object_]
-    #: what went wrong with each; empty where nothing did
+    #: problem of each instance; empty if none
     message: tuple[str, ...]
-    #: when each diverged [s], and the module to blame
+    #: time [s] at which each diverged, and the module that caused it
     failed: tuple[tuple[float, str] | None, ...]
-    #: greatest |sample| of each in all its channels, before the ceiling (instances); 1 is full scale
+    #: largest |sample| of each over all channels before clipping (instances); 1 is full scale
     peak: Floats
 
     @property
     def ok(self) -> npt.NDArray[np.bool_]:
-        """Which instances are as they should be."""
+        """Mask of the instances with status ``ok``."""
         return np.array(self.status == "ok", np.bool_)
 
     def __len__(self) -> int:
@@ -80,25 +80,25 @@ def batch(
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> Batch:
-    """Plays a scene once for each row of values, on all cores; every instance has the bits of a render of its own.
+    """Plays a scene once for each row of values, on all cores. Every instance has the bits of a separate render.
 
-    One that cannot be, or diverges, is silence (from there on) with its `status`, and ends nothing; so is one that has other numbers
-    of channels or probes than the scene as it is (``invalid``). All are equally long.
+    An instance that is invalid or diverges is silent (from then on) and has a `status`; the others continue. An
+    instance whose numbers of channels or probes differ from the scene's is ``invalid``. All are equally long.
 
     Args:
-        scene: what is played.
-        values: columns by name, as `Scene.replace` knows them: each has the value of every instance.
-        seconds: how long each is played; without, as the scene itself.
+        scene: scene to play.
+        values: columns by name as for `Scene.replace`; each has the value of every instance.
+        seconds: length of each; default: as for the scene itself.
         gesture: as for `Scene.render`, the same for all.
         probes: as for `Scene.render`.
         dtype: ``"float32"`` or ``"float64"``, of sound and probes.
-        threads: how many play; one for each core if none.
-        progress: called now and then with how many instances of how many are done.
+        threads: number of threads; default: one per core.
+        progress: called regularly with the numbers of instances done and in total.
 
     Raises:
-        UsageError: no such parameter, columns of several lengths, a value of another type than a number, text or list, ``rate.sound`` or
-            ``model.seconds`` as a column, more than fits into memory, an option that makes no sense.
-        ModelError: the scene itself has errors, or a probe chooses nothing.
+        UsageError: if a parameter does not exist, columns differ in length, a value is not a number, text or list, a
+            column is ``rate.sound`` or ``model.seconds``, the result does not fit into memory, or an option is invalid.
+        ModelError: if the scene itself has errors, or a probe matches no module.
 
     >>> import cordis_anima as ca, numpy as np
     >>> struck = ca.examples.string()
@@ -132,7 +132,7 @@ def batch(
 
 
 def _column(name: str, given: object) -> list[Any]:
-    """The values of a parameter."""
+    """Values of one parameter."""
     if isinstance(given, (str, bytes, Mapping, Set)) or not hasattr(given, "__iter__") or getattr(given, "ndim", 1) == 0:
         raise UsageError(f"`{name}` is {given!r}: a list or an array, with a value for each instance")
     all = list(itertools.islice(given, _MOST + 1))

@@ -1,6 +1,6 @@
-"""Runs of a sweep as something that can be handed to any worker.
+"""Runs of a sweep as a job for any worker.
 
-Decides that a job is pickled as the bytes of a model and plain values, and compiled once in each process that plays it.
+A job is pickled as the bytes of a model and plain values, and compiled once in each process that plays it.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from typing import Any
 from .. import _core
 
 class Job:
-    """All that a worker needs: pickled, a model of some kilobytes; the scene is compiled where it is played."""
+    """Everything that a worker needs. Pickled, it is a model of some kilobytes; the scene is compiled by the worker."""
 
     def __init__(self, key: tuple[Any, ...]) -> None:
-        #: model, its name, what is asked, axes, gesture, and a number that no other call has
+        #: model, its name, arguments, axes, gesture, and a number unique to this call
         self.key = key
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -30,7 +30,7 @@ class Job:
 def _made(
     model: bytes, name: str, asked: tuple[Any, ...], vary: bytes, gesture: bytes | None, call: str
 ) -> _core.Sweep:
-    """The sweep of a call, once in each process; another call has its own, which another one's end does not stop."""
+    """The sweep of a call, once per process. Each call has a separate one, so that stopping it stops no other."""
     rate, runs, seed, seconds, energy, measure = asked
     hands = None if gesture is None else _core.Gesture(*pickle.loads(gesture))
     return _core.Sweep(
@@ -47,11 +47,11 @@ def _made(
 
 
 def play(job: Job, first: int, end: int, audio: bool) -> tuple[int, int, Any, Any]:
-    """Runs in memory: the first, how many, their columns, their sounds."""
+    """Plays runs in memory. Returns the first, their number, columns and sounds."""
     columns, sounds = job.core.play(first, end, audio)
     return first, end - first, columns, sounds
 
 
 def fill(job: Job, path: str, audio: str, chunk: int, which: int) -> tuple[int, int, Any, Any]:
-    """A chunk into a folder: its number, and how many runs it has."""
+    """Plays a chunk into a folder. Returns its index and its number of runs."""
     return which, job.core.fill(path, audio, chunk, which), None, None

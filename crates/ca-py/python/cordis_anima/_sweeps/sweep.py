@@ -1,8 +1,7 @@
-"""One scene played many times, each time with other values.
+"""Plays one scene many times, each time with other values.
 
-Decides that whoever computes a run is an `Executor` of the standard library, and that what is handed to it is plain: a job
-that can be pickled, and numbers of runs. So threads, processes, joblib, Dask, MPI and Ray are the same to it. How they are
-handed over is decided in `work`.
+Runs are computed by any `Executor` of the standard library. It gets plain data: a job that can be pickled, and numbers
+of runs. So threads, processes, joblib, Dask, MPI and Ray all work. `work` submits the tasks.
 """
 
 from __future__ import annotations
@@ -31,34 +30,34 @@ from .._gestures import Gesture, Path, made
 from .._analysis.measured import Progress
 from .._scene import Scene
 
-#: how many rows a notebook shows, and what of them besides what was varied
+#: rows shown by a notebook, and columns shown besides the varied ones
 _SHOWN = 10
 _TOLD = ("status", "failed", "peak", "rms", "partial", "t60", "residual", "message")
-#: how long a task should take [s], so that handing it over is little beside it
+#: intended length of a task [s], long compared with submitting it
 _TASK = 0.5
 #: most values of a parameter
 _VALUES = 1_000_000
 
 
 class Range(NamedTuple):
-    """A parameter that may be anything between two values, or `steps` of them.
+    """Any value between two ends, or `steps` values.
 
     >>> import cordis_anima as ca
     >>> ca.Range("1 kN/m", "9 kN/m", log=True)
     Range(low='1 kN/m', high='9 kN/m', log=True, steps=None)
     """
 
-    #: at one end: a number in the model's units, or a quantity
+    #: one end: a number in the model's units, or a quantity
     low: float | str
-    #: at the other
+    #: the other end
     high: float | str
     #: equal ratios instead of equal differences
     log: bool = False
-    #: how many values; anything between if none
+    #: number of values; any value between if ``None``
     steps: int | None = None
 
 
-#: what a parameter may be: a range, or values
+#: values of a parameter: a range, or a list
 Space = Union[Range, Sequence[object], npt.NDArray[Any]]
 Column = npt.NDArray[Any]
 Task = _work.Task
@@ -66,9 +65,10 @@ Task = _work.Task
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Sweep(Mapping[str, Column]):
-    """What became of all runs: columns by name, in the order of runs.
+    """Result of a sweep: columns by name, in the order of runs.
 
-    Numbers are arrays, NaN where a run has none; texts are arrays of ``object``, ``None`` where a run has none.
+    Numbers are arrays, with NaN where a run has none; texts are arrays of ``object``, with ``None`` where a run has
+    none.
 
     >>> import cordis_anima as ca
     >>> s = ca.sweep(ca.examples.string(), {"low.m": ["1 g", "2 g", "-1 g"]}, seconds=0.05)
@@ -77,17 +77,17 @@ class Sweep(Mapping[str, Column]):
     """
 
     columns: Mapping[str, Column]
-    #: names of what was varied
+    #: names of the varied parameters
     axes: tuple[str, ...]
-    #: sounds (frames, channels) of all runs, where they were kept in memory
+    #: sounds (frames, channels) of all runs, if kept in memory
     audio: tuple[Sound, ...] | None
     #: sound rate [Hz]
     rate: float
-    #: where it was written, if it was
+    #: folder it was written to, if any
     path: str | None
-    #: hash of the scene as it is where nothing varies it
+    #: hash of the scene without changes
     scene: str
-    #: time it took, with everything [s]
+    #: total time it took [s]
     run_time: float
 
     def __getitem__(self, name: str) -> Column:
@@ -98,7 +98,7 @@ class Sweep(Mapping[str, Column]):
 
     @staticmethod
     def _missing(name: str) -> str:
-        """What is said of a column that there is not."""
+        """Message for a column that does not exist."""
         return f"no column `{name}`" + (": `sweep` makes it with measure=True" if name in ("partial", "t60") else "")
 
     def __iter__(self) -> Iterator[str]:
@@ -107,32 +107,32 @@ class Sweep(Mapping[str, Column]):
     def __len__(self) -> int:
         return len(self.columns)
 
-    # a mapping compares values, and arrays are not true or false
+    # a mapping would compare values, and the truth value of an array is ambiguous
     __eq__ = object.__eq__
     __hash__ = object.__hash__
 
     @property
     def runs(self) -> int:
-        """How many runs there are."""
+        """Number of runs."""
         return len(self.columns["index"])
 
     @property
     def ok(self) -> npt.NDArray[np.bool_]:
-        """Which runs are as they should be."""
+        """Mask of the runs with status ``ok``."""
         return np.array(self.columns["status"] == "ok", np.bool_)
 
     @property
     def counts(self) -> dict[str, int]:
-        """How many runs ended how."""
+        """Number of runs by status."""
         status, n = np.unique(self.columns["status"].astype(str), return_counts=True)
         return {str(s): int(k) for s, k in zip(status, n)}
 
     def to_pandas(self) -> Any:
-        """A `pandas.DataFrame`, by the number of the run."""
+        """Converts it to a `pandas.DataFrame`, indexed by run."""
         return needed("pandas", "data").DataFrame(dict(self.columns)).set_index("index")
 
     def to_xarray(self) -> Any:
-        """An `xarray.Dataset` over ``run``; with ``audio`` (run, frame, channel) where all sounds are of one length."""
+        """Converts it to an `xarray.Dataset` over ``run``, with ``audio`` (run, frame, channel) if equally long."""
         data: dict[str, Any] = {k: ("run", v) for k, v in self.columns.items() if k != "index"}
         if self.audio and len({a.shape for a in self.audio}) == 1:
             data["audio"] = (("run", "frame", "channel"), np.stack(self.audio))
@@ -171,35 +171,37 @@ def sweep(
 ) -> Sweep:
     """Plays a scene many times, each time with other values.
 
-    A run depends on the scene, the seed and its number only: any executor, in any order, finds the same. A run that blows
-    up or makes no sense is a row with its `status`, and ends nothing. Ctrl-C ends the sweep; what was written stays, and
-    the same call goes on from there. One that will take more than ten minutes says so in a warning, with the time; one
-    whose rows and sounds would take more than half of the memory is refused, with both.
+    A run depends only on the scene, the seed and its number, so any executor gives the same results in any order. A run
+    that diverges or is invalid becomes a row with a `status`; the others continue. Ctrl-C ends the sweep; finished
+    parts stay, and the same call continues from there. A sweep that will take more than ten minutes gives a warning
+    with the time. One whose rows and sounds would take more than half of the memory is refused, with both figures.
 
     Args:
-        scene: what is played.
-        vary: what each parameter may be: a `Range`, or a list or array of values.
-        runs: how many are drawn; without, every combination of values, the last parameter first.
-        seed: another one draws others.
-        seconds: how long each is played; without, as the model says.
-        gesture: what drives ports and live parameters, as in `Scene.render`.
-        energy: keep the energy ledger, for a column ``residual``.
-        measure: measure the strongest partial and the decay, for columns ``partial`` and ``t60``: for a short sound that
-            takes longer than to play it. The command does so, unless its plan says otherwise; who goes on with a folder of
-            the command asks for the same.
-        to: a folder for sounds and rows, or ``*.zarr``; without, all stays in memory. What is there is not done again.
-        audio: ``"flac"``, ``"wav"`` or ``"none"`` in a folder; in memory and Zarr, whether sounds are kept.
-        chunk: how many runs are written at once; without, a 64th of them, in Zarr an eighth, 100 at most and
-            there no more than 64 MB of sounds.
-        executor: who computes: threads of this process if none. Any `concurrent.futures.Executor`:
+        scene: scene to play.
+        vary: values of each parameter: a `Range`, or a list or array.
+        runs: number of random draws; default: every combination of values, the last parameter varying fastest.
+        seed: seed of the random draws.
+        seconds: length of each run; default: as given by the model.
+        gesture: drives ports and live parameters, as in `Scene.render`.
+        energy: keep the energy ledger, for the column ``residual``.
+        measure: measure the strongest partial and the decay, for the columns ``partial`` and ``t60``. For a short sound
+            this takes longer than playing it. ``ca sweep`` does it by default, so to continue its folder set it as
+            well.
+        to: folder for sounds and rows, or ``*.zarr``; default: everything stays in memory. Existing results are not
+            computed again.
+        audio: ``"flac"``, ``"wav"`` or ``"none"`` for a folder; for memory and Zarr, whether to keep sounds.
+        chunk: number of runs written at once. Default: 1/64 of them; for Zarr 1/8, at most 100 runs and 64 MB of
+            sounds.
+        executor: computes the runs; default: threads of this process. Any `concurrent.futures.Executor`:
             ``dask.distributed.Client(…).get_executor()``, ``joblib.externals.loky.get_reusable_executor()``,
             ``mpi4py.futures.MPIPoolExecutor()``.
-        batch: runs of a task in memory; without, as many as take half a second.
-        progress: called with how many runs of how many are done.
+        batch: runs of a task in memory; default: as many as take half a second.
+        progress: called with the numbers of runs done and in total.
 
     Raises:
-        UsageError: no such parameter, values that are none, a folder of something else, more rows than memory holds.
-        ModelError: the scene itself has errors.
+        UsageError: if a parameter does not exist, values are invalid, the folder has other contents, or the rows do not
+            fit into memory.
+        ModelError: if the scene itself has errors.
 
     >>> import cordis_anima as ca
     >>> vary = {"low.f": ca.Range("110 Hz", "440 Hz", log=True), "hammer.m": ["10 g", "20 g"]}
@@ -220,7 +222,7 @@ def sweep(
     asked = (runs, seed, seconds, bool(energy), bool(measure))
     job = _job(scene, vary, asked, gesture)
     core = job.core
-    # workers may stand elsewhere
+    # workers may have another working directory
     target = None if to is None else os.path.abspath(os.fsdecode(to))
     if isinstance(audio, str) and (target is None or target.endswith(".zarr")):
         raise UsageError(f"audio = {audio!r} is for a folder, `to=`; in memory and in Zarr, `True` or `False`")
@@ -229,7 +231,7 @@ def sweep(
 
     @functools.cache
     def first() -> tuple[Any, float]:
-        """The first run, where that is asked before all else begins, and the time it took [s]."""
+        """Plays the first run, which is needed before all others. Returns it and the time it took [s]."""
         begin = time.perf_counter()
         return play(job, 0, 1, sound), time.perf_counter() - begin
 
@@ -253,7 +255,6 @@ def sweep(
                 form = audio if isinstance(audio, str) else "none" if audio is False else "flac"
                 missing = core.missing(target, form, size)
                 work = functools.partial(fill, job, target, form, size)
-            # the last chunk may be shorter than others
             todo = sum(min(size, total - k * size) for k in missing)
             tasks = (functools.partial(work.func, *work.args, k) for k in missing)
         done = _work.all_of(who, tasks, todo, total, kept, warned, progress)
@@ -297,9 +298,9 @@ def _job(scene: Scene, vary: Mapping[str, Space], asked: tuple[Any, ...], gestur
 
 
 def _in_memory(job: Job, audio: bool, batch: int | None, each: float) -> Iterator[Task]:
-    """Tasks of about half a second, behind the first run, which took `each` [s]."""
+    """Tasks of about half a second after the first run, which took `each` [s]."""
     runs = job.core.runs
-    # few enough that several workers have something to do to the end
+    # small enough to keep several workers busy to the end
     size = batch or max(1, min(int(_TASK / max(each, 1e-6)), (runs + 15) // 16))
     parts = range(1, runs, size)
     return (functools.partial(play, job, k, min(k + size, runs), audio) for k in parts)

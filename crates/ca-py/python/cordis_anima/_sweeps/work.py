@@ -1,8 +1,8 @@
-"""Tasks of a sweep, handed to an executor as there is room for them, and what a sweep will take.
+"""Submits the tasks of a sweep to an executor, and estimates its time and memory.
 
-Decides that no more tasks wait than keep every worker busy: what waits does not grow with the number of runs. What stays
-are rows and sounds, so those are counted before anything is handed over, and refused where they would not fit. How long
-it takes is reported as soon as something has been played, where that is long.
+Only as many tasks wait as keep every worker busy, so waiting tasks do not grow with the number of runs. Rows and sounds
+do grow. They are counted first, and a sweep that would not fit in memory is refused. A long run time is reported as
+soon as something has been played.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ from .._errors import UsageError
 
 Task = functools.partial[Any]
 
-#: tasks that wait for each worker, at least so many for all of them, and so many where nobody knows how many there are
+#: waiting tasks per worker, at least in total, and for an unknown number of workers
 _EACH, _LEAST, _UNKNOWN = 4, 64, 1024
-#: how long a sweep may take without a word, and how long it is watched before its time is reported [s]
+#: longest sweep without a warning, and time after which its length is estimated [s]
 _LONG, _WATCHED = 600.0, 1.0
-#: memory where the system does not say how much it has [bytes]
+#: assumed memory if the system does not report it [bytes]
 _MEMORY = 4 << 30
 
 
 def memory() -> int:
-    """How much memory this machine has [bytes]."""
+    """Memory of this machine [bytes]."""
     try:
         return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     except (AttributeError, ValueError, OSError):
@@ -38,16 +38,16 @@ def memory() -> int:
 
 
 def check_room(runs: int, columns: int, first: Callable[[], tuple[Any, float]], sound: bool, channels: int) -> None:
-    """Refuses a sweep whose rows and sounds would take more than half of the memory, saying how much, and how long.
+    """Refuses a sweep whose rows and sounds would take more than half of the memory; the message has size and time.
 
     Args:
-        runs: how many there are.
-        columns: how many each has.
-        first: plays the first run: its result, and the time it took [s]; called where its row or its length matters.
-        sound: whether sounds stay in memory too.
-        channels: of a sound.
+        runs: number of runs.
+        columns: number of columns of each.
+        first: plays the first run and returns its result and the time it took [s]; called only if needed.
+        sound: true if sounds stay in memory too.
+        channels: channels of a sound.
     """
-    # twice, since rows of tasks are joined at the end
+    # counted twice, because the rows of all tasks are joined at the end
     least = 2 * 8 * columns * runs
     if least <= memory() // 100 and not sound:
         return
@@ -63,7 +63,7 @@ def check_room(runs: int, columns: int, first: Callable[[], tuple[Any, float]], 
 
 
 def tell(seconds: float, runs: int, level: int) -> bool:
-    """Warns of a sweep that takes long, `level` calls above; whether it did."""
+    """Warns about a long sweep, `level` calls above. Returns true if it did."""
     if seconds < _LONG:
         return False
     warnings.warn(f"{runs} runs are left, which take about {_duration(seconds)}; Ctrl-C ends them", stacklevel=level + 1)
@@ -71,7 +71,7 @@ def tell(seconds: float, runs: int, level: int) -> bool:
 
 
 def workers(executor: Executor) -> int | None:
-    """How many work for an executor, where it says so."""
+    """Number of workers of an executor, if it is known."""
     n = getattr(executor, "_max_workers", None)
     return n if isinstance(n, int) and n > 0 else None
 
@@ -85,8 +85,8 @@ def all_of(
     reported: bool,
     progress: Callable[[int, int], object] | None,
 ) -> list[Any]:
-    """What all tasks return, in their order, `todo` runs of `runs`; `kept` is what was played before, `reported` whether its
-    time was.
+    """Runs all tasks and returns their results in order: `todo` runs of `runs`. `kept` is the result of an earlier run;
+    `reported` tells if the time was reported.
     """
     n = workers(executor)
     room = _UNKNOWN if n is None else max(_LEAST, _EACH * n)
@@ -106,7 +106,7 @@ def all_of(
                 new += found[1]
                 done.append(found)
             if ready and progress is not None:
-                # what was there already counts as done
+                # existing results count as done
                 progress(runs - todo + new, runs)
             passed = time.perf_counter() - begin
             if not reported and new and passed > _WATCHED:
@@ -118,7 +118,7 @@ def all_of(
 
 
 def _bytes(n: float) -> str:
-    """As people write it: 3.2 GB."""
+    """Formats a size, such as 3.2 GB."""
     unit = "B"
     for bigger in ("kB", "MB", "GB", "TB", "PB"):
         if n < 1000:
@@ -128,7 +128,7 @@ def _bytes(n: float) -> str:
 
 
 def _duration(seconds: float) -> str:
-    """As people say it: 12 min, 2.5 h, 40 days, 95 years."""
+    """Formats a duration: 12 min, 2.5 h, 40 days, 95 years."""
     for unit, each, most in (("s", 1, 120), ("min", 60, 7200), ("h", 3600, 172_800), ("days", 86_400, 6.3e7)):
         if seconds < most:
             return f"{seconds / each:.3g} {unit}"

@@ -1,8 +1,8 @@
-"""A sweep in Zarr: every column an array over runs, the sounds one array over runs, frames and channels.
+"""A sweep in Zarr: every column is an array over runs; the sounds are one array over runs, frames and channels.
 
-Decides that a chunk of an array is what one task writes, so that workers never touch the same file, and that `done` says
-which of them are whole: it is written last. Texts that a run does not have are empty here. A task writes a file for each
-column, however few runs it has, so that chunks are as large as leaves some tasks for each of several workers.
+A task writes one chunk of each array, so that workers never touch the same file. `done` is written last and marks
+complete chunks. Missing texts are empty here. Because a task writes a file per column, chunks are as large as they can
+be with several tasks for each worker.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from .._errors import UsageError, needed
 from .job import Job
 
 
-#: runs of a chunk, bytes of its sounds, and tasks that there are at least, where nothing is said
+#: default limits: runs per chunk, bytes of its sounds, and smallest number of tasks
 _RUNS, _BYTES, _TASKS = 100, 64 << 20, 8
 
 
@@ -27,13 +27,13 @@ def _group(path: str, mode: str) -> Any:
 
 
 def chunk(core: _core.Sweep, first: Mapping[str, Any], audio: bool) -> int:
-    """Runs that are written at once where nothing is said, by the first of them; the same whenever it is asked."""
+    """Default number of runs per chunk, from the length of the first run; always the same for a sweep."""
     sound = 4 * core.channels * int(first["frames"][0]) if audio else 0
     return max(1, min(_RUNS, -(-core.runs // _TASKS), _BYTES // sound if sound else _RUNS))
 
 
 def missing(job: Job, path: str, audio: bool, chunk: int) -> list[int]:
-    """Numbers of the chunks that are to be done, in a store that is there or is made now."""
+    """Numbers of the missing chunks in a store, which is created if needed."""
     core = job.core
     asked = core.reported("zarr" if audio else "none", chunk)
     group = _group(path, "a")
@@ -43,7 +43,7 @@ def missing(job: Job, path: str, audio: bool, chunk: int) -> list[int]:
     if said is None and any(True for _ in group.keys()):
         raise UsageError(f"`{path}` holds something else; choose another store")
     if not group.attrs.get("made"):
-        # what was begun and not finished is begun anew
+        # an unfinished creation starts again
         group.attrs["cordis_anima"] = asked
         for name in list(group.keys()):
             del group[name]
@@ -64,7 +64,7 @@ def _make(job: Job, group: Any, audio: bool, chunk: int) -> None:
         if frames:
             break
     with warnings.catch_warnings():
-        # that texts are no part of the format's core is no news to anybody here
+        # the warning that texts are not part of the core format does not matter here
         warnings.simplefilter("ignore")
         for name, values in columns.items():
             kind = str if isinstance(values, list) else values.dtype
@@ -102,10 +102,10 @@ def fill(job: Job, path: str, audio: bool, chunk: int, which: int) -> tuple[int,
 
 
 def columns(path: str) -> dict[str, Any]:
-    """All columns of a store; sounds stay in it."""
+    """All columns of a store, without sounds."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         group = _group(path, "r")
         found = {name: np.asarray(group[name][:]) for name in group.attrs["columns"]}
-    # texts are objects, as in memory
+    # texts become objects, as in memory
     return {name: v if v.dtype.kind in "iuf" else v.astype(object) for name, v in found.items()}

@@ -1,7 +1,7 @@
-//! What each command of the README must do beside ending well, so that one which does nothing fails.
+//! Checks the effect of each command in the README, so that a command without effect fails.
 //!
-//! Decides that an effect belongs to a command and its options, not to a line: another name or number in the README needs
-//! no other test, and a command that is not known here fails until somebody says what it is for.
+//! An effect depends on the command and its options, not on the line. So other names and numbers in the README need no
+//! new test, and a command unknown here fails until its effect is defined.
 #![cfg(unix)]
 
 use crate::desk::{Desk, Ran, peak};
@@ -10,14 +10,14 @@ use std::fs;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// A line of a shell that runs `ca`.
+/// A shell line that runs `ca`.
 pub struct Line<'a> {
     pub text: &'a str,
-    /// its words behind `ca`, without quotes, comment, redirections and `&`
+    /// Words after `ca`, without quotes, comment, redirections and `&`.
     pub words: Vec<String>,
-    /// it goes on beside those that follow
+    /// True if the command runs in the background.
     pub beside: bool,
-    /// the file its words go to
+    /// File of the redirected output.
     into: Option<String>,
 }
 
@@ -48,7 +48,7 @@ impl<'a> Line<'a> {
         &self.words[0]
     }
 
-    /// What stands behind an option, each time.
+    /// All values of an option.
     fn all<'s>(&'s self, option: &'s str) -> impl Iterator<Item = &'s str> {
         self.words.windows(2).filter(move |w| w[0] == option).map(|w| w[1].as_str())
     }
@@ -61,20 +61,19 @@ impl<'a> Line<'a> {
         self.words.iter().any(|w| w == option)
     }
 
-    /// The model, or whatever else the command is about.
+    /// The model, or another subject of the command.
     fn about(&self) -> &str {
         self.words.get(1).map_or("", String::as_str)
     }
 }
 
-/// The files of a desk.
 pub type Files = BTreeMap<String, Vec<u8>>;
 
 pub fn files(desk: &Desk) -> Files {
     desk.files().into_iter().map(|f| (f.clone(), fs::read(desk.path(&f)).unwrap())).collect()
 }
 
-/// What a line that has ended has done.
+/// Checks the effects of a completed line.
 pub fn check(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
     let says = |words: &[&str]| {
         for w in words {
@@ -159,14 +158,13 @@ pub fn check(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
     }
 }
 
-/// The largest force \[N\] that a device which went on beside the others has felt, once it has ended.
+/// Waits for a background device to end, and returns the largest force it received \[N\].
 pub fn felt(desk: &Desk, line: &Line) -> f64 {
     assert_eq!([line.verb(), line.about()], ["device", "sim"], "`{}`: nobody has said what it must do", line.text);
     let into = line.into.as_deref().expect("its words go to a file");
     let begin = Instant::now();
     loop {
         let said = fs::read_to_string(desk.path(into)).unwrap();
-        // its last words
         let largest = said.split("largest ").nth(1).and_then(|s| s.split(' ').next()?.parse::<f64>().ok());
         if let Some(n) = largest {
             return n;
@@ -176,14 +174,14 @@ pub fn felt(desk: &Desk, line: &Line) -> f64 {
     }
 }
 
-/// The lowest frequency at which a model is heard \[Hz\].
+/// Lowest frequency at which a model sounds \[Hz\].
 fn lowest(desk: &Desk, model: &str) -> f64 {
     let found = desk.ca(&["modes", model, "--json"]).is(0).json();
     let heard = found["modes"].as_array().unwrap().iter().map(|m| m["heard_hz"].as_f64().unwrap());
     heard.filter(|f| *f > 1.0).fold(f64::INFINITY, f64::min)
 }
 
-/// A pitch as it is written, by rules of our own \[Hz\].
+/// Parses a pitch independently of the program \[Hz\].
 fn pitch(text: &str) -> f64 {
     if let Some(hertz) = text.strip_suffix("Hz") {
         return hertz.trim().parse().unwrap();
@@ -194,7 +192,7 @@ fn pitch(text: &str) -> f64 {
     440.0 * ((12.0 * (octave.parse::<f64>().unwrap() - 4.0) + step - 9.0) / 12.0).exp2()
 }
 
-/// A part was at another pitch, and is now at the one that was asked for, to a hundredth of a cent.
+/// Checks that a part changed its pitch to the requested one, to a hundredth of a cent.
 fn tuned(desk: &Desk, line: &Line, before: &Files) {
     let (_, wanted) = line.words.iter().find_map(|w| w.split_once('=')).unwrap();
     let written = line.of("--write").unwrap();
@@ -205,7 +203,7 @@ fn tuned(desk: &Desk, line: &Line, before: &Files) {
     assert!(!before.contains_key(written) && fs::read(desk.path(line.about())).unwrap() == before[line.about()]);
 }
 
-/// Sound was written, and each option shows.
+/// Checks that sound was written and that each option has an effect.
 fn rendered(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
     let file =
         line.of("-o").map_or_else(|| format!("{}.wav", line.about().trim_end_matches(".ca.toml")), str::to_owned);
@@ -222,7 +220,6 @@ fn rendered(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
         let khz: f64 = asked.split(' ').next().unwrap().parse().unwrap();
         assert_eq!(f64::from(rate), 1000.0 * khz);
     }
-    // without one of them it sounds otherwise
     for option in ["--set", "--gesture"] {
         if let Some(value) = line.of(option) {
             let mut args: Vec<&str> =
@@ -257,7 +254,7 @@ fn rendered(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
     }
 }
 
-/// The scale is shown, or written where it was asked for, as it was asked for.
+/// Checks that the scale was shown, or written to the requested file, as requested.
 fn scaled(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
     let table = |file: &str| desk.ca(&["equiv", file, "--json"]).is(0).json();
     let number = |text: &str| text.trim().split(' ').next().unwrap().parse::<f64>().unwrap();

@@ -1,5 +1,5 @@
-//! Takes of an older arithmetic: one written before distances in space were kept from tick to tick agrees to a tolerance,
-//! and what differs by more is found; where nothing measures a distance, such a take is compared to the bit.
+//! Tests takes of an older arithmetic. A take from before distances in space were kept from tick to tick agrees to a
+//! tolerance, and larger differences are found. Without distances, such a take is compared to the bit.
 
 use super::performer::{DUO, Performer, catalog};
 use super::replay;
@@ -8,7 +8,7 @@ use ca_haptic::take::{Event, Replay, Take};
 use std::path::Path;
 use std::process::Command;
 
-/// Three masses in space on springs and dampers, an LPR and a key that is pressed; written by arithmetic 0.
+/// Three masses in space on springs and dampers, an LPR, and a pressed key; written with arithmetic 0.
 const OLD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/takes/arithmetic-0.mcap");
 
 #[test]
@@ -21,7 +21,7 @@ fn a_take_from_before_distances_were_kept_agrees_to_the_tolerance() {
     let v = replay(Path::new(OLD));
     assert!(v.is_identical() && v.tolerance > 0.0, "{v:?}");
     assert!(v.forces >= 600 && v.samples >= 9600, "{v:?}");
-    // by the bits it is another
+    // compared to the bit, the take differs
     let mut strict = Take::open(OLD).unwrap();
     strict.header.arithmetic = ARITHMETIC;
     assert!(Replay::new(&strict, &catalog()).is_err(), "the state at load rounds otherwise");
@@ -31,7 +31,7 @@ fn a_take_from_before_distances_were_kept_agrees_to_the_tolerance() {
     assert!(text.contains(&format!("arithmetic 0, here {ARITHMETIC}")), "{text}");
 }
 
-/// It is computed again with a spring that is a millionth stiffer.
+/// The replay uses a spring that is stiffer by one millionth.
 #[test]
 fn what_differs_by_more_is_found() {
     let mut take = Take::open(OLD).unwrap();

@@ -1,4 +1,4 @@
-//! `ca replay`, `ca log`, and `ca render --gesture take.mcap`.
+//! Tests `ca replay`, `ca log` and `ca render --gesture take.mcap`.
 
 use super::performer::{DUO, Performer, duo};
 use crate::desk::{Desk, peak};
@@ -19,7 +19,7 @@ fn a_replay_tells_and_sounds() {
     let (spec, heard) = desk.wav("again.wav");
     assert_eq!((spec.sample_rate, spec.channels), (48_000, 2));
     assert!(heard.iter().zip(&p.sound).all(|(a, b)| *a == f64::from(*b as f32)) && heard.len() == p.sound.len());
-    // cut off: still identical, up to there
+    // a truncated take is identical up to its end
     let bytes = fs::read(desk.path("take.mcap")).unwrap();
     fs::write(desk.path("cut.mcap"), &bytes[..bytes.len() - 2000]).unwrap();
     desk.ca(&["replay", "cut.mcap", "--verify"]).is(0).says(&["identical", "cut off"]);
@@ -28,7 +28,7 @@ fn a_replay_tells_and_sounds() {
     desk.ca(&["replay", "take.mcap", "-o", "x.flac"]).is(2).says(&["`.wav`"]);
 }
 
-/// A ledger that is kept only by the replay changes nothing, and closes, whether or not a force goes to the hands.
+/// A ledger computed only in the replay changes no bit of the sound, and it balances with and without force feedback.
 #[test]
 fn a_replay_keeps_the_ledger_that_the_performance_did_not() {
     let mut takes = Vec::new();
@@ -56,7 +56,6 @@ fn a_replay_keeps_the_ledger_that_the_performance_did_not() {
     }
 }
 
-/// Neither the take nor a model is written over by the sound, whatever the file is called.
 #[test]
 fn a_replay_writes_over_nothing_it_should_not() {
     let desk = Desk::new();
@@ -85,7 +84,7 @@ fn info_counts_what_is_there() {
     let j = desk.ca(&["log", "info", "take.mcap", "--json"]).is(0).json();
     let topics = &j["topics"];
     assert_eq!(topics["/device/left/out"]["messages"], 1600);
-    // twice a device was silent
+    // the device skipped two frames
     assert_eq!(topics["/device/right/in"]["messages"], 1598);
     let rate = topics["/device/right/out"]["rate"].as_f64().unwrap();
     assert!((rate - 3000.0).abs() < 5.0, "{rate}");
@@ -124,7 +123,7 @@ fn parts_come_out_as_files() {
     desk.ca(&["log", "export", "take.mcap", "profile/left.toml", "-o", "p.toml"]).is(0);
     assert!(fs::read_to_string(desk.path("p.toml")).unwrap().contains("tgr12"));
 
-    // CSV: a column a number, only the DOF there are; NPY: rows are the frames themselves
+    // CSV has a column per number, for existing degrees of freedom only; the rows of NPY are the frames themselves
     desk.ca(&["log", "export", "take.mcap", "/device/right/out", "-o", "f.csv"]).is(0).says(&["1600 messages"]);
     let csv = fs::read_to_string(desk.path("f.csv")).unwrap();
     let head: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
@@ -171,7 +170,7 @@ fn a_take_plays_another_model() {
     desk.ca(&["render", "deaf.ca.toml", "--gesture", "take.mcap"]).is(2).says(&["nothing is driven by `key`"]);
 }
 
-/// A file that may not grow any more stands for a full disk.
+/// A limit on the file size simulates a full disk.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_is_reported_once_and_playing_goes_on() {
@@ -180,7 +179,7 @@ fn a_full_disk_is_reported_once_and_playing_goes_on() {
         "bar.ca.toml",
         "[CEL]\nbar = { m = 1, f = 443.1, dx0 = 1 }\n[SOX]\nout = { from = \"bar\", gain = 0.1 }\n",
     );
-    // 200 kB, half a second of sound or so
+    // 200 kB hold about half a second of sound
     let r = desk.sh("ulimit -f 400; trap '' XFSZ; ca serve bar.ca.toml --seconds 3 --log take.mcap --json");
     assert_eq!(r.code, 3, "{}{}", r.out, r.err);
     let reported = r.err.lines().filter(|l| l.starts_with("warning: ") && l.contains("take.mcap")).count();
@@ -188,6 +187,5 @@ fn a_full_disk_is_reported_once_and_playing_goes_on() {
     let j = r.json();
     assert_eq!((j["broken"].as_array().map(Vec::len), &j["faithful"]), (Some(1), &false.into()), "{}", r.out);
     assert!(j["seconds"].as_f64().is_some_and(|s| s > 2.9) && j["take"].is_null(), "{}", r.out);
-    // what is there replays
     desk.ca(&["replay", "take.mcap", "--verify"]).is(0).says(&["identical", "cut off"]);
 }

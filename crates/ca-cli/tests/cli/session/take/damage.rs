@@ -1,4 +1,4 @@
-//! Takes that are damaged, forged or foreign: a finding with both values, or a clear error, never a panic.
+//! Tests damaged, forged and foreign takes: they give a difference with both values or a clear error, never a panic.
 
 use super::performer::{DUO, Performer, catalog, duo};
 use super::replay;
@@ -9,7 +9,7 @@ use mcap::records::Record;
 use std::fs;
 use std::path::Path;
 
-/// A copy of a take in which one message of a topic is changed.
+/// Copies a take and changes the `nth` message of a topic.
 fn forge(from: &Path, to: &Path, topic: &str, nth: usize, change: impl Fn(&mut Vec<u8>)) {
     let bytes = fs::read(from).unwrap();
     let mut out = mcap::Writer::new(std::io::BufWriter::new(fs::File::create(to).unwrap())).unwrap();
@@ -43,7 +43,7 @@ fn forge(from: &Path, to: &Path, topic: &str, nth: usize, change: impl Fn(&mut V
     out.finish().unwrap();
 }
 
-/// The beginning of a take, cut off before the first chunk of its frames is whole.
+/// A take truncated before the end of the first chunk of frames.
 #[test]
 fn a_take_with_nothing_to_compare_is_not_identical() {
     let (dir, desk) = (tempfile::tempdir().unwrap(), Desk::new());
@@ -67,7 +67,7 @@ fn the_first_difference_is_found_with_both_values() {
     duo(&good, 1600);
     assert!(replay(&good).is_identical());
 
-    // a force that was not: the 1200th frame of the second device, its second key, a tenth of a newton
+    // a false force: frame 1200 of the second device, second key, 0.1 N
     let at = 4 + 112 + 4;
     forge(&good, &bad, "/device/right/out", 1199, |data| {
         data[at..at + 4].copy_from_slice(&0.1f32.to_le_bytes());
@@ -76,7 +76,7 @@ fn the_first_difference_is_found_with_both_values() {
     assert!(d.what.contains("force of degree 1") && d.what.contains("`right`"), "{d}");
     assert_eq!((d.was.as_str(), d.tick), ("1e-1 N", 1199 * 16 + 1), "{d}");
 
-    // a hand that was elsewhere, by a nanometre: every force and sample after it may differ, and something does
+    // a hand position changed by 1 nm: a later force or sample must differ
     let x = 4 + 112;
     forge(&good, &bad, "/device/left/in", 1150, |data| {
         let old = f64::from_le_bytes(data[x..x + 8].try_into().unwrap());
@@ -87,17 +87,15 @@ fn the_first_difference_is_found_with_both_values() {
     assert!(v.frames >= 1150 && v.frames < 1170, "{v:?}");
     assert!(d.was != d.is, "{d}");
 
-    // one bit of one sample
     forge(&good, &bad, "/sound", 10, |data| *data.last_mut().unwrap() ^= 1);
     let d = replay(&bad).difference.expect("a difference");
     assert!(d.what.contains("sound of channel 1"), "{d}");
 
-    // one bit of a hash
     forge(&good, &bad, "/hash", 2, |data| data[12] ^= 1);
     let d = replay(&bad).difference.expect("a difference");
     assert!(d.what.contains("hash"), "{d}");
 
-    // a change of another size, a message cut short, one that is no CDR
+    // a message cut short, and one that is not CDR
     for change in [|d: &mut Vec<u8>| d.truncate(40), |d: &mut Vec<u8>| d[0] = 7] {
         forge(&good, &bad, "/change", 0, change);
         let take = Take::open(&bad).unwrap();
@@ -111,7 +109,7 @@ fn the_first_difference_is_found_with_both_values() {
 fn a_take_cut_anywhere_reads_up_to_there() {
     let dir = tempfile::tempdir().unwrap();
     let (good, bad) = (dir.path().join("good.mcap"), dir.path().join("bad.mcap"));
-    // chunks all along
+    // chunks throughout the file
     let mut p = Performer::new(DUO, &good);
     p.frames(900);
     p.finish();
@@ -132,8 +130,7 @@ fn a_take_cut_anywhere_reads_up_to_there() {
         }
     }
     assert!(longest >= 880, "{longest} of 900");
-    // and where bytes are wrong in the middle
-    // up to the end of its data; what follows is an index that no replay reads
+    // wrong bytes in the middle, up to the end of the data; a replay does not read the index after it
     let data = mcap::Summary::read(&bytes).unwrap().expect("a summary").chunk_indexes;
     let data = data.iter().map(|c| (c.chunk_start_offset + c.chunk_length) as usize).max().expect("chunks");
     let mut caught = 0;
@@ -144,9 +141,9 @@ fn a_take_cut_anywhere_reads_up_to_there() {
         if let Ok(take) = Take::open(&bad) {
             let Ok(mut r) = Replay::new(&take, &catalog()) else { continue };
             let v = r.run(&take, &mut |_| (), &mut |_| Ok(()));
-            // chunks are checked as a whole: nothing wrong is believed
+            // chunks are checked as a whole, so wrong data is never used
             assert!(v.as_ref().is_ok_and(|v| v.difference.is_none()), "byte {place}: {v:?}");
-            // and what was not read is not called identical
+            // a replay with missing data is not called identical
             let v = v.unwrap();
             assert!(place >= data || (v.damaged && !v.is_identical()), "byte {place} of {data}: {v:?}");
             caught += usize::from(v.damaged);
@@ -163,7 +160,7 @@ fn a_part_that_is_damaged_is_no_identical_replay() {
     let chunks = mcap::Summary::read(&good).unwrap().expect("a summary").chunk_indexes;
     let middle = &chunks[chunks.len() / 2];
     let at = middle.chunk_start_offset as usize;
-    // its kind, its length, its bytes
+    // damages the kind, the length and the bytes of a chunk
     for (name, place) in [("kind", at), ("length", at + 3), ("bytes", at + middle.chunk_length as usize / 2)] {
         let mut bad = good.clone();
         bad[place] ^= 0x55;
@@ -177,9 +174,8 @@ fn a_part_that_is_damaged_is_no_identical_replay() {
         );
         desk.ca(&["log", "info", "bad.mcap"]).is(3).says(&["damaged"]);
         desk.ca(&["log", "recover", "bad.mcap", "--force"]).is(3).says(&["damaged"]);
-        // what was saved is what came before, whole again
+        // the recovered file contains the take before the damage
         desk.ca(&["replay", "bad.recovered.mcap", "--verify"]).is(0).says(&["identical"]);
-        // a file that also lost its end
         fs::write(desk.path("both.mcap"), &bad[..bad.len() - 2000]).unwrap();
         if name != "length" {
             desk.ca(&["replay", "both.mcap", "--verify"]).is(1).says(&["damaged"]);
@@ -198,7 +194,7 @@ fn an_attachment_that_is_too_short_is_an_error() {
     {
         desk.ca(args).is(1).says(&["attachment length (38) exceeds space in record (34)"]);
     }
-    // a take that is damaged there, in the middle of its attachments
+    // a take with a damaged attachment
     duo(&desk.path("take.mcap"), 16);
     let mut bad = fs::read(desk.path("take.mcap")).unwrap();
     let mut at = mcap::MAGIC.len();
@@ -238,7 +234,6 @@ fn what_is_no_take_says_so() {
     assert!(e.to_string().contains("`ca` 7.0"), "{e}");
     assert_eq!(Take::open(dir.path().join("no.mcap")).unwrap_err().kind, FileErrorKind::Io);
 
-    // a performance is never overwritten
     duo(&dir.path().join("mine.mcap"), 1);
     let take = Take::open(dir.path().join("mine.mcap")).unwrap();
     let scene = take.header.scene(&catalog()).unwrap();

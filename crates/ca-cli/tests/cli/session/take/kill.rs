@@ -1,6 +1,6 @@
-//! A program that is killed while it plays: what it wrote up to a moment before is there, and replays.
+//! Tests a program killed while it plays: everything written until shortly before is kept and replays.
 //!
-//! The program is this test binary, run again with one ignored test that plays until somebody ends it.
+//! The program is this test binary, run with an ignored test that plays until it is killed.
 
 use super::performer::{DUO, Performer, catalog};
 use super::replay;
@@ -18,15 +18,15 @@ fn plays_until_it_is_killed() {
     let mut p = Performer::new(DUO, &path);
     p.command(ca_haptic::engine::EngineCommand::Order(None, ca_haptic::guard::Order::Arm));
     let begin = Instant::now();
-    // two minutes at most, should nobody come
+    // at most two minutes, in case it is not killed
     for n in 1..=360_000_u32 {
         p.frame();
-        // at the pace of a hand: a second is a second
+        // plays in real time
         let due = Duration::from_secs_f64(f64::from(n) / 3000.0);
         if let Some(rest) = due.checked_sub(begin.elapsed()).filter(|r| r.as_millis() > 2) {
             std::thread::sleep(rest);
         }
-        // how far it is, for who kills it: renamed into place, so that a kill between two writes leaves no empty file
+        // reports its progress; the rename avoids an empty file if it is killed between two writes
         if n.is_multiple_of(30) {
             let next = path.with_extension("next");
             std::fs::write(&next, p.engine.due().to_string()).unwrap();
@@ -70,7 +70,7 @@ fn a_killed_take_loses_less_than_a_second_and_replays() {
         assert!(cut.frames >= 6000 && cut.hashes >= 10);
     }
 
-    // as a whole file again: the same to the last message
+    // the recovered file contains the same messages
     let whole = dir.path().join("whole.mcap");
     let saved = recover(&path, &whole).unwrap();
     assert!(saved.cut.is_some());
@@ -82,7 +82,7 @@ fn a_killed_take_loses_less_than_a_second_and_replays() {
     assert_eq!((full.topics, full.end, full.lost), (summary.topics.clone(), End::Whole, summary.lost));
     let messages: u64 = summary.topics.values().map(|t| t.messages).sum();
     assert_eq!(saved.messages, messages);
-    // who goes by the index finds the same
+    // the index agrees
     let bytes = std::fs::read(&whole).unwrap();
     let index = mcap::Summary::read(&bytes).unwrap().expect("a summary");
     assert_eq!(index.stats.expect("statistics").message_count, messages);

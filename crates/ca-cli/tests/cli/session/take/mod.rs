@@ -1,4 +1,4 @@
-//! Takes: what is written comes back, and a replay is the same to the bit.
+//! Tests takes: recorded data is read back, and a replay is identical to the bit.
 
 mod arithmetic;
 mod command;
@@ -31,7 +31,6 @@ fn a_replay_is_the_same_to_the_bit() {
     assert_eq!((v.frames, v.forces, v.taken), (2500, 5000, p.engine.counts.taken + p.engine.counts.dropped));
     assert_eq!((v.samples, v.hashes), (p.sound.len() as u64, 8));
     assert_eq!(v.seconds, p.engine.due() as f64 / 48_000.0);
-    // all that can happen did happen
     let take = Take::open(&path).unwrap();
     let count = |f: &dyn Fn(&Event) -> bool| take.events().unwrap().filter(|e| f(e.as_ref().unwrap())).count();
     assert_eq!(count(&|e| matches!(e, Event::Change(..))), 2);
@@ -43,7 +42,7 @@ fn a_replay_is_the_same_to_the_bit() {
     assert!(p.engine.counts.dropped > 0, "frames were refused");
 }
 
-/// Where a sample has several ticks a take counts samples, and the same hands give another motion.
+/// With several ticks per sample, a take counts samples, and the same hand positions give another motion.
 #[test]
 fn a_replay_of_finer_ticks_is_the_same_to_the_bit() {
     let dir = tempfile::tempdir().unwrap();
@@ -98,7 +97,7 @@ fn a_take_played_on_its_own_model_gives_its_sound() {
     assert_eq!(names, ["key", "pad", "stiff"]);
     let scene = Take::open(&path).unwrap().header.scene(&catalog()).unwrap();
     let mut again = ca_io::perform::Performance::new(&scene, Some(&gesture)).unwrap();
-    // the engine fades in over 50 ms, a render does not
+    // the engine fades in over 50 ms; a render does not
     let faded = 2400;
     let mut loud = 0;
     for (n, frame) in p.sound.chunks_exact(2).enumerate() {
@@ -111,7 +110,6 @@ fn a_take_played_on_its_own_model_gives_its_sound() {
     assert!(loud > 1000);
 }
 
-/// What the layouts draw is in a take: every topic and field of ours that they name.
 #[test]
 fn the_layouts_name_what_there_is() {
     let dir = tempfile::tempdir().unwrap();
@@ -148,7 +146,7 @@ fn the_layouts_name_what_there_is() {
             let found = text.lines().any(|l| l.split(' ').nth(1) == Some(field.as_str()));
             assert!(found, "`{topic}` has no `{field}`");
         } else {
-            // a field of a message stands in its descriptor by name
+            // a descriptor contains the names of its fields
             assert!(text.contains(&field), "`{topic}` has no `{field}`");
         }
     }

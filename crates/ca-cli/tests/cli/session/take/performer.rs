@@ -1,4 +1,4 @@
-//! A performance without a server: an engine, scripted devices that send real frames, and a take of it.
+//! A performance without a server: an engine, scripted devices that send real frames, and its take.
 
 use ca_compile::Options;
 use ca_core::{Catalog, State};
@@ -33,37 +33,35 @@ out = { from = "bar", gain = 100 }
 other = { from = "pad", gain = 10 }
 "#;
 
-/// All kinds there are.
 pub fn catalog() -> Catalog {
     ca_lab::catalog()
 }
 
-/// A performance under way.
 pub struct Performer {
     pub engine: Engine,
     take: Option<TakeWriter>,
-    /// what was played, interleaved
+    /// Sound so far, interleaved.
     pub sound: Vec<f64>,
-    /// of each DOF of each device: where it is \[m\], as a function of time
+    /// Position \[m\] of a device and degree of freedom as a function of time.
     script: fn(usize, usize, f64) -> f64,
     seq: u64,
     controls: ca_core::Controls,
 }
 
-/// Slow and fast, within what a hand does.
+/// Slow and fast motion within the limits of a hand.
 pub fn swing(device: usize, dof: usize, t: f64) -> f64 {
     let f = 1.5 + dof as f64 + 0.7 * device as f64;
     -0.002 + 0.003 * (std::f64::consts::TAU * f * t).sin()
 }
 
 impl Performer {
-    /// Ready to play `text` with every device it names.
+    /// Prepares to play `text` with every device it names.
     pub fn new(text: &str, path: &Path) -> Performer {
         let changes: &[_] = if text.contains("bar") { &[("bar.f", "231 Hz")] } else { &[] };
         Performer::of(text, changes, true, path)
     }
 
-    /// The same, with what is changed in the model, and with or without an energy ledger.
+    /// Prepares to play `text` with changes, with or without the energy ledger.
     pub fn of(text: &str, changes: &[(&str, &str)], energy: bool, path: &Path) -> Performer {
         let options = Options { energy, ..Options::default() };
         let (mut model, found) = ca_model::read::read(text, "some/where/duo.ca.toml", &catalog());
@@ -99,7 +97,7 @@ impl Performer {
         self.take.as_mut().expect("not finished").record(record).expect("written");
     }
 
-    /// Does what somebody asks, between frames.
+    /// Executes and records a command between frames.
     pub fn command(&mut self, act: EngineCommand) {
         let tick = self.engine.due();
         if let EngineCommand::Order(port, order) = act {
@@ -110,21 +108,19 @@ impl Performer {
         }
     }
 
-    /// `name = value`, as `ca set` does.
     pub fn set(&mut self, name: &str, value: f64) {
         let p = self.controls.params().iter().position(|p| p.name == name).expect("a live parameter") as u32;
         let patch = self.controls.set(name, value).expect("in range");
         self.command(EngineCommand::Set(Box::new(Change { params: vec![(p, value)], patches: vec![patch] })));
     }
 
-    /// The scene as at load.
+    /// Resets the scene to its state at load.
     pub fn reload(&mut self) {
         let fresh: State = self.engine.scene.state();
         self.controls = self.engine.scene.controls();
         self.command(EngineCommand::Reload(Box::new(fresh)));
     }
 
-    /// One gesture frame, all devices sending.
     pub fn frame(&mut self) {
         self.seq += 1;
         let due = self.engine.due();
@@ -137,7 +133,7 @@ impl Performer {
             for dof in 0..n {
                 frame.pos[dof] = (self.script)(k, dof, t);
             }
-            // now and then something no hand does, or nothing at all
+            // occasionally sends an invalid frame or none
             match self.seq % 997 {
                 500 => frame.pos[0] = f64::NAN,
                 501 => frame.seq -= 2,
@@ -174,12 +170,11 @@ impl Performer {
         }
     }
 
-    /// Frames, as fast as they come.
     pub fn frames(&mut self, n: u64) {
         (0..n).for_each(|_| self.frame());
     }
 
-    /// A performance with all that can happen in it, of `n` frames, at least 1500.
+    /// Plays a performance with every kind of event in `n` frames, at least 1500.
     pub fn play(&mut self, n: u64) {
         self.frames(10);
         self.command(EngineCommand::Order(None, Order::Arm));
@@ -203,13 +198,11 @@ impl Performer {
         self.frames(more);
     }
 
-    /// Completes the take.
     pub fn finish(&mut self) -> Finished {
         self.take.take().expect("not finished").finish([0; 3]).expect("finished")
     }
 }
 
-/// A take of [`DUO`] at `path`.
 pub fn duo(path: &Path, frames: u64) -> Performer {
     let mut p = Performer::new(DUO, path);
     p.play(frames);
@@ -217,7 +210,6 @@ pub fn duo(path: &Path, frames: u64) -> Performer {
     p
 }
 
-/// A take with a device of that name.
 pub fn tgr12(path: &Path) {
     let mut p = Performer::new(&DUO.replace("\"left\"", "\"tgr12\""), path);
     p.play(1500);

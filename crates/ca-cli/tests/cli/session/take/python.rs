@@ -1,11 +1,10 @@
-//! Takes as others read them: the Python libraries of MCAP, in an environment of their own.
+//! Reads takes with the Python libraries of MCAP, in a virtual environment.
 
 use super::performer::{DUO, Performer, duo};
 use crate::desk::{Desk, from_root};
 use crate::skipped::skipped;
 use std::process::Command;
 
-/// The Python with the libraries; `None` where they cannot be had.
 #[track_caller]
 fn python() -> Option<String> {
     let made = Command::new("bash").arg(from_root("tests/python/venv")).output().unwrap();

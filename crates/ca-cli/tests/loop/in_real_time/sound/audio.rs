@@ -1,6 +1,6 @@
-//! Sound straight to a sound device: a real JACK server without hardware plays a model, and a client of ours listens at
-//! its port, as a process of its own, since only a process can be told its server. What it hears is what the same run
-//! wrote to its file, to the bit, wherever nothing was counted as lost.
+//! Tests sound through a real JACK server without hardware. A client listens at its port in a separate process, because
+//! JACK selects the server by an environment variable. The received samples equal the written file to the bit, unless a
+//! loss was counted.
 
 use crate::long_form::long_form;
 use crate::role::{Job, Role};
@@ -21,14 +21,14 @@ const STRING: &str = "[STRING]\nlow = { n = 30, f = \"110 Hz\", t60 = \"3 s\", m
     [ENF]\npush = { to = \"low[4]\", midi = { note = [\"C4\", \"E4\"], to = \"0.5 N\", attack = \"1 ms\" } }\n\
     [SOX]\nout = { from = \"low[6]\", gain = 200 }\n";
 
-/// A JACK server of a name of its own.
+/// A JACK server with a private name.
 pub struct Jack {
     pub name: String,
     pub server: Option<Proc>,
 }
 
 impl Jack {
-    /// One that asks for so many frames at once; `None` where JACK is not installed.
+    /// Starts a server with `frames` per period. Returns `None` if JACK is not installed.
     #[track_caller]
     pub fn start(stage: &Stage, frames: u32) -> Option<Jack> {
         let there = Command::new("jackd").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
@@ -36,9 +36,9 @@ impl Jack {
             skipped("jackd", "no JACK server");
             return None;
         }
-        // one of few: JACK has places for eight names, and those of servers that were killed stay taken
+        // one of few names: JACK has eight slots, and killed servers keep theirs
         let name = format!("ca_test{}", std::process::id() % 4);
-        // it waits for clients that are late, so that a busy machine makes sound late, not wrong
+        // waits for late clients, so that a busy machine delays the sound instead of corrupting it
         let mut c = stage.command("jackd", &["-r", "-S", "-t", "5000", "-n", &name, "-d", "dummy", "-r", "48000"]);
         c.args(["-p", &frames.to_string()]).env("JACK_NO_AUDIO_RESERVATION", "1");
         let mut jack = Jack { server: Some(stage.start(c)), name };
@@ -52,14 +52,13 @@ impl Jack {
         Some(jack)
     }
 
-    /// `ca` with this server.
     fn ca(&self, stage: &Stage, args: &[&str]) -> Proc {
         let mut c = stage.command(env!("CARGO_BIN_EXE_ca"), args);
         c.env("JACK_DEFAULT_SERVER", &self.name);
         stage.start(c)
     }
 
-    /// A process that writes what it hears to a file.
+    /// Starts a process that writes the received sound to a file.
     fn listener(&self, stage: &Stage) -> Role {
         Role::start(&stage.site, "in_real_time::sound::audio::ears", &self.name, 0)
     }
@@ -69,7 +68,7 @@ impl Drop for Jack {
     fn drop(&mut self) {
         let Some(mut server) = self.server.take() else { return };
         if server.lives() {
-            // asked to, it takes its names along
+            // with SIGTERM, the server removes its files
             server.signal("TERM");
             let end = Instant::now() + Duration::from_secs(10);
             while server.lives() && Instant::now() < end {
@@ -85,7 +84,7 @@ impl Drop for Jack {
     }
 }
 
-/// Ears: copies what comes.
+/// A JACK client that copies the received samples.
 struct Ears(jack::Port<jack::AudioIn>, jack::RingBufferWriter);
 
 impl jack::ProcessHandler for Ears {
@@ -112,7 +111,7 @@ fn ears() {
     let mut listens = false;
     loop {
         let over = job.is_over();
-        // what is under way is there before this turn is over
+        // samples in transit arrive before this iteration ends
         std::thread::sleep(Duration::from_millis(10));
         if !listens && !over {
             let speaks = client.as_client().ports(Some("ca.*:out_0"), None, jack::PortFlags::empty());
@@ -126,13 +125,13 @@ fn ears() {
             }
         }
         if over {
-            // a client that takes its leave may wait for its server for ever
+            // closing the client may wait forever for its server
             std::process::exit(i32::from(!listens));
         }
     }
 }
 
-/// Hands: a keyboard that is connected sends a note, and what nobody listens to around it.
+/// A keyboard client that sends a note between other MIDI messages.
 struct Hands(jack::Port<jack::MidiOut>, Arc<AtomicBool>);
 
 impl jack::ProcessHandler for Hands {
@@ -140,7 +139,7 @@ impl jack::ProcessHandler for Hands {
         let mut out = self.0.writer(scope);
         if self.1.swap(false, Relaxed) {
             for bytes in [&[0xf0, 1, 2, 3, 4, 0xf7][..], &[0xf8], &[0x90, 60, 127]] {
-                // what found no room is not heard
+                // a message is dropped if the buffer is full
                 let _ = out.write(&jack::RawMidi { time: 0, bytes });
             }
         }
@@ -163,13 +162,13 @@ fn hands() {
         std::thread::sleep(Duration::from_millis(10));
         let listens = client.as_client().ports(Some("ca.*:midi_in"), None, jack::PortFlags::IS_INPUT);
         if !played && listens.first().is_some_and(|p| client.as_client().connect_ports_by_name(&ours, p).is_ok()) {
-            // the connection is there from the next cycle on
+            // the connection works from the next cycle on
             std::thread::sleep(Duration::from_millis(100));
             now.store(true, Relaxed);
             played = true;
         }
     }
-    // as ears do
+    // without closing the client, as in `ears`
     std::process::exit(i32::from(!played));
 }
 
@@ -188,11 +187,11 @@ fn voice() {
     while !job.is_over() {
         std::thread::sleep(Duration::from_millis(10));
     }
-    // as ears do
+    // without closing the client, as in `ears`
     std::process::exit(0);
 }
 
-/// The example of a voice in an audio host is heard as it is computed, until its pitch is changed.
+/// The voice example plays in an audio host as computed, until its pitch changes.
 #[test]
 fn a_voice_plays_in_an_audio_host() {
     let stage = Stage::new();
@@ -218,16 +217,16 @@ pub fn samples(bytes: &[u8]) -> Vec<f32> {
     bytes.chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect()
 }
 
-/// Samples that must be equal before two places are taken for one.
+/// Equal samples required to match two positions.
 const SURE: usize = 48;
 
-/// How much of `heard` is `written`, in order; how often it had to look for where it goes on.
+/// Returns how many samples of `heard` are in `written` in the same order, and the number of breaks.
 pub fn compare(heard: &[f32], written: &[f32]) -> (usize, usize) {
     let (mut same, mut breaks, mut from, mut at) = (0, 0, 0, 0);
     let mut looked = 0;
     while at + SURE <= heard.len() {
         let piece = &heard[at..at + SURE];
-        // silence is everywhere
+        // silence matches everywhere
         if piece[0] == 0.0 {
             at += 1;
             continue;
@@ -248,7 +247,7 @@ pub fn compare(heard: &[f32], written: &[f32]) -> (usize, usize) {
     (same, breaks.max(1) - 1)
 }
 
-/// Plays by buffers of so many frames; false where next to nothing of it was heard to the bit.
+/// Plays with buffers of `frames`. Returns false if almost nothing was received to the bit.
 fn heard_as_written(frames: u32) -> bool {
     let stage = Stage::new();
     stage.put("bar.ca.toml", BAR);
@@ -261,7 +260,7 @@ fn heard_as_written(frames: u32) -> bool {
     let audio = &reported["audio"];
     let n = |k: &str| audio[k].as_u64().unwrap_or_else(|| panic!("no {k} in {audio:#}"));
     assert_eq!((&audio["host"], n("rate"), n("channels"), n("buffer")), (&"JACK".into(), 48_000, 2, frames.into()));
-    // what is asked for at once, a gesture frame, and a margin
+    // one buffer, a gesture frame, and a margin
     assert_eq!(n("lead"), u64::from(frames + 16 + 48.max(frames / 2)));
     assert!(audio["latency_ms"].as_f64().unwrap() + 1e-9 >= (n("lead") + u64::from(frames)) as f64 / 48.0);
     let lost = n("underruns") + n("xruns") + n("stops");
@@ -276,7 +275,7 @@ fn heard_as_written(frames: u32) -> bool {
         return false;
     }
     assert!(breaks as u64 <= lost, "{breaks} breaks, and {lost} were counted: {audio:#}");
-    // the listener may come late, and sound begins with a 0
+    // the listener may start late, and sound begins with a 0
     assert!(lost > 0 || same + 48_000 > written.len(), "{same} of {}", written.len());
     let log = stage.ca(&["log", "info", "bar.mcap"]);
     assert_eq!(log.code, Some(0), "{}{}", log.out, log.err);
@@ -287,12 +286,11 @@ fn heard_as_written(frames: u32) -> bool {
 fn what_is_heard_is_what_is_written() {
     let buffers: &[u32] = if long_form("buffers of 64 frames") { &[64, 256] } else { &[256] };
     for frames in buffers {
-        // where others keep the machine busy, a listener comes late: once more
+        // repeats on a busy machine, where the listener may be late
         assert!((0..4).any(|_| heard_as_written(*frames)), "buffers of {frames} frames");
     }
 }
 
-/// A note of another client moves a port, and a take has it.
 #[test]
 fn midi_comes_by_jack() {
     let stage = Stage::new();
@@ -310,7 +308,6 @@ fn midi_comes_by_jack() {
     assert!(sounds.is_some_and(|k| k > 0), "{sounds:?}");
     let peak = written.iter().fold(0.0_f32, |m, x| m.max(x.abs()));
     assert!(peak > 0.01, "{peak}");
-    // played again to the bit
     stage.ca(&["replay", "string.mcap", "--verify"]).is(0);
 }
 
@@ -354,7 +351,7 @@ fn what_no_device_plays_is_refused_before_anything_is_written() {
     run(&jack, &["--audio", "jack", "--audio-buffer", "64"]).says(&["buffers of 128 frames, not 64", "-p 64"]);
 }
 
-/// `ca play` takes a server that is there, unasked, unless it does not play the model as it is.
+/// `ca play` uses a running server without a request, unless the server cannot play the model unchanged.
 #[test]
 fn a_server_that_is_there_is_played_in_a_page_too() {
     let stage = Stage::new();

@@ -1,11 +1,11 @@
-//! Sound servers that go away while they play, and others that are chosen: real ones, killed and started again.
+//! Tests sound servers that disappear and return during a performance, and the choice of another server. Servers are
+//! real.
 
 use super::audio::{BAR, Jack};
 use super::pulse::{SINK, Server, client, ears};
 use crate::stage::{Proc, Stage, until};
 use ca_haptic::host::control::Request;
 
-/// `ca` with both servers.
 fn ca(stage: &Stage, jack: Option<&Jack>, pulse: Option<&Server>, args: &[&str]) -> Proc {
     let mut c = stage.command(env!("CARGO_BIN_EXE_ca"), args);
     c.env("JACK_DEFAULT_SERVER", jack.map_or("ca_none", |j| j.name.as_str()));
@@ -13,7 +13,6 @@ fn ca(stage: &Stage, jack: Option<&Jack>, pulse: Option<&Server>, args: &[&str])
     stage.start(c)
 }
 
-/// The output, in words.
 fn plays(stage: &Stage) -> String {
     let reply = stage.ask(&Request::Audio { to: None });
     reply.map_or_else(String::new, |r| r.fields["plays"].as_str().unwrap_or_default().to_owned())
@@ -23,7 +22,7 @@ fn frames(stage: &Stage) -> u64 {
     stage.ask(&Request::Status).map_or(0, |r| r.fields["frames"].as_u64().unwrap())
 }
 
-/// A model that sounds all the time, and has a number that can be set, so that it can be asked.
+/// A model that sounds permanently and has a live parameter, so that it accepts requests.
 fn hum() -> String {
     let live = "[param]\nloud = { value = 500, live = true, min = 0, max = 1000 }\n";
     format!("{live}{}", BAR.replace("20 s", "2000 s").replace("gain = 500", "gain = \"loud\""))
@@ -68,7 +67,7 @@ fn a_pulse_server_that_dies_leaves_its_sound_to_the_page_and_has_it_back() {
     let mut played = ca(&stage, None, Some(&pulse), &["play", "hum.ca.toml", "--no-open", "--port", "0", "--json"]);
     until("PulseAudio plays", || {
         assert!(played.lives(), "{}", played.said());
-        // a sink that has just been made plays two seconds at once before it asks
+        // a new sink takes two seconds of sound before its next request
         plays(&stage).contains("(PulseAudio)") && frames(&stage) > 9000
     });
     pulse.server.take().unwrap().kill();
@@ -100,7 +99,7 @@ fn what_plays_is_chosen_while_it_plays() {
     let listener = client(&pulse.socket).unwrap();
     let (_stream, heard) = ears(&listener);
     until("it is heard", || heard.lock().unwrap().iter().any(|x| x.abs() > 0.1));
-    // what does not open leaves it where it is
+    // an output that does not open leaves the present one unchanged
     stage.ca(&["audio", "jack"]).is(1);
     assert!(plays(&stage).contains("(PulseAudio)"));
     let before = heard.lock().unwrap().len();

@@ -1,4 +1,4 @@
-//! Sound servers, each a real one.
+//! Tests with real sound servers.
 
 pub mod audio;
 mod away;

@@ -1,5 +1,5 @@
-//! Sound by PulseAudio: a real server whose sink plays to nobody, and a recorder of what that sink is given. What it hears is
-//! what the same run wrote to its file, to the bit, wherever nothing was counted as lost.
+//! Tests sound through a real PulseAudio server with a null sink and a recorder of its input. The recorded samples
+//! equal the written file to the bit, unless a loss was counted.
 
 use super::audio::{BAR, compare};
 use crate::skipped::skipped;
@@ -21,14 +21,13 @@ use std::sync::{Arc, Mutex};
 use std::task::{Context, Poll, Waker};
 use std::time::{Duration, SystemTime};
 
-/// A PulseAudio server of its own.
 pub struct Server {
     pub server: Option<Proc>,
     pub socket: String,
 }
 
 impl Server {
-    /// One whose sink is made with these words; `None` where PulseAudio is not installed.
+    /// Starts a server whose sink has these arguments. Returns `None` if PulseAudio is not installed.
     #[track_caller]
     pub fn start(stage: &Stage, sink: &str) -> Option<Server> {
         let there = Command::new("pulseaudio").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
@@ -53,7 +52,6 @@ impl Server {
         Some(pulse)
     }
 
-    /// `ca` with this server.
     fn ca(&self, stage: &Stage, args: &[&str]) -> Proc {
         let mut c = stage.command(env!("CARGO_BIN_EXE_ca"), args);
         c.env("PULSE_SERVER", format!("unix:{}", self.socket));
@@ -65,7 +63,7 @@ pub fn client(socket: &str) -> Option<Client> {
     Client::new_unix(c"ears", UnixStream::connect(socket).ok()?, Some([0; 256])).ok()
 }
 
-/// What a client answers, without a runtime.
+/// Polls the answer of a client without a runtime.
 fn wait<T>(answer: impl Future<Output = Result<T, ClientError>>) -> T {
     let mut answer = pin!(answer);
     let mut context = Context::from_waker(Waker::noop());
@@ -79,7 +77,7 @@ fn wait<T>(answer: impl Future<Output = Result<T, ClientError>>) -> T {
     got.unwrap()
 }
 
-/// Hears one channel of a sink of two from now on.
+/// Records the left channel of the stereo sink from now on.
 pub fn ears(client: &Client) -> (RecordStream, Arc<Mutex<Vec<f32>>>) {
     let heard = Arc::new(Mutex::new(Vec::new()));
     let ears = heard.clone();
@@ -88,7 +86,7 @@ pub fn ears(client: &Client) -> (RecordStream, Arc<Mutex<Vec<f32>>>) {
         channel_map: ChannelMap::stereo(),
         source_name: Some(c"ca_test.monitor".to_owned()),
         buffer_attr: BufferAttr { fragment_size: 8 * 480, ..BufferAttr::default() },
-        // or the sink plays two seconds at once, which nobody takes back from who has heard them
+        // otherwise the sink plays two seconds at once, which cannot be revoked
         flags: StreamFlags { adjust_latency: true, ..StreamFlags::default() },
         ..RecordStreamParams::default()
     };
@@ -144,7 +142,7 @@ fn a_pulse_server_that_dies_takes_no_force_along() {
     let frames = || stage.ask(&Request::Status).map_or(0, |r| r.fields["frames"].as_u64().unwrap());
     until("it plays", || {
         assert!(server.lives(), "{}", server.said());
-        // a sink that has just been made plays two seconds at once before it asks
+        // a new sink takes two seconds of sound before its next request
         frames() > 9000
     });
     pulse.server.take().unwrap().kill();
@@ -159,7 +157,8 @@ fn a_pulse_server_that_dies_takes_no_force_along() {
     assert!(reported["audio"]["unheard"].as_u64().unwrap() > 0, "{reported:#}");
 }
 
-/// `ca play` takes it where it plays the model; with another rate, too few channels or no answer, the page plays.
+/// `ca play` uses PulseAudio if it can play the model. With another rate, too few channels or no answer, the page
+/// plays.
 #[test]
 fn a_page_is_heard_by_pulse_audio_where_it_plays_it() {
     let stage = Stage::new();
@@ -177,12 +176,12 @@ fn a_page_is_heard_by_pulse_audio_where_it_plays_it() {
         let args = ["serve", "bar.ca.toml", "--audio", "pulse", "--seconds", "1"];
         pulse.ca(&stage, &[&args, more].concat()).end()
     };
-    // one that takes a line and says nothing
+    // a server that accepts connections but never answers
     let silent = Server { server: None, socket: stage.path("silent").display().to_string() };
     let listener = UnixListener::bind(&silent.socket).unwrap();
     assert!(!page(play(&silent, &[])).err.contains("PulseAudio"), "a server that is not there is no news");
     serve(&silent, &[]).is(1).says(&["no PulseAudio server answers"]);
-    // and one that says what no server says; it ends with this process
+    // a server that sends invalid data; the thread ends with this process
     std::thread::spawn(move || {
         for line in listener.incoming().map_while(Result::ok) {
             let _ = (&line).write_all(&[0xff; 64]);
@@ -205,7 +204,7 @@ fn a_page_is_heard_by_pulse_audio_where_it_plays_it() {
     serve(&pulse, &[]).is(1).says(&["plays 2 channels", "3 outputs"]);
 }
 
-/// Servers that go by the protocol until they say what no server says: they are refused, or gone, in bounded time and memory.
+/// Servers that follow the protocol up to an invalid step are refused or dropped in bounded time and memory.
 #[test]
 fn a_pulse_server_that_lies_is_given_up() {
     let said = [
@@ -220,7 +219,7 @@ fn a_pulse_server_that_lies_is_given_up() {
         stage.put("bar.ca.toml", BAR);
         let server = Server { server: None, socket: stage.path("liar").display().to_string() };
         let listener = UnixListener::bind(&server.socket).unwrap();
-        // it ends with this process
+        // the thread ends with this process
         std::thread::spawn(move || {
             for line in listener.incoming().map_while(Result::ok) {
                 let _ = lies(&line, lie);
@@ -239,19 +238,19 @@ fn a_pulse_server_that_lies_is_given_up() {
 
 #[derive(Clone, Copy, PartialEq)]
 enum Lie {
-    /// has no end of news where a sink is asked for
+    /// Sends endless messages when a sink is requested.
     Talks,
-    /// wants 4 GiB of silence to begin with
+    /// Requests 4 GiB of silence at the start.
     Queues,
-    /// sends an answer byte by byte, and never the last
+    /// Sends an answer byte by byte but never the last byte.
     Stands,
-    /// plays, and asks for 4 GiB
+    /// Plays, then requests 4 GiB.
     Asks,
-    /// plays, and is gone in the middle of a word
+    /// Plays, then disconnects in the middle of a message.
     Leaves,
 }
 
-/// Answers until the line ends.
+/// Answers until the connection ends.
 fn lies(line: &UnixStream, lie: Lie) -> Option<()> {
     const VERSION: u16 = protocol::MAX_VERSION;
     let (mut from, mut to) = (BufReader::new(line), line);
@@ -259,7 +258,7 @@ fn lies(line: &UnixStream, lie: Lie) -> Option<()> {
         let head = protocol::read_descriptor(&mut from).ok()?;
         let mut body = vec![0; head.length as usize];
         from.read_exact(&mut body).ok()?;
-        // sound
+        // skips sound
         if head.channel != u32::MAX {
             continue;
         }
@@ -309,7 +308,7 @@ fn lies(line: &UnixStream, lie: Lie) -> Option<()> {
                     playing_for: 0,
                 };
                 protocol::write_reply_message(&mut to, n, &latency, VERSION).ok()?;
-                // sound is read meanwhile, since both of us may wait otherwise
+                // reads sound meanwhile, because both sides could otherwise wait for each other
                 std::thread::scope(|s| {
                     s.spawn(|| std::io::copy(&mut from, &mut std::io::sink()));
                     let _ = asks(line, lie);
@@ -322,7 +321,7 @@ fn lies(line: &UnixStream, lie: Lie) -> Option<()> {
     }
 }
 
-/// Asks for sound for a second, as a server does.
+/// Requests sound for a second, like a correct server.
 fn asks(mut line: &UnixStream, lie: Lie) -> Option<()> {
     let mut ask = |length| {
         let mut message = Vec::new();
@@ -341,7 +340,6 @@ fn asks(mut line: &UnixStream, lie: Lie) -> Option<()> {
     line.shutdown(Shutdown::Both).ok()
 }
 
-/// A model with so many outputs.
 fn choir(outputs: usize) -> String {
     let outs: Vec<String> = (0..outputs).map(|k| format!("o{k} = {{ from = \"bar\", gain = 500 }}\n")).collect();
     BAR.split("out =").next().unwrap().to_string() + &outs.concat()

@@ -1,4 +1,4 @@
-//! The arrays of a layout, each of whose entries a pass uses as an index.
+//! Verifies the arrays of a layout whose entries are used as indices.
 
 use super::{Verified, block, each, ensure, links, within};
 use crate::numeric::ldl::Pattern;
@@ -9,7 +9,7 @@ use crate::op::layout::{
     Termination, Waves,
 };
 
-/// A layout without its group and ticks between samples. `inputs` and `live` count the inputs and live coefficients of its scene.
+/// Verifies a layout without its group and substeps. `inputs` and `live` count inputs and live coefficients.
 pub(in super::super) fn layout(l: &Layout, inputs: usize, live: usize) -> Verified {
     let Counts { n_mat, n_lia, n_coef, n_mem, n_touch, n_tap, channels, n_out } = l.counts;
     ensure(l.rates.ratio > 0 && l.rates.frame > 0, "a gesture frame has 0 ticks")?;
@@ -86,7 +86,7 @@ fn waves(w: &Waves, n_mat: usize, n_mem: usize) -> Verified {
     let junctions = w.junctions.iter().all(|j| (j.mat as usize) < n_mat && within(j.memory, 3, n_mem));
     ensure(junctions, "a junction of a waveguide is beyond the masses or memory")?;
     let delays = w.delays.iter().all(|d| {
-        // a ring keeps three waves more where a loss hears them
+        // a ring is three longer if a loss follows, for the inputs of its taps
         let end = match d.end {
             Termination::Open | Termination::Rigid => d.len > 0,
             Termination::Lossy { memory, .. } => d.len > 3 && memory < n_mem,
@@ -121,7 +121,7 @@ fn outputs(l: &Layout) -> Verified {
     ensure(rows, "a row of outputs is beyond the channels or masses")
 }
 
-/// True where the columns of a factor hold rising rows below their diagonal.
+/// Returns true if the columns of a factor hold rising rows below their diagonal.
 pub(super) fn pattern(p: &Pattern) -> bool {
     let n = p.size();
     let ends = p.columns.first() == Some(&0) && p.columns.last().is_some_and(|end| *end as usize == p.rows.len());

@@ -1,4 +1,4 @@
-//! Groups at the gesture rate: their passes, and the places that they share with the sound.
+//! Verifies groups at the gesture rate: their passes, and the MATs that they share with the sound side.
 
 use super::links::Work;
 use super::passes::{counts, passes};
@@ -7,7 +7,7 @@ use crate::op::Pass;
 use crate::op::layout::{Copied, Layout, SlowGroup};
 use crate::scene::bind::listed;
 
-/// A group. Its layout, and `layout`, have been verified; its state has `inputs` inputs.
+/// Verifies a group. Its layout, and `layout`, have been verified; its state has `inputs` inputs.
 pub(in super::super) fn group(group: &SlowGroup, layout: &Layout, inputs: usize) -> Verified {
     let own = &group.layout;
     let mut work = Work::of(own);

@@ -1,14 +1,14 @@
-//! Batches of links: the ranges of a pass or an account, and the ends within them.
+//! Verifies batches of links: the ranges of a pass or an account, and their ends.
 
 use super::{Verified, block, each, ensure, within};
 use crate::op::layout::{Account, Layout, MeasureKind, Ports, Row};
 use crate::op::{Band, Form, Hub, Integrate, Law, Op};
 use crate::state::Fold;
 
-/// Passes that may run over each link in one tick: a sample of several ticks lists them once more, and a tick of `pefrl` four times.
+/// Most passes over each link in one tick: a sample of several ticks lists them again, a tick of `pefrl` four times.
 const PASSES: usize = 64;
 
-/// Links that passes may still run over. This bounds the time of a tick by the length of a scene.
+/// Number of links that passes may still process. It limits the time of a tick by the length of a scene.
 pub(super) struct Work(usize);
 
 impl Work {
@@ -22,7 +22,6 @@ impl Work {
     }
 }
 
-/// The ranges of a batch.
 struct Batch<'a> {
     law: &'a Law,
     ports: Ports,
@@ -49,7 +48,6 @@ impl Batch<'_> {
     }
 }
 
-/// One port of each link of a batch.
 fn port(measure: MeasureKind, ends: &[[u32; 2]], reach: usize, l: &Layout) -> Verified {
     const BEYOND: &str = "a link has an end beyond the masses";
     if measure == MeasureKind::Line {
@@ -58,7 +56,7 @@ fn port(measure: MeasureKind, ends: &[[u32; 2]], reach: usize, l: &Layout) -> Ve
     let n = ends.len();
     ensure(within(reach, n, l.links.reach.len()), "the distance at rest of a link in space is missing")?;
     let rows = l.links.rows[reach..reach + n].iter().zip(ends).enumerate();
-    // of a row, the numbers of all points are read from its first ends on
+    // in a row, the numbers of all points are read from its first ends on
     let fits = |(i, (row, ends)): (usize, (&i32, &[u32; 2]))| {
         let links = usize::try_from(*row).unwrap_or(0).clamp(1, n - i);
         ends.iter().all(|end| block(*end as usize, 3, links, l.counts.n_mat))
@@ -66,12 +64,11 @@ fn port(measure: MeasureKind, ends: &[[u32; 2]], reach: usize, l: &Layout) -> Ve
     ensure(rows.into_iter().all(fits), BEYOND)
 }
 
-/// The members of the set of a batch.
 fn members(ports: &Ports, l: &Layout) -> usize {
     ports.pair_set.and_then(|set| l.links.pair_sets.get(set)).map_or(0, |set| set.members.len())
 }
 
-/// A pass of links of `law`, whose kernel was chosen by `form`.
+/// Verifies a pass of links of `law`, whose kernel was chosen by `form`.
 pub(super) fn pass(op: &Op, law: &Law, form: Form, l: &Layout, work: &mut Work) -> Verified {
     let &Op { ports, n, first, mat, coef, mem, tap, .. } = op;
     Batch { law, ports, n, first, coef, mem }.verify(l, work)?;
@@ -100,21 +97,21 @@ pub(super) fn pass(op: &Op, law: &Law, form: Form, l: &Layout, work: &mut Work) 
     ensure(!form.tap || within(tap, n, l.counts.n_tap), "links are beyond the forces")
 }
 
-/// True where the forces and masses of a row that is integrated are there, one mass more than links.
+/// Returns true if the forces and masses of an integrated row exist; it has one mass more than links.
 fn fused(op: &Op, l: &Layout) -> bool {
     let masses = op.n.checked_add(1);
     let forces =
         op.n.checked_add(2).zip(op.tap.checked_sub(1)).is_some_and(|(n, first)| within(first, n, l.counts.n_tap));
-    // from a mass to the next
+    // each link joins a mass and the next
     op.form.stride == 1 && forces && masses.is_some_and(|n| within(op.mat, n, l.counts.n_mat))
 }
 
-/// True where a row or a mesh that stands folded is whole vectors of masses, links and coefficients.
+/// Returns true if a folded row or mesh consists of whole vectors of masses, links and coefficients.
 fn folded(op: &Op, law: &Law, form: Form, l: &Layout) -> bool {
     let (n, steps) = (op.n, op.n / Fold::LANES);
     let whole = steps >= 2 && n.is_multiple_of(Fold::LANES) && within(op.mat, n, l.counts.n_mat) && law.mem == 0;
     let forces = match form.band {
-        // a law without vectors runs as a row
+        // a law without a vector form runs as a row
         Band::None => return whole && (law.wide || fused(op, l)),
         Band::Across => return false,
         Band::Along(width) => {
@@ -125,7 +122,6 @@ fn folded(op: &Op, law: &Law, form: Form, l: &Layout) -> bool {
     whole && law.wide && forces
 }
 
-/// A batch as the ledger enters it.
 pub(super) fn account(a: &Account, l: &Layout, work: &mut Work) -> Verified {
     let &Account { law, ports, n, first, coef, mem, tap, .. } = a;
     Batch { law, ports, n, first, coef, mem }.verify(l, work)?;

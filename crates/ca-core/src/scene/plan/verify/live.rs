@@ -1,4 +1,4 @@
-//! Live parameters: what a change reads and writes ([`Controls`](crate::live::Controls)).
+//! Verifies live parameters: what a change reads and writes ([`Controls`](crate::live::Controls)).
 
 use super::super::known::Known;
 use super::{Verified, Wrong, each, ensure, within};
@@ -7,10 +7,10 @@ use crate::live::{LiveImplicit, LiveItem, LiveModule, LivePlan, Loader};
 use crate::method::implicit::Inertia;
 use crate::op::layout::Layout;
 
-/// Values that the modules of a generator hand to a law of REF: its parameters up to the rest length.
+/// Number of values that the modules of a generator pass to a law of REF: its parameters up to the rest length.
 const OF_GENERATOR: usize = 4;
 
-/// A plan of a layout; `live` counts the live coefficients of its state.
+/// Verifies the live plan of a layout; `live` is the number of live coefficients of its state.
 pub(super) fn plan(plan: &LivePlan, l: &Layout, live: usize, known: &Known) -> Verified {
     let coefs = plan.coefs.len() == live && each(&plan.coefs, l.counts.n_coef);
     ensure(coefs && each(&plan.driven_coefs, live), "a live coefficient is not there")?;
@@ -31,9 +31,9 @@ fn module(m: &LiveModule, item: &LiveItem, live: usize, known: &Known) -> Verifi
     let least = match m.loader {
         Loader::Times(_) => 0,
         Loader::Mat(spec, _) => known.mat(spec.code).map_or(usize::MAX, |(kind, _)| kind.params.len()),
-        // its parameters may be left out at the end
+        // trailing parameters may be left out
         Loader::Lia(law) if law.implicit => 0,
-        // the number of a table stands behind the parameters
+        // the index of a table follows the parameters
         Loader::Lia(law) => {
             let of_kind = matches!(item.kind.role, Role::Lia(_)).then_some(item.kind.params.len());
             of_kind.unwrap_or(OF_GENERATOR) + usize::from(law.table.is_some())

@@ -1,10 +1,9 @@
-//! Names: ports, channels, probes and modules, one for each place.
+//! Verifies the names of ports, channels, probes and modules: their number and order.
 
 use super::{Verified, ensure};
 use crate::kind::name::Index;
 use crate::scene::{Scene, Symbols};
 
-/// The names of a scene.
 pub(super) fn scene(scene: &Scene) -> Verified {
     let (l, probes) = (&scene.layout, scene.names.probe_names.len());
     let inputs = [scene.initial.input.len(), scene.before.as_ref().map_or(scene.inputs.len(), |b| b.state.input.len())];

@@ -1,4 +1,4 @@
-//! Passes: the range of each over the array it runs over, and how they count time.
+//! Verifies passes: the range of each over its array, and how they count time.
 
 use super::links::{self, Work};
 use super::{Verified, Wrong, each, ensure, within};
@@ -8,10 +8,10 @@ use crate::op::{Form, Op, Pass};
 use crate::scene::Scene;
 use crate::scene::bind::listed;
 
-/// Most ticks in a sample that are run.
+/// Largest number of ticks per sample that is accepted.
 const TICKS: u32 = 1 << 12;
 
-/// All passes of a scene but the passes of its group.
+/// Verifies all passes of a scene except those of its group.
 pub(super) fn scene(scene: &Scene) -> Verified {
     let l = &scene.layout;
     let mut work = Work::of(l);
@@ -42,7 +42,6 @@ pub(super) fn scene(scene: &Scene) -> Verified {
     time(tick)
 }
 
-/// Passes of a list, whose links run by `form`.
 pub(super) fn passes(list: &[Op], form: fn(Form) -> Form, l: &Layout, work: &mut Work) -> Verified {
     list.iter().try_for_each(|op| match op.law {
         Some(law) => links::pass(op, law, form(op.form), l, work),
@@ -50,12 +49,12 @@ pub(super) fn passes(list: &[Op], form: fn(Form) -> Form, l: &Layout, work: &mut
     })
 }
 
-/// True for passes that change how a state counts.
+/// Returns true for passes that change how a state counts.
 pub(super) fn counts(pass: Pass) -> bool {
     matches!(pass, Pass::Between | Pass::ToTicks | Pass::ToSamples)
 }
 
-/// A tick begins and ends in samples: else the count would be multiplied at each.
+/// Verifies that a tick begins and ends in samples; otherwise the count would be multiplied at each.
 fn time<'a>(tick: impl Iterator<Item = &'a Op>) -> Verified {
     let mut in_ticks = false;
     for op in tick.filter(|op| counts(op.pass)) {
@@ -66,7 +65,6 @@ fn time<'a>(tick: impl Iterator<Item = &'a Op>) -> Verified {
     ensure(!in_ticks, "samples are counted as ticks")
 }
 
-/// A pass without links.
 fn other(op: &Op, l: &Layout) -> Verified {
     let &Op { pass, n, first, mat, coef, .. } = op;
     let all = |len: usize| n <= len;
@@ -84,7 +82,7 @@ fn other(op: &Op, l: &Layout) -> Verified {
         Pass::Weight => all(l.weighed.len()) && numbers(n),
         Pass::ImplicitPairs | Pass::Positions => numbers(0),
         Pass::ModesAhead | Pass::ModesAgain => all(l.places.solved_modal.len()),
-        // a state without contacts does not keep the pushes on masses
+        // a state without contacts has no array of pushes
         Pass::Contacts { modes: true } => {
             l.counts.n_touch > 0 || (l.places.modal_couplings.is_empty() && l.places.solved_modal.is_empty())
         }

@@ -1,10 +1,9 @@
-//! A state at load: as many numbers as its layout counts.
+//! Verifies that a state at load has as many numbers as its layout counts.
 
 use super::super::record::StateRecord;
 use super::{Verified, each, ensure};
 use crate::op::layout::Layout;
 
-/// A state of a layout that has been verified.
 pub(in super::super) fn state(s: &StateRecord, l: &Layout) -> Verified {
     let glide = l.rates.substeps.as_ref().map_or(0, |substeps| substeps.inputs.len());
     let late = l.ports.tgr.len().checked_mul(l.ports.crossing.latency as usize);
