@@ -21,7 +21,7 @@ pub enum Record {
         /// The frame.
         frame: DeviceFrame,
     },
-    /// A frame that was sent, without its publishing time.
+    /// A frame that was made, whether it was sent or not, without its publishing time.
     Force {
         /// Number of the device in the engine.
         port: u32,

@@ -133,7 +133,7 @@ pub fn play(request: Request, listener: &Arc<dyn Listener>) -> Result<Report, Fa
     }
 
     let clock = match request.devices.pace {
-        // the clock of the sound device takes over if there is one
+        // the clock of the sound device, or, without one, a fixed period
         Pace::Monotonic => Clock::Audio,
         Pace::Device => Clock::Device { patience: PATIENCE },
     };

@@ -66,8 +66,8 @@ class Link:
         return None
 
 
-def real_time(priority: int = 70) -> None:
-    """Requests a real-time priority above the engine (60), which waits for this process."""
+def real_time(priority: int = 75) -> None:
+    """Asks for a real-time priority above the 70 of the engine, which waits for this process."""
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
     except OSError as e:

@@ -1,4 +1,5 @@
-//! Pass list: the passes of a tick, in order. A pass exists only if the scene needs it.
+//! Pass list: the passes of a tick, in order. A pass exists only if the scene needs it. `schedule` computes the places of
+//! links in the list of [`forces`] from the same order.
 
 use crate::emit::cost;
 use crate::emit::plan::Plan;

@@ -13,8 +13,8 @@
 //! fade-in, latched faults, damped stop) stands before the slew limit, so that the last stage guarantees |ΔF| ≤ limit
 //! on the wire, where it can be checked.
 //!
-//! A fault sets the force to zero at once. Excess velocity, stale frames and a diverged model trip wherever they are
-//! detected: [`GuardFrame::trip`]. The result is rounded towards zero to the single precision of the wire, so that
+//! A fault sets the force to zero at once. The input check, `finite` and a diverged model trip it by [`GuardFrame::trip`];
+//! the gate itself finds excess velocity and stale frames. The result is rounded towards zero to the single precision of the wire, so that
 //! rounding exceeds no limit and the ledgers hold the values sent. The engine stamps the TTL on the frame.
 
 pub mod finite;

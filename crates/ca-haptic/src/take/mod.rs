@@ -6,7 +6,7 @@
 //!
 //! | topic | what | encoding |
 //! |---|---|---|
-//! | `/device/<name>/in`, `/device/<name>/out` | every frame checked, every frame sent | CDR |
+//! | `/device/<name>/in`, `/device/<name>/out` | every frame checked, every force frame made | CDR |
 //! | `/change`, `/order`, `/reload`, `/hand`, `/model` | requests to the engine; another version of its model | CDR |
 //! | `/profile` | self-description of a device | CDR |
 //! | `/hash`, `/sound` | a hash of the state each second; sound, 64 bits | CDR |

@@ -9,7 +9,7 @@
 //! takes 1.4 GB an hour and channel at 48 kHz. A 16-bit copy is for listening.
 //!
 //! The file has its final name from the start. A performance cannot be repeated, so an existing file is never
-//! overwritten, and an unfinished one is never removed.
+//! overwritten, and an unfinished one is never removed, unless its performance did not begin.
 
 mod channels;
 mod views;

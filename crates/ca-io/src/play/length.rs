@@ -10,6 +10,7 @@ use crate::perform::{Performance, frames, seconds};
 /// Time for which a sound must be quiet before it ends \[s\]: longer than beats and the longest audible period.
 const HOLD: f64 = 0.5;
 
+/// Length of a play.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Length {
     /// Largest number of samples.

@@ -17,6 +17,7 @@ use std::time::{Duration, Instant};
 /// Ticks per block of outputs.
 pub const BLOCK: u64 = 1024;
 
+/// Result of a play.
 pub struct Played<'a> {
     /// The performance, at its end.
     pub performance: Performance<'a>,
