@@ -1,6 +1,6 @@
 //! Shared by the test binaries: all models, how to play one by its own gesture, and a model of one key. The suite is in
-//! `suite/`. The README is included below, so that its Rust is compiled and run.
-#![doc = include_str!("../../README.md")]
+//! `suite/`. `docs/rust.md` is included below, so that its Rust is compiled and run.
+#![doc = include_str!("../../docs/rust.md")]
 
 pub mod long_form;
 pub mod skipped;

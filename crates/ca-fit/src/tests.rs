@@ -10,7 +10,7 @@ use ca_model::Value;
 
 const RATE: f64 = 48_000.0;
 
-/// The string of the README.
+/// The string of docs/instrument.md.
 const MINE: &str = r#"
 [STRING]
 low = { n = 40, f = "110 Hz", t60 = "4 s", m = "1 g" }

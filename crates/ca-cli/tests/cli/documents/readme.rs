@@ -1,4 +1,4 @@
-//! Tests the README: its commands run in the given order and under the given names.
+//! Tests the README and the pages with commands: the commands of a page run in the given order and under the given names.
 
 mod effects;
 
@@ -8,6 +8,10 @@ use crate::long_form::long_form;
 #[cfg(unix)]
 use effects::Line;
 use std::fs;
+
+/// The pages whose commands run here.
+#[cfg(unix)]
+const PAGES: [&str; 3] = ["README.md", "docs/instrument.md", "docs/hand.md"];
 
 fn readme() -> String {
     fs::read_to_string(from_root("README.md")).unwrap()
@@ -48,26 +52,30 @@ fn lines(readme: &str, serve: bool) -> Vec<Line<'_>> {
 #[cfg(unix)]
 #[test]
 fn every_ca_line_does_what_it_is_there_for() {
-    let readme = readme();
-    let desk = Desk::new();
-    let models = blocks(&readme, "toml");
-    assert_eq!(models.len(), 1, "one model, saved under one name");
-    for (before, model) in models {
-        // the file name of the model is the last text in backquotes before it
-        let name = before.rsplit('`').nth(1).unwrap();
-        assert!(name.ends_with(".ca.toml"), "{name}");
-        desk.put(name, model);
+    let mut ran_lines = 0;
+    for page in PAGES {
+        let text = fs::read_to_string(from_root(page)).unwrap();
+        let desk = Desk::new();
+        let models = blocks(&text, "toml");
+        assert!(models.len() <= 1, "{page}: at most one model, saved under one name");
+        for (before, model) in models {
+            // the file name of the model is the last text in backquotes before it
+            let name = before.rsplit('`').nth(1).unwrap();
+            assert!(name.ends_with(".ca.toml"), "{page}: {name}");
+            desk.put(name, model);
+        }
+        let mut lines = lines(&text, false);
+        if !long_form("`ca bench` as the documents have it") {
+            lines.retain(|l| l.verb() != "bench");
+        }
+        for line in &lines {
+            let before = effects::files(&desk);
+            let ran = desk.sh(line.text).is(0);
+            effects::check(&desk, line, &before, &ran);
+        }
+        ran_lines += lines.len();
     }
-    let mut lines = lines(&readme, false);
-    if !long_form("`ca bench` as the README has it") {
-        lines.retain(|l| l.verb() != "bench");
-    }
-    assert!(lines.len() >= 12, "only {} lines of `ca` were found", lines.len());
-    for line in &lines {
-        let before = effects::files(&desk);
-        let ran = desk.sh(line.text).is(0);
-        effects::check(&desk, line, &before, &ran);
-    }
+    assert!(ran_lines >= 20, "only {ran_lines} lines of `ca` were found");
 }
 
 /// Separate from the other tests, because a server plays in real time.
@@ -78,9 +86,9 @@ mod in_real_time {
 
     #[test]
     fn what_is_served_does_what_it_is_there_for() {
-        let readme = readme();
+        let page = fs::read_to_string(from_root("docs/hand.md")).unwrap();
         let desk = Desk::new();
-        let lines = lines(&readme, true);
+        let lines = lines(&page, true);
         let [device, server, rest @ ..] = &lines[..] else { panic!("a device and a server") };
         assert!(device.beside && server.verb() == "serve" && rest.len() >= 3);
         play(&desk, server, device);
@@ -91,7 +99,7 @@ mod in_real_time {
         }
     }
 
-    /// Plays the strokes of a simulated device until the forces are as the README says. On a stalled machine the
+    /// Plays the strokes of a simulated device until the forces are as the page says. On a stalled machine the
     /// watchdogs end the forces as intended, so it plays again.
     fn play(desk: &Desk, server: &Line, device: &Line) {
         const TRIES: usize = 10;
@@ -107,7 +115,7 @@ mod in_real_time {
             if felt > 1.0 {
                 return effects::check(desk, server, &effects::files(desk), &ran);
             }
-            assert!(stood_still, "more than a newton, says the README, and {felt} N were felt\n{}{}", ran.out, ran.err);
+            assert!(stood_still, "more than a newton, says the page, and {felt} N were felt\n{}{}", ran.out, ran.err);
         }
         skipped(
             "processor time",
@@ -120,9 +128,9 @@ mod in_real_time {
 #[cfg(unix)]
 #[test]
 fn commands_in_its_sentences_are_commands() {
-    let readme = readme();
+    let text: String = PAGES.map(|page| fs::read_to_string(from_root(page)).unwrap()).concat();
     let mut seen = 0;
-    let spans = readme.split('`').skip(1).step_by(2).filter(|s| !s.contains('\n'));
+    let spans = text.split('`').skip(1).step_by(2).filter(|s| !s.contains('\n'));
     for line in spans.filter_map(Line::new) {
         let desk = Desk::new();
         let bundled = line.words.get(1).filter(|m| ca_lab::load::bundled(m).is_some());
