@@ -17,9 +17,8 @@ const VELOCITIES: [u8; 5] = [1, 20, 64, 100, 127];
 /// Hands that damp: their notes reduce the sound. `a_palm_damps_at_any_velocity` tests them.
 const DAMPERS: [(&str, u8); 2] = [("gong", 50), ("tam_tam", 50)];
 
-/// Instruments whose damper lands with an intended soft thud, below the softest note by `THUD_BELOW` [dB].
-const THUDS: [&str; 4] = ["hammer_piano", "piano24", "piano_key", "piano_wire"];
-const THUD_BELOW: f64 = 2.0;
+/// Instruments whose damper lands with an intended soft thud, and its largest level relative to the softest note [dB].
+const THUDS: [(&str, f64); 4] = [("hammer_piano", -2.0), ("piano24", 3.0), ("piano_key", -2.0), ("piano_wire", -2.0)];
 
 /// A body that is thrown up falls later and sounds then.
 const LATER: &str = "tossed_grains";
@@ -102,7 +101,7 @@ fn faults(name: &str, scene: &Scene, key: u8) -> Vec<String> {
             let end = BEGINS + length;
             let sound = play(scene, &[strike, (end, [0x80, key, 0])], end + AFTER);
             let before = level(&sound, scene.rate, end - 0.1, end);
-            let thud = if THUDS.contains(&name) { softest - THUD_BELOW } else { -60.0 };
+            let thud = THUDS.iter().find(|t| t.0 == name).map_or(-60.0, |t| softest + t.1);
             // a sound no louder than before, or than in the held note, is not new
             let parts = (0..(AFTER / PART).round() as u32).map(|i| {
                 let t = end + f64::from(i) * PART;

@@ -177,7 +177,10 @@ impl Line {
             let (code, args) = match tie {
                 Tie::Contact => ("BUT", format!("{ends}, {held}, method = \"stable\"")),
                 Tie::Hard => {
-                    ("BUT", format!("{ends}, k = {:e}, z = {:e}, method = \"stable\"", 1e6 * k * scale, z * scale))
+                    // beyond kT²/m = 1e8 the rounding of positions decides
+                    let mass = |i: usize| self.bodies.get(i).map_or(f64::INFINITY, |b| b.1);
+                    let hard = (1e6 * k * scale).min(1e8 * mass(a).min(mass(b)));
+                    ("BUT", format!("{ends}, k = {hard:e}, z = {:e}, method = \"stable\"", z * scale))
                 }
                 Tie::Round => ("HRZ", format!("{ends}, k = {:e}, method = \"stable\"", k * scale)),
                 Tie::Cubic => ("CUB", format!("{ends}, {held}, k3 = {:e}, method = \"stable\"", k * scale)),
