@@ -13,7 +13,7 @@ use crate::net::Pruned;
 use crate::net::linear::Purpose;
 use crate::options::{KernelClass, Options};
 use crate::passes::slow::SlowPart;
-use crate::passes::{implicit, modal, pefrl, prune, rates, reach, single, slow, solve_order, specialise, waves};
+use crate::passes::{auto, implicit, modal, pefrl, prune, rates, reach, single, slow, solve_order, specialise, waves};
 use alloc::boxed::Box;
 use ca_core::{Catalog, Certificate, Precision, Scene, Unit};
 use ca_model::diag::Diags;
@@ -39,6 +39,23 @@ impl core::ops::Deref for Compiled {
 
 /// Returns the network of a model without the modules that no output depends on.
 fn network(model: &Model, catalog: &Catalog, options: &Options) -> Result<(Pruned, Diags), Diags> {
+    let mut left = auto::Left::default();
+    loop {
+        let (mut net, mut diags) = network_with(model, catalog, options, &left)?;
+        if !left.learn(&mut net.chosen, &diags) {
+            left.report(model, &net.items, &mut diags);
+            return Ok((net, diags));
+        }
+    }
+}
+
+/// The same where `auto` leaves some links explicit.
+fn network_with(
+    model: &Model,
+    catalog: &Catalog,
+    options: &Options,
+    left: &auto::Left,
+) -> Result<(Pruned, Diags), Diags> {
     let mut diags = Diags::new();
     let net = resolve::resolve(model, catalog, options, &mut diags);
     let mut net = wire::wire(model, net, options, &mut diags);
@@ -50,10 +67,11 @@ fn network(model: &Model, catalog: &Catalog, options: &Options) -> Result<(Prune
     params::report_unused(&net, &mut diags);
     coupling::couple(&mut net, &options.couplings);
     implicit::choose(&mut net);
+    auto::choose(model, &mut net, left);
     specialise::specialise(model, &mut net, &mut diags);
     let mut net = prune::prune(model, net, options, &mut diags);
     solve_order::choose(model, &mut net, options.arithmetic, &mut diags);
-    implicit::check(model, &net, &mut diags);
+    implicit::check(model, &mut net, &mut diags);
     waves::settle(model, &mut net, &mut diags);
     pefrl::check(model, &net, options, &mut diags);
     reach::mark(&mut net);

@@ -254,4 +254,5 @@ pub const CODES: &[(&str, &str)] = &[
     ("N204", "ports on one degree of freedom"),
     ("N205", "TOML 1.1"),
     ("N206", "Newton's method gives way to the secant"),
+    ("N207", "explicit where auto is asked for"),
 ];

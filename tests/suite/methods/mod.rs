@@ -1,5 +1,6 @@
 //! Integration methods: explicit, implicit, modal, PEFRL, `stable`, `stable3d`, friction.
 
+mod auto;
 mod friction;
 mod hertz;
 mod implicit;

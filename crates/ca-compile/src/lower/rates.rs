@@ -129,12 +129,27 @@ pub fn reference(model: &Model, net: &Resolved, diags: &mut Diags) -> Option<f64
 
 /// Reads gravity, friction and methods of every group; the medium of the model comes last.
 pub fn media(model: &Model, net: &mut Resolved, v: &mut Values<'_>) {
-    let root = medium(&model.meta, ["`[model]`", "[model]"], Medium::default(), &OF_MODEL, v);
+    let method = if format(model, v) >= 2.0 { Method::Auto } else { Method::Ca };
+    let plain = Medium { method, ..Medium::default() };
+    let root = medium(&model.meta, ["`[model]`", "[model]"], plain, &OF_MODEL, v);
     for g in &model.groups {
         let m = medium(&g.props, [&format!("group `{}`", g.name), &g.name], root, &OF_GROUP, v);
         net.media.push(m);
     }
     net.media.push(root);
+}
+
+/// Reads `format`, the version of the language that a model is written in. From 2 on the default method is `auto`.
+fn format(model: &Model, v: &mut Values<'_>) -> f64 {
+    const NEWEST: f64 = 2.0;
+    let Some(e) = model.meta("format") else { return 1.0 };
+    let whole = v.constant(e, Unit::NONE, (1.0, f64::MAX), "`format` of `[model]`").unwrap_or(1.0);
+    if whole > NEWEST || whole.fract() != 0.0 {
+        let d = Diag::error("E009", format!("format {}: this program reads the formats 1 and 2", Plain(whole)));
+        v.diags.push(d.at(e.span, "not known here").help("write `format = 2`, or use a newer program"));
+        return 1.0;
+    }
+    whole
 }
 
 /// Reads the medium of an owner, given as its phrase in findings and its bare name.

@@ -11,7 +11,7 @@ mod stage;
 pub mod worst;
 
 pub use families::Family;
-pub use stage::{NetDriven, Pruned, Resolved, Wired};
+pub use stage::{Chosen, NetDriven, Pruned, Resolved, Wired};
 
 use alloc::boxed::Box;
 use alloc::string::String;

@@ -25,6 +25,9 @@ use ca_core::{Input, LiveParam, Precision, Table};
 use ca_model::Span;
 use core::ops::{Deref, DerefMut};
 
+/// Items whose links have a method by `auto`, each with the reason why a pass refuses it; empty if none does.
+pub type Chosen = BTreeMap<u32, String>;
+
 /// A parameter driven by a port.
 pub struct NetDriven {
     /// Index of the parameter.
@@ -82,8 +85,12 @@ pub struct Resolved {
     pub tables: Vec<Table>,
     /// Media of the groups; the last is for modules without a group.
     pub media: Vec<Medium>,
+    /// items whose method `auto` chose
+    pub chosen: Chosen,
     /// Built-in gestures.
     pub gestures: Vec<(String, Vec<[f64; 2]>)>,
+    /// presets by name: live parameters and their values
+    pub presets: Vec<(String, Vec<(String, f64)>)>,
     /// Duration \[s\], if written.
     pub seconds: Option<f64>,
     /// True for the network of the groups at the gesture rate, whose tick is a frame.

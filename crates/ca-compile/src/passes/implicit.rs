@@ -6,9 +6,9 @@
 //! whose matrix would change from tick to tick (distances in space, quadripoles, moving points), and links that share a
 //! mass with a link which is solved with the coming motion.
 
-use crate::findings::no_method;
 use crate::net::lines::LineNode;
 use crate::net::{End, LiaNode, Wired};
+use crate::passes::auto::Refusals;
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::sync::Arc;
@@ -95,14 +95,14 @@ pub fn is_fourth(net: &Wired) -> bool {
 }
 
 /// Refuses links whose matrix would change.
-pub fn check(model: &Model, net: &Wired, diags: &mut Diags) {
-    let mut reported = BTreeSet::new();
+pub fn check(model: &Model, net: &mut Wired, diags: &mut Diags) {
+    let mut refusals = Refusals::begin(model, net);
     let mut late: BTreeMap<u32, &LiaNode> = BTreeMap::new();
     for l in net.lias.iter().filter(|l| !l.law.stage.is_explicit()) {
         late.extend(l.all_ends().filter_map(|e| if let End::Mat(m) = e { Some((m, l)) } else { None }));
     }
     for l in net.lias.iter().filter(|l| l.law.implicit) {
-        if reported.contains(&l.item) {
+        if refusals.knows(l.item) {
             continue;
         }
         let shared = l.all_ends().find_map(|e| match e {
@@ -118,12 +118,17 @@ pub fn check(model: &Model, net: &Wired, diags: &mut Diags) {
             (title, "not at moving points", "use `method = \"ca\"`, or a mass such as `low[8]` in its place")
         } else if let Some((m, other)) = shared {
             let m = &net.mats[m as usize].name;
+            if refusals.is_chosen(other.item) {
+                let why = format!("`{}` is implicit, and touches `{m}` too", l.name);
+                refusals.refuse(&net.items, other.item, (why, "", ""), diags);
+                continue;
+            }
             let title = format!("`{}` is implicit, and so is `{}`, which touches `{m}` too", l.name, other.name);
             (title, "two kinds of implicit links at one mass", "use `method = \"ca\"` for one of them")
         } else {
             continue;
         };
-        reported.insert(l.item);
-        diags.push(no_method(&model.items[net.items[l.item as usize].model], title, label, help));
+        refusals.refuse(&net.items, l.item, (title, label, help), diags);
     }
+    refusals.end(net);
 }

@@ -1,6 +1,7 @@
 //! Third step: passes that simplify and complete the network, one per file: choice of methods, specialised laws,
 //! pruning, solve order of implicit links, waveguides, modes.
 
+pub mod auto;
 pub mod implicit;
 #[cfg_attr(not(feature = "analysis"), path = "no_modal.rs")]
 pub mod modal;

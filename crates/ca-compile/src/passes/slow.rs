@@ -376,7 +376,7 @@ impl Findings<'_> {
     fn groups(&mut self) {
         for (g, m) in self.model.groups.iter().zip(&self.net.media).filter(|(_, m)| m.slow) {
             let at = |key: &str| g.props.iter().find(|e| e.key == key).map_or(Span::NONE, |e| e.span);
-            if m.method != Method::Ca {
+            if !matches!(m.method, Method::Ca | Method::Auto) {
                 let title = format!("`{}` is at the gesture rate, which only `method = \"ca\"` has", g.name);
                 let d = Diag::error("E034", title).at(at("rate"), "not by this method");
                 self.diags.push(d.help("leave out one of the two"));

@@ -4,10 +4,10 @@
 //! pass counts such links at every axis that moves. Contacts between separate pairs keep their closed forms; only those
 //! that share a mass or a modal group need a solver.
 
-use crate::findings::no_method;
 use crate::net::worst::{worst_bounds, worst_mats};
 use crate::net::{End, LiaNode, Measure, Pruned};
-use alloc::collections::{BTreeMap, BTreeSet};
+use crate::passes::auto::Refusals;
+use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -22,16 +22,13 @@ const STIFFEST: f64 = 1e3;
 /// Sets the law for links that must be solved together. Refuses such links at moving points, which move several masses.
 pub fn choose(model: &Model, net: &mut Pruned, arithmetic: Option<u32>, diags: &mut Diags) {
     let mut count: Vec<[u32; 3]> = alloc::vec![[0; 3]; net.mats.len()];
-    let mut reported = BTreeSet::new();
+    let mut refusals = Refusals::begin(model, net);
     for l in net.lias.iter().filter(|l| !l.law.stage.is_explicit()) {
         if let Some(point) = l.all_ends().find(|e| matches!(e, End::Point(_))) {
-            if reported.insert(l.item) {
-                let title =
-                    format!("the method of `{}` does not work at a moving point, `{}`", l.name, net.end_name(point));
-                let help = "use `method = \"ca\"`, or a mass such as `low[8]` in its place";
-                let item = &model.items[net.items[l.item as usize].model];
-                diags.push(no_method(item, title, "not at moving points", help));
-            }
+            let title =
+                format!("the method of `{}` does not work at a moving point, `{}`", l.name, net.end_name(point));
+            let help = "use `method = \"ca\"`, or a mass such as `low[8]` in its place";
+            refusals.refuse(&net.items, l.item, (title, "not at moving points", help), diags);
         }
         for (m, axis) in places(net, l) {
             count[m as usize][axis as usize] += 1;
@@ -40,25 +37,21 @@ pub fn choose(model: &Model, net: &mut Pruned, arithmetic: Option<u32>, diags: &
     let twice = |l: &LiaNode| places(net, l).into_iter().find(|(m, k)| count[*m as usize][*k as usize] > 1);
     for l in net.lias.iter().filter(|l| !l.law.stage.is_explicit() && l.onto.is_some()) {
         // No method solves four ends together with other links.
-        if let Some((m, _)) = twice(l).filter(|_| reported.insert(l.item)) {
+        if let Some((m, _)) = twice(l) {
             let title =
                 format!("`{}` shares `{}` with another link by such a method", l.name, net.mats[m as usize].name);
             let help = "use `method = \"ca\"` for one of them";
-            diags.push(no_method(
-                &model.items[net.items[l.item as usize].model],
-                title,
-                "not together with others",
-                help,
-            ));
+            refusals.refuse(&net.items, l.item, (title, "not together with others", help), diags);
         }
     }
     let shared = |l: &LiaNode| !matches!(l.measure, Measure::Line(_)) || twice(l).is_some();
     let shared: Vec<bool> = net.lias.iter().map(|l| !l.law.stage.is_explicit() && shared(l)).collect();
-    refuse_shared(model, net, &shared, &mut reported, diags);
+    refuse_shared(net, &shared, &mut refusals, diags);
     // Friction at shared masses is solved with the method of §3.4, whose system is linear like its own.
     let rubs = |(l, shared): (&LiaNode, &bool)| *shared && !l.law.contact && !on_lines_alone(l);
     let curves = arithmetic.is_none_or(|a| a >= 6) && !net.lias.iter().zip(&shared).any(rubs);
     together(net, &shared, |l| curves && !matches!(l.measure, Measure::Radial));
+    refusals.end(net);
 }
 
 /// Returns whether the method of a law works on lines only.
@@ -68,7 +61,7 @@ fn on_lines_alone(l: &LiaNode) -> bool {
 
 /// Refuses laws whose method works on lines only: in space, and at shared masses if their force falls, since a step may
 /// then have several solutions.
-fn refuse_shared(model: &Model, net: &Pruned, shared: &[bool], reported: &mut BTreeSet<u32>, diags: &mut Diags) {
+fn refuse_shared(net: &Pruned, shared: &[bool], refusals: &mut Refusals<'_>, diags: &mut Diags) {
     let links = || net.lias.iter().zip(shared).zip(0usize..).filter(|((l, shared), _)| **shared && on_lines_alone(l));
     if links().next().is_none() {
         return;
@@ -85,9 +78,7 @@ fn refuse_shared(model: &Model, net: &Pruned, shared: &[bool], reported: &mut BT
         } else {
             continue;
         };
-        if reported.insert(l.item) {
-            diags.push(no_method(&model.items[net.items[l.item as usize].model], title, label, help));
-        }
+        refusals.refuse(&net.items, l.item, (title, label, help), diags);
     }
 }
 

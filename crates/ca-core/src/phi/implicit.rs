@@ -21,15 +21,21 @@ pub const METHOD: Param = Param::new(
     "ca: explicit, as in the field; centred: viscosity without a limit and of second order; implicit: stiffness without \
      a limit too. Of the group or the model if left out",
 );
-/// Parameter `method` of a group: the methods of links, and `modal`.
-pub const OF_GROUP: Param =
-    Param::new("method", Type::Choice(Method::OF_GROUP), Need::Optional, "how linear links and cells are computed");
+/// Parameter `method` of a group: the methods of links, `modal` and `auto`.
+pub const OF_GROUP: Param = Param::new(
+    "method",
+    Type::Choice(Method::OF_GROUP),
+    Need::Optional,
+    "how linear links and cells are computed; auto: as by ca, and each other link by the method that conserves its energy, \
+     unless its line names a method",
+);
 /// Parameter `method` of the model: the methods of a group, and `pefrl` for all masses at once.
 pub const OF_MODEL: Param = Param::new(
     "method",
     Type::Choice(Method::WORDS),
     Need::Optional,
-    "how linear links and cells are computed, or, by pefrl, everything",
+    "how linear links and cells are computed, or, by pefrl, everything; auto: as by ca, and each other link by the method that \
+     conserves its energy, unless its line names a method; with format 2 auto if left out",
 );
 /// Parameter `theta`: weight of the positions before and after the tick, each.
 pub const THETA: Param = Param::number(

@@ -8,8 +8,7 @@ use alloc::vec::Vec;
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub enum Level {
     /// every link is linear or conserves energy by its method, and the bound is below the limit: passive by theorem at
-    /// every setting. Changing a parameter or moving a point does work. A contact or friction at a moving point may
-    /// make energy
+    /// every setting. Changing a parameter or moving a point does work
     Proven,
     /// like `Proven`, for small motions about the pose at load; distances conserve energy up to [`Certificate::ripple`]
     Linearised,

@@ -16,7 +16,8 @@ pub mod wave;
 use core::f64::consts::{LN_10, PI};
 
 crate::choice::choice! {
-    /// Method for the linear part. A link or a cell can use the first three, a group also `modal`, the whole model all.
+    /// Method for the linear part. A link or a cell can use the first three, a group also `modal` and `auto`, the whole model
+    /// all.
     pub enum Method {
         /// explicit, the scheme of CORDIS-ANIMA
         Ca = "ca",
@@ -26,6 +27,8 @@ crate::choice::choice! {
         Implicit = "implicit",
         /// by its modes
         Modal = "modal",
+        /// explicit, and links that are not linear by the method that conserves their energy
+        Auto = "auto",
         /// the whole model, by [`crate::method::pefrl`]
         Pefrl = "pefrl",
     }
@@ -35,7 +38,7 @@ impl Method {
     /// Words for a link or a cell.
     pub(crate) const OF_LINK: &'static [&'static str] = Method::WORDS.split_at(3).0;
     /// Words for a group.
-    pub const OF_GROUP: &'static [&'static str] = Method::WORDS.split_at(4).0;
+    pub const OF_GROUP: &'static [&'static str] = Method::WORDS.split_at(5).0;
 
     /// Returns the share θ of the force from before and after the tick, each, or `None` for methods that are not
     /// implicit.
@@ -43,7 +46,7 @@ impl Method {
         match self {
             Method::Centred => Some(0.0),
             Method::Implicit => Some(written.unwrap_or(0.5)),
-            Method::Ca | Method::Modal | Method::Pefrl => None,
+            Method::Ca | Method::Modal | Method::Pefrl | Method::Auto => None,
         }
     }
 }

@@ -14,7 +14,7 @@ use alloc::vec::Vec;
 use ca_core::{Kind, Type};
 
 /// Keys of `[model]`, besides the units, that change the computation.
-const SETTINGS: &[&str] = &["gravity", "friction", "method", "theta", "start"];
+const SETTINGS: &[&str] = &["format", "gravity", "friction", "method", "theta", "start"];
 
 impl Expander<'_> {
     /// Reports a file whose units differ from the model.
