@@ -5,6 +5,7 @@
 #![forbid(unsafe_code)]
 
 pub mod bench;
+mod choice;
 mod methods;
 mod play;
 mod reference;
@@ -24,6 +25,8 @@ use ca_lab::load::{self, Loaded};
 use ca_model::Model;
 use ca_model::Value;
 use ca_report::{Axis, Block, Plot, Point, Section, Table};
+pub use choice::{Choice, choose};
+pub use methods::changes;
 use methods::{AS_WRITTEN, Candidate, candidates};
 pub use reference::Origin;
 use reference::Reference;
@@ -257,16 +260,6 @@ fn small(v: f64) -> String {
 }
 
 impl Measured {
-    /// Returns the cheapest candidate with at most this error, except unstable ones. Returns `None` where the error of
-    /// the reference is greater, so that smaller errors cannot be distinguished.
-    pub fn cheapest(&self, error: f64) -> Option<&MethodRow> {
-        if self.reference.known > error {
-            return None;
-        }
-        let good = self.rows.iter().filter(|r| r.score.error <= error && r.level != Level::Unstable);
-        good.min_by(|a, b| a.ns.total_cmp(&b.ns))
-    }
-
     /// Describes the reference in words.
     pub fn origin(&self) -> String {
         let (known, method) = (self.reference.known, self.reference.method);

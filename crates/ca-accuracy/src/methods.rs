@@ -25,9 +25,10 @@ struct Method {
     word: Option<&'static str>,
 }
 
-/// All methods, the unchanged model first.
-const METHODS: [Method; 10] = [
+/// All there are, the model as it is first.
+const METHODS: [Method; 12] = [
     Method { name: AS_WRITTEN, linear: None, word: None },
+    Method { name: "ca", linear: Some(("ca", None)), word: None },
     Method { name: "centred", linear: Some(("centred", None)), word: None },
     Method { name: "implicit 1/12", linear: Some(("implicit", Some("0.08333333333333333"))), word: None },
     Method { name: "implicit 1/4", linear: Some(("implicit", Some("0.25"))), word: None },
@@ -37,6 +38,7 @@ const METHODS: [Method; 10] = [
     Method { name: "stable", linear: None, word: Some("stable") },
     Method { name: "secant", linear: None, word: Some("secant") },
     Method { name: "newton", linear: None, word: Some("newton") },
+    Method { name: "auto", linear: Some(("auto", None)), word: None },
 ];
 
 pub struct Candidate {
@@ -59,15 +61,13 @@ impl Candidate {
     }
 }
 
-/// Returns the model with the method of this name; `None` where no module knows its word.
-pub fn with_method(loaded: &Loaded, name: &str) -> Option<Loaded> {
+/// Returns the changes to a model for a method, as names and values of `--set`; `None` if no module knows its word.
+fn words_of(loaded: &Loaded, name: &str) -> Option<Vec<(String, String)>> {
     let method = METHODS.iter().find(|m| m.name == name)?;
-    let mut model = loaded.model.clone();
+    let mut all = Vec::new();
     if let Some((name, theta)) = method.linear {
-        model.set("model.method", name);
-        if let Some(theta) = theta {
-            model.set("model.theta", theta);
-        }
+        all.push(("model.method".into(), name.into()));
+        all.extend(theta.map(|theta| ("model.theta".into(), theta.into())));
     }
     if let Some(word) = method.word {
         let knows = |kind: &str| {
@@ -75,13 +75,32 @@ pub fn with_method(loaded: &Loaded, name: &str) -> Option<Loaded> {
             let param = kinds.get(kind).and_then(|k| k.params.iter().find(|p| p.name == "method"));
             param.is_some_and(|p| matches!(p.ty, Type::Choice(words) if words.contains(&word)))
         };
-        let names: Vec<String> = model.items.iter().filter(|i| knows(&i.kind)).map(|i| i.name.clone()).collect();
-        if names.is_empty() {
+        let items = loaded.model.items.iter().filter(|i| knows(&i.kind));
+        let words: Vec<_> = items.map(|i| (format!("{}.method", i.name), word.into())).collect();
+        if words.is_empty() {
             return None;
         }
-        for name in names {
-            model.set(&format!("{name}.method"), word);
-        }
+        all.extend(words);
+    }
+    Some(all)
+}
+
+/// Returns the changes for a method at a multiple of the rate: the sound rate stays, and each sample has more ticks.
+pub fn changes(loaded: &Loaded, name: &str, times: u32) -> Option<Vec<(String, String)>> {
+    let mut all = words_of(loaded, name)?;
+    if times > 1 {
+        let written = loaded.model.rate.iter().find(|e| e.key == "oversample").and_then(|e| e.value.number());
+        let ticks = written.unwrap_or(1.0) * f64::from(times);
+        all.push(("rate.oversample".into(), ticks.to_string()));
+    }
+    Some(all)
+}
+
+/// Returns the model with a method of this name; `None` if no module knows its word.
+pub fn with_method(loaded: &Loaded, name: &str) -> Option<Loaded> {
+    let mut model = loaded.model.clone();
+    for (name, value) in words_of(loaded, name)? {
+        model.set(&name, &value);
     }
     Some(Loaded {
         model,
@@ -92,8 +111,10 @@ pub fn with_method(loaded: &Loaded, name: &str) -> Option<Loaded> {
     })
 }
 
+/// All candidates of a model.
 #[derive(Default)]
 pub struct Candidates {
+    /// Candidates that compile.
     pub all: Vec<Candidate>,
     /// Methods that the model cannot use, with the reason.
     pub refused: Vec<(&'static str, String)>,

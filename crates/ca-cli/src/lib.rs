@@ -84,6 +84,9 @@ pub fn play_request(
     let failed = |e: clap::Error| ca_lab::Failure::Failed(e.to_string().trim_end().into());
     let cli = cli::command().try_get_matches_from(words).and_then(|m| Cli::from_arg_matches(&m)).map_err(failed)?;
     match cli.command {
+        Command::Play(args) if args.aim.error.is_some() => {
+            Err(ca_lab::Failure::Failed("--error: choose it before the scene is played, by `Scene.within`".into()))
+        }
         Command::Play(mut args) => {
             args.serve.source.set.splice(..0, changes);
             commands::serve::request(&args.serve, Some(commands::play::page(&args)), read)

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 /// model is linear and nothing drives it, else the same model at a far higher rate, by Richardson extrapolation. The
 /// uncertainty of the reference is printed. A row gives the relative RMS error of the signal and of its spectrum, the error
 /// of pitch in cents and of decay in dB, the relative error of energy, and the run time in ns per sample on this machine.
-/// Rows on the Pareto front of error and time are marked; with `--error` the fastest row within that error is named.
+/// Rows on the Pareto front of error and time are marked; with `--error` the fastest proven row within that error is named.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca accuracy plucked_string --seconds 0.3 --times 1,2 --reference 8
@@ -42,7 +42,7 @@ pub struct AccuracyArgs {
     /// Listens to these instead of the outputs: `low[3]`, `strike`; repeatable
     #[arg(long, value_name = "NAME")]
     pub probe: Vec<String>,
-    /// Names the fastest row with at most this relative RMS error, e.g. 1e-3
+    /// Names the fastest proven row with at most this relative RMS error, e.g. 1e-3; `ca render --error` plays it
     #[arg(long, value_name = "E", value_parser = share)]
     pub error: Option<f64>,
     /// Writes a page with the plot and the table
@@ -53,7 +53,8 @@ pub struct AccuracyArgs {
     pub json: bool,
 }
 
-fn share(text: &str) -> Result<f64, String> {
+/// Parses an error.
+pub(super) fn share(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(v) if v > 0.0 && v.is_finite() => Ok(v),
         _ => Err("a number above 0 is wanted, e.g. 1e-3".into()),
@@ -92,7 +93,7 @@ pub fn run(args: &AccuracyArgs) -> Outcome {
         bar.finish_and_clear();
     }
     let found = found?;
-    let best = args.error.and_then(|e| found.cheapest(e));
+    let best = args.error.and_then(|e| found.choose(e));
     let reported = Page { name: &loaded.name, found: &found, best, asked: args.error };
     if args.json {
         writeln!(std::io::stdout().lock(), "{:#}", reported.json())?;

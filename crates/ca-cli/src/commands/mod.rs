@@ -1,10 +1,12 @@
 //! The commands. Each has a file or folder with its arguments and `run`, except that `control.rs` holds the six that
-//! talk to a running server. `border.rs` prints lines for several commands.
+//! talk to a running server. `border.rs` and `aim.rs` serve several
+//! commands.
 
 use crate::outcome::Outcome;
 use clap::Subcommand;
 
 pub(crate) mod accuracy;
+mod aim;
 pub(crate) mod bench;
 mod border;
 pub(crate) mod check;

@@ -238,11 +238,14 @@ class Accuracy:
         return f"<Accuracy: {len(self)} ways, {self.seconds:g} s at {self.rate:g} Hz against {self.against}>"
 
     def cheapest(self, error: float) -> tuple[str, int] | None:
-        """Returns the fastest method and multiple of the rate with at most this error, or ``None`` if there is none.
+        """Returns the fastest proven method and multiple of the rate with at most this error, or ``None`` if there is none.
 
-        Also returns ``None`` if the error of the reference is larger; a higher ``reference`` reduces it.
+        Without a proven one, returns the fastest that is not unstable. Single precision does not count, because a scene
+        cannot choose it. Also returns ``None`` if the error of the reference is larger; a higher ``reference`` reduces it.
         """
-        good = [k for k in range(len(self)) if self.error[k] <= error and self.stability[k] != "unstable"]
+        good = [k for k in range(len(self)) if self.error[k] <= error and self.method[k] != "single"]
+        proven = [k for k in good if self.stability[k] == "proven"]
+        good = proven or [k for k in good if self.stability[k] != "unstable"]
         if self.known > error or not good:
             return None
         best = min(good, key=lambda k: float(self.ns[k]))

@@ -1,5 +1,6 @@
 //! Arguments of `ca play`.
 
+use crate::commands::aim::Aim;
 use crate::commands::serve::ServeArgs;
 use clap::Args;
 
@@ -19,6 +20,9 @@ pub struct PlayArgs {
     /// what `ca serve` has, too
     #[command(flatten)]
     pub serve: ServeArgs,
+    /// the error
+    #[command(flatten)]
+    pub aim: Aim,
     /// Prints the address and opens nothing
     #[arg(long)]
     pub no_open: bool,

@@ -5,7 +5,7 @@ mod browser;
 
 pub use args::PlayArgs;
 
-use crate::commands::serve;
+use crate::commands::serve::{self, ServeArgs};
 use crate::outcome::Outcome;
 use ca_live::PageOptions;
 use std::sync::Mutex;
@@ -22,7 +22,9 @@ pub fn run(args: &PlayArgs) -> Outcome {
             *redirect = browser::open(address);
         }
     };
-    serve::play(&args.serve, Some(page(args)), Box::new(opens))
+    let source = args.aim.meet(&args.serve.source, args.serve.quiet)?;
+    let aimed = ServeArgs { source, ..args.serve.clone() };
+    serve::play(&aimed, Some(page(args)), Box::new(opens))
 }
 
 /// Returns the options of the page.

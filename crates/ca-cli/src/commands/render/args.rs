@@ -2,6 +2,7 @@
 
 use crate::args::common::dbfs;
 use crate::args::{Playing, Source};
+use crate::commands::aim::Aim;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -25,6 +26,7 @@ use std::path::PathBuf;
   ca render hammered_string --normalize -1dBFS --no-fade
   ca render hammered_string --probe 'low[3]' --probe strike=blow.csv --seconds '500 ms'
   ca render hammered_string --energy --json
+  ca render marimba --error 2e-2 --seconds 0.5
   ca render piano_key --latency 30 --no-feedback
   ca render piano_key --border hold --set rate.filter='18 kHz'")]
 pub struct RenderArgs {
@@ -54,6 +56,9 @@ pub struct RenderArgs {
     /// it is how far that is from where it rests (a gesture says where it is), of a link its force
     #[arg(long, value_name = "NAME[=FILE]")]
     pub probe: Vec<String>,
+    /// the error
+    #[command(flatten)]
+    pub aim: Aim,
     /// Keeps the energy ledger for the whole length (slower)
     #[arg(long)]
     pub energy: bool,

@@ -15,7 +15,7 @@ use std::path::PathBuf;
 ///
 /// Software cannot replace a switch that cuts the power of the motors: keep one within reach.
 #[allow(clippy::struct_excessive_bools)]
-#[derive(Args)]
+#[derive(Args, Clone)]
 #[command(after_long_help = "Examples:
   ca serve piano_key --seconds 2
   ca serve piano_key --seconds 1 --arm -o played.wav --log played.mcap

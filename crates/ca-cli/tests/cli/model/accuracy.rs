@@ -259,3 +259,31 @@ fn the_page_of_error_against_run_time_is_true() {
         }
     }
 }
+
+/// `--error` plays a model by another method, and writes it.
+#[test]
+fn a_render_meets_an_error_by_the_cheapest_proven_method() {
+    let desk = Desk::new();
+    desk.put(
+        "own.ca.toml",
+        "# kept\n[SOL]\nwall = {}\n[MAS]\nbob = { m = \"1 g\", x = \"1 mm\", v = \"-1 m/s\" }\n\
+         [BUT]\nhit = { between = [\"wall\", \"bob\"], k = \"40 kN/m\" }\n[SOX]\nout = { from = \"bob\" }\n",
+    );
+    let render =
+        |more: &[&str]| desk.ca(&[&["render", "own.ca.toml", "--seconds", "0.02", "-o", "out.wav"], more].concat());
+    let ran = render(&["--error", "0.01", "--write", "chosen.ca.toml"]).is(0);
+    assert!(ran.err.contains("error") && ran.err.contains("ns a sample") && ran.err.contains("proven"), "{}", ran.err);
+    let chosen = fs::read_to_string(desk.path("chosen.ca.toml")).unwrap();
+    assert!(chosen.starts_with("# kept\n") && chosen.contains("method"), "{chosen}");
+    // the written model is computed as the render was
+    let by_error = fs::read(desk.path("out.wav")).unwrap();
+    desk.ca(&["render", "chosen.ca.toml", "--seconds", "0.02", "-o", "again.wav", "-q"]).is(0);
+    assert!(by_error == fs::read(desk.path("again.wav")).unwrap());
+    let ran = desk.ca(&["check", "chosen.ca.toml"]).is(0);
+    assert!(ran.out.contains("proven"), "{}", ran.out);
+
+    render(&["--error", "1e-30"]).is(1).says(&["no method has an error of at most 1e-30"]);
+    render(&["--error", "0"]).is(2);
+    render(&["--write", "other.ca.toml"]).is(2);
+    render(&["--error", "0.01", "--write", "chosen.ca.toml"]).is(1).says(&["it exists"]);
+}
