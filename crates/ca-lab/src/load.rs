@@ -7,6 +7,7 @@ use crate::Failure;
 use ca_compile::{Compiled, Options};
 use ca_core::Scene;
 use ca_core::internal::kind::cloud::Unread;
+use ca_core::internal::scene::PRESET;
 pub use ca_io::error::reason;
 use ca_model::diag::{Diags, Severity};
 use ca_model::part::instances;
@@ -140,9 +141,19 @@ pub fn set(loaded: &mut Loaded, name: &str, value: Value) -> Result<(), Failure>
             }
         }
     }
+    let preset = (name == PRESET).then(|| value.shown());
     if model.put(name, value) {
         loaded.look();
         return Ok(());
+    }
+    if let Some(word) = preset {
+        let names = || model.presets.iter().map(|p| p.key.as_str());
+        let hint = match nearest(&word, names()) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None if model.presets.is_empty() => "it has none; write one below `[preset.NAME]`".into(),
+            None => format!("it has {}", ticked(names())),
+        };
+        return Err(Failure::Usage(format!("`{word}` is not a preset of the model; {hint}")));
     }
     if let Some(what) = of_group(model, name).or_else(|| of_member(model, name)) {
         return Err(Failure::Usage(what));

@@ -7,6 +7,7 @@ use crate::quantity;
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
+use ca_core::internal::scene::PRESET;
 
 /// Largest number of modules (MATs and LIAs) of a model; more are refused before any is made. A wrong digit must not
 /// exhaust the machine, and a tenth of this is already too slow for real time on any machine.
@@ -63,6 +64,17 @@ impl Entry {
     /// Makes an entry without a place.
     pub fn new(key: &str, value: impl Into<Value>) -> Entry {
         Entry { key: key.into(), key_span: Span::NONE, value: value.into(), span: Span::NONE }
+    }
+
+    /// Gives a line of `[param]` another value, written at `span`. A bare number has the unit of the parameter.
+    pub fn give(&mut self, value: Value, span: Span) {
+        if let Value::Table(entries) = &mut self.value {
+            let value = in_its_unit(entries, value);
+            entries.retain(|x| x.key != "value");
+            entries.push(Entry { span, ..Entry::new("value", value) });
+        } else {
+            (self.value, self.span) = (value, span);
+        }
     }
 }
 
@@ -175,6 +187,8 @@ pub struct Model {
     pub params: Vec<Entry>,
     /// `[gesture]`: port or live parameter = list of [time, value].
     pub gestures: Vec<Entry>,
+    /// `[preset.NAME]`: a table of live parameter = value for each preset
+    pub presets: Vec<Entry>,
     /// `[equivalence]`: quantity = [real, simulated].
     pub equivalence: Vec<Entry>,
     /// `[part.NAME]`: reusable pieces, as written.
@@ -226,14 +240,11 @@ impl Model {
     /// Sets a parameter as [`Model::set`] does, to any value.
     pub fn put(&mut self, name: &str, value: Value) -> bool {
         if let Some(e) = self.params.iter_mut().find(|e| e.key == name) {
-            if let Value::Table(entries) = &mut e.value {
-                let value = in_its_unit(entries, value);
-                entries.retain(|x| x.key != "value");
-                entries.push(Entry::new("value", value));
-            } else {
-                (e.value, e.span) = (value, Span::NONE);
-            }
+            e.give(value, Span::NONE);
             return true;
+        }
+        if name == PRESET {
+            return self.choose(&value.shown());
         }
         let Some((owner, key)) = name.rsplit_once('.') else { return false };
         if matches!(owner, "model" | "rate") {
@@ -253,6 +264,18 @@ impl Model {
         match item.args.iter_mut().find(|e| e.key == key) {
             Some(e) => (e.value, e.span) = (value, Span::NONE),
             None => item.args.push(Entry::new(key, value)),
+        }
+        true
+    }
+
+    /// Gives live parameters the values of a preset. Returns false if the model lacks the preset.
+    fn choose(&mut self, preset: &str) -> bool {
+        let Some(Value::Table(values)) = self.presets.iter().find(|e| e.key == preset).map(|e| e.value.clone()) else {
+            return false;
+        };
+        for e in values {
+            // the compiler reports a name that does not exist
+            self.put(&e.key, e.value);
         }
         true
     }

@@ -72,6 +72,13 @@ pub fn schema(catalog: &Catalog) -> Json {
         "gesture".into(),
         json!({"type": "object", "description": "a port or a live parameter, and its breakpoints [time, value]"}),
     );
+    properties.insert(
+        "preset".into(),
+        json!({
+            "type": "object", "description": "presets, each under its name", "propertyNames": {"pattern": WORD},
+            "additionalProperties": {"type": "object", "description": "a live parameter, and its value"},
+        }),
+    );
     properties.insert("equivalence".into(), equivalence());
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -123,6 +130,9 @@ fn known(key: &str, method: &Param) -> Json {
         }
         "feedback" => json!({"type": "boolean", "default": true, "description": "whether the hand gets a force"}),
         "filter" => number("edge of the pass band of the low-pass on all outputs [Hz]"),
+        "format" => {
+            json!({"enum": [1, 2], "default": 1, "description": "version of the language; 2: the default method is auto"})
+        }
         "title" => json!({"type": "string", "description": "what it is, in a few words"}),
         "author" => json!({"type": "string", "description": "who made it"}),
         "source" => json!({"type": "string", "description": "where it comes from"}),

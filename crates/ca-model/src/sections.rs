@@ -1,9 +1,10 @@
 //! Sections at the root of a document other than kinds, and their keys.
 
 /// Root sections that are not kinds, in the order of [`super::write`].
-pub const SECTIONS: &[&str] = &["model", "rate", "param", "part", "use", "gesture", "equivalence"];
+pub const SECTIONS: &[&str] = &["model", "rate", "param", "part", "use", "gesture", "preset", "equivalence"];
 /// Keys of `[model]`.
 pub const META: &[&str] = &[
+    "format",
     "title",
     "author",
     "source",

@@ -1,10 +1,10 @@
 //! Writes a [`Model`] as text, in the form that an author would choose.
 //!
-//! The order is `[model]`, `[rate]`, `[param]`, modules, `[gesture]`, `[equivalence]`, with one module on a line and
-//! aligned `=`. TOML allows each section once. A model in the order MAS, REF, MAS is therefore written with kinds in
-//! order of first appearance and modules of a kind in their order; reading it gives the same modules, regrouped. Only
-//! the comments at the head of the file are written, since a [`Model`] does not contain others. No TOML library is
-//! used: writing must work without the feature `parse`, and none writes one module on a line.
+//! The order is `[model]`, `[rate]`, `[param]`, modules, `[gesture]`, `[preset]`, `[equivalence]`, with one module on a
+//! line and aligned `=`. TOML allows each section once. A model in the order MAS, REF, MAS is therefore written with
+//! kinds in order of first appearance and modules of a kind in their order; reading it gives the same modules,
+//! regrouped. Only the comments at the head of the file are written, since a [`Model`] does not contain others. No TOML
+//! library is used: writing must work without the feature `parse`, and none writes one module on a line.
 
 use super::model::{Entry, Item, Model, Value};
 use super::select::is_word;
@@ -30,6 +30,12 @@ pub fn write(model: &Model) -> String {
     section(&mut out, "param", &model.params);
     modules(&mut out, model);
     section(&mut out, "gesture", &model.gestures);
+    for preset in &model.presets {
+        if let Value::Table(values) = &preset.value {
+            head(&mut out, &format!("preset.{}", quoted_key(&preset.key)));
+            lines(&mut out, values);
+        }
+    }
     section(&mut out, "equivalence", &model.equivalence);
     out
 }
@@ -51,6 +57,10 @@ fn section(out: &mut String, name: &str, entries: &[Entry]) {
         return;
     }
     head(out, name);
+    lines(out, entries);
+}
+
+fn lines(out: &mut String, entries: &[Entry]) {
     let lines: Vec<(String, &Value)> = entries.iter().map(|e| (quoted_key(&e.key), &e.value)).collect();
     let pad = padding(lines.iter().map(|l| l.0.as_str()));
     for (key, value) in lines {

@@ -113,7 +113,7 @@ function load(message) {
   status.scene(message);
   parameters.build(message.params || []);
   keyboard.build(message.notes || null);
-  presets.scene(message.model || message.title || "", (message.params || []).length > 0);
+  presets.scene(message.model || message.title || "", message.presets || [], (message.params || []).length > 0);
   follow = ports(find("ports"), message.ports || [], connection);
   find("portsBox").hidden = (message.ports || []).length === 0;
   meters.setScene(message.rate, message.channels || []);

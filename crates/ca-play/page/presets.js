@@ -1,4 +1,4 @@
-// Presets: all parameters under a name, stored in this browser for a model of this name. A slider interpolates between
+// Presets of the model, and presets that this browser stores for a model of this name. A slider interpolates between
 // the values before the choice and the chosen preset: its middle is halfway for each parameter.
 
 import { element } from "./controls.js";
@@ -11,15 +11,19 @@ export class Presets {
     this.box = find("presetsBox"); this.list = find("presets"); this.name = find("presetName"); this.way = find("morph");
     this.values = values; this.set = set;
     this.model = "";
+    this.ofModel = [];
     this.near = this.far = null;
     find("presetForm").addEventListener("submit", e => { e.preventDefault(); this.save(this.name.value.trim()); });
     this.name.addEventListener("keydown", e => e.stopPropagation());
     this.way.addEventListener("input", () => this.morph());
   }
 
-  scene(model, any) {
+  // A scene begins: its model, its presets, and whether it has parameters.
+  scene(model, presets, any) {
     this.model = model;
+    this.ofModel = presets;
     this.box.hidden = !any;
+    if (presets.length) this.box.open = true;
     this.far = null;
     this.draw();
   }
@@ -48,14 +52,14 @@ export class Presets {
     this.name.value = "";
   }
 
-  choose(name) {
-    const now = this.values(), far = this.read()[name] || {};
+  choose(key, values) {
+    const now = this.values();
     this.near = now;
     // only finite values of parameters that this model has
-    this.far = Object.fromEntries(Object.entries(far).filter(([n, v]) => n in now && Number.isFinite(v)));
+    this.far = Object.fromEntries(Object.entries(values).filter(([n, v]) => n in now && Number.isFinite(v)));
     this.way.value = 100;
     this.morph();
-    this.draw(name);
+    this.draw(key);
   }
 
   morph() {
@@ -67,14 +71,21 @@ export class Presets {
   }
 
   draw(chosen) {
-    const all = this.read();
-    this.list.replaceChildren(...Object.keys(all).map(name => {
-      const pick = element("button", { type: "button", class: "pick", "aria-pressed": String(name === chosen), text: name });
-      pick.addEventListener("click", () => this.choose(name));
+    const stored = this.read();
+    const row = (key, text, values, ...more) => {
+      const pick = element("button", { type: "button", class: "pick", "aria-pressed": String(key === chosen), text });
+      pick.addEventListener("click", () => this.choose(key, values));
+      return element("div", { class: "preset" }, pick, ...more);
+    };
+    const own = name => {
       const drop = element("button", { type: "button", class: "back", title: "Delete", "aria-label": `Delete ${name}`, text: "×" });
       drop.addEventListener("click", () => { const rest = this.read(); delete rest[name]; this.write(rest); });
-      return element("div", { class: "preset" }, pick, drop);
-    }));
+      return row("own " + name, name, stored[name] || {}, drop);
+    };
+    this.list.replaceChildren(
+      ...this.ofModel.map(p => row("model " + p.name, p.name.replaceAll("_", " "), p.values)),
+      ...Object.keys(stored).map(own),
+    );
     this.way.parentNode.hidden = !this.far;
   }
 }

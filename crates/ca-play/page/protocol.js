@@ -16,6 +16,13 @@ export {};
  */
 
 /**
+ * A preset of the model.
+ * @typedef {object} Preset
+ * @property {string} name its name
+ * @property {Object<string, number>} values values of live parameters, by name (SI)
+ */
+
+/**
  * A port.
  * @typedef {object} PortInfo
  * @property {string} name its name
@@ -195,6 +202,7 @@ export {};
  * @property {Array<Param>} params live parameters
  * @property {Array<PortInfo>} ports ports of position and force, and keys of devices
  * @property {boolean} gesture whether the model brings a gesture
+ * @property {Array<Preset>} presets presets of the model; `set` with the name `preset` and the name of one of them chooses it
  * @property {Array<number>|null} notes MIDI keys that play, lowest first; `null` without any
  * @property {number|null} seconds how long its author plays it [s]
  * @property {Array<string>} energy names of the parts whose energy of motion `energy` has

@@ -310,7 +310,7 @@ impl Model {
         Ok(())
     }
 
-    /// Writes an entry of `model`, `rate`, `param`, `gesture` or `equivalence`.
+    /// Writes an entry of `model`, `rate`, `param`, `gesture`, `preset` or `equivalence`.
     fn put(&mut self, py: Python, section: &str, key: &str, value: Given) -> PyResult<()> {
         let known = [("model", read::META), ("rate", read::RATES)].into_iter().find(|s| s.0 == section).map(|s| s.1);
         if let Some(keys) = known.filter(|keys| !keys.contains(&key)) {
@@ -318,7 +318,7 @@ impl Model {
             let hint = meant.map_or_else(|| format!("it has {}", keys.join(", ")), |m| format!("did you mean `{m}`?"));
             return Err(usage(py, &format!("`[{section}]` has no `{key}`; {hint}")));
         }
-        if (section == "param" && !is_word(key)) || (section == "gesture" && !is_name(key)) {
+        if (matches!(section, "param" | "preset") && !is_word(key)) || (section == "gesture" && !is_name(key)) {
             return Err(no_name(py, key));
         }
         let model = &mut self.loaded.model;
@@ -330,6 +330,7 @@ impl Model {
             "rate" => &mut model.rate,
             "param" => &mut model.params,
             "gesture" => &mut model.gestures,
+            "preset" => &mut model.presets,
             "equivalence" => &mut model.equivalence,
             _ => return Err(usage(py, &format!("`{section}` is no section of a model"))),
         };
@@ -422,6 +423,11 @@ impl Model {
     ) -> PyResult<Bound<'py, PyDict>> {
         let asked = measure::AccuracyArgs { rate, seconds, probes, times, reference };
         measure::accuracy(py, self.whole(), asked, progress)
+    }
+
+    /// The changes by which a method is used at a multiple of the rate, as names and values; none for unknown methods.
+    fn changes(&self, method: &str, times: u32) -> Option<Vec<(String, String)>> {
+        ca_accuracy::changes(&self.loaded, method, times)
     }
 
     /// See `cordis_anima.fit`.

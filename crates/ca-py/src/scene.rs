@@ -15,6 +15,7 @@ use ca_lab::bytes;
 use ca_lab::load::{self, Loaded};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -70,6 +71,13 @@ impl Scene {
     fn params(&self) -> Vec<(&str, f64, f64, f64, &str, &str)> {
         let list = self.0.scene.live.params.iter();
         list.map(|p| (p.name.as_str(), p.value, p.min, p.max, p.unit.symbol, p.doc.as_str())).collect()
+    }
+
+    /// Presets: name, and the values of its live parameters.
+    #[getter]
+    fn presets(&self) -> Vec<(String, BTreeMap<String, f64>)> {
+        let all = self.0.scene.about.presets.iter();
+        all.map(|(name, values)| (name.clone(), values.iter().cloned().collect())).collect()
     }
 
     /// Names of probes, and for each the index of its selector.

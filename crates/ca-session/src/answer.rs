@@ -1,6 +1,7 @@
 //! Answers to requests from `ca set`, `ca arm` and similar commands, and from pages.
 
 use crate::host::Language;
+use crate::preset;
 use crate::refused::Refused;
 use ca_core::LiveParam;
 use ca_core::internal::numeric::Plain;
@@ -33,8 +34,19 @@ pub fn answer(
         Request::Set { values } => {
             let mut list: Vec<(String, f64)> = Vec::new();
             let live = |name: &String| recorder.controls().params().iter().any(|p| p.name == *name);
-            let (values, anew) = values.into_iter().partition::<Vec<_>, _>(|(name, _)| change.is_none() || live(name));
+            let is_preset = |name: &String, given: &Given| preset::chosen(recorder, name, given).is_some();
+            let (values, anew) = values
+                .into_iter()
+                .partition::<Vec<_>, _>(|(name, given)| change.is_none() || live(name) || is_preset(name, given));
             for (name, given) in values {
+                if let Some(name) = preset::chosen(recorder, &name, &given) {
+                    match preset::values(recorder, language, name) {
+                        // a parameter that is set by itself counts, not its value in the preset
+                        Ok(values) => list.splice(..0, values),
+                        Err(why) => return Reply::refused(why),
+                    };
+                    continue;
+                }
                 match value(recorder, language, &name, given) {
                     Ok(v) => list.push((name, v)),
                     Err(why) => return Reply::refused(why),
@@ -155,5 +167,7 @@ fn status(recorder: &Recorder) -> Reply {
     fields.insert("lost".into(), json!(recorder.lost()));
     fields.insert("devices".into(), devices.into());
     fields.insert("params".into(), params.into());
+    let presets: Vec<&str> = recorder.scene().about.presets.iter().map(|p| p.0.as_str()).collect();
+    fields.insert("presets".into(), json!(presets));
     Reply { ok: true, text, fields }
 }

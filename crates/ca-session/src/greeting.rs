@@ -1,7 +1,7 @@
 //! Message `scene`: everything that a page shows and plays.
 
 use crate::energy::KineticEnergy;
-use crate::protocol::{Message, Param, PortInfo, PortRole};
+use crate::protocol::{Message, Param, PortInfo, PortRole, Preset};
 use ca_core::internal::io::midi::MidiSource;
 use ca_core::{Input, InputRole, LiveParam, Scene};
 use ca_view::Drawing;
@@ -23,6 +23,7 @@ pub fn greeting(scene: &Scene, drawing: &Drawing, model: &str, generation: u32, 
         params,
         ports,
         gesture: !scene.about.gestures.is_empty(),
+        presets: scene.about.presets.iter().map(preset).collect(),
         notes: notes(scene),
         seconds: scene.about.seconds,
         energy: KineticEnergy::new(scene).names().to_vec(),
@@ -35,6 +36,10 @@ fn param(p: &LiveParam) -> Param {
     let finite = |v: f64| v.is_finite().then_some(v);
     let (unit, doc) = (p.unit.symbol.into(), p.doc.clone());
     Param { name: p.name.clone(), value: p.value, min: finite(p.min), max: finite(p.max), unit, doc }
+}
+
+fn preset((name, values): &(String, Vec<(String, f64)>)) -> Preset {
+    Preset { name: name.clone(), values: values.iter().cloned().collect() }
 }
 
 /// Returns the keys that play, lowest first, or `None`.

@@ -19,6 +19,7 @@ mod midi;
 pub mod osc;
 mod pages;
 mod picture;
+mod preset;
 pub mod protocol;
 mod refused;
 mod session;

@@ -25,6 +25,8 @@ pub struct Midi {
     learning: Option<String>,
     /// Controllers reported to move nothing.
     reported: BTreeSet<Control>,
+    /// channel and number of program changes that were reported to choose nothing
+    programs: BTreeSet<(u8, u8)>,
     /// Ports that were held by the pedal and return to rest: end of the return, name and next motion.
     lifted: Vec<(Duration, String, Glide)>,
 }
@@ -37,6 +39,7 @@ impl Midi {
             bound: BTreeMap::new(),
             learning: None,
             reported: BTreeSet::new(),
+            programs: BTreeSet::new(),
             lifted: Vec::new(),
         }
     }
@@ -69,6 +72,7 @@ impl Midi {
                 Played::Control { channel, number, part, used } => {
                     self.control(recorder, (channel, number), part, used)
                 }
+                Played::Program { channel, number } => self.program(recorder, channel, number),
                 Played::Unheard(text) => {
                     recorder.say(false, text);
                     Ok(())
@@ -93,6 +97,22 @@ impl Midi {
             let up = now + Duration::from_secs_f64(first.over.clamp(0.0, LONGEST));
             self.lifted.push((up, name, glide));
         }
+        Ok(())
+    }
+
+    /// Sets the live parameters of the preset of this number, in the order of the model.
+    fn program(&mut self, recorder: &mut Recorder, channel: u8, number: u8) -> Result<(), Refused> {
+        let presets = &recorder.scene().about.presets;
+        let Some((name, values)) = presets.get(usize::from(number)).cloned() else {
+            let n = presets.len();
+            if self.programs.insert((channel, number)) {
+                let text = format!("program {number} on channel {channel} chooses nothing: the model has {n} presets");
+                recorder.say(false, text);
+            }
+            return Ok(());
+        };
+        recorder.set(&values)?;
+        recorder.say(false, format!("preset `{name}`"));
         Ok(())
     }
 

@@ -6,6 +6,7 @@
 //! | message | effect |
 //! |---|---|
 //! | `/param NAME VALUE`, `/param/NAME VALUE` | sets a live parameter, a number \[SI\] or a text with a unit |
+//! | `/preset NAME` | sets the live parameters of a preset |
 //! | `/port NAME VALUE [SECONDS]` | moves a position port \[m\] or a force port \[N\] |
 //! | `/note KEY VELOCITY [CHANNEL]`, `/control NUMBER VALUE [CHANNEL]` | as MIDI |
 //! | `/gesture 1`, `/gesture 0` | starts or stops the model's own gesture |
@@ -14,6 +15,7 @@
 use crate::answer::value;
 use crate::host::Language;
 use crate::midi::Midi;
+use crate::preset;
 use crate::refused::Refused;
 use ca_haptic::control::Given;
 use ca_haptic::engine::GLIDE;
@@ -118,6 +120,8 @@ fn message(m: &OscMessage, target: &mut Target<'_>, sets: &mut Vec<(String, f64)
         ("/param", [OscType::String(name), v]) => {
             sets.push((name.clone(), value(recorder, *language, name, given(v)?)?));
         }
+        ("/preset", [OscType::String(name)]) => sets.extend(preset::values(recorder, *language, name)?),
+        ("/preset", _) => return Err("takes the name of a preset".into()),
         ("/param", _) => return Err("takes the name of a live parameter and its value".into()),
         ("/port", [OscType::String(name), v]) => recorder.port(name, number(v)?, GLIDE)?,
         ("/port", [OscType::String(name), v, over]) => recorder.port(name, number(v)?, number(over)?)?,
@@ -128,7 +132,7 @@ fn message(m: &OscMessage, target: &mut Target<'_>, sets: &mut Vec<(String, f64)
         ("/control", _) => return Err("takes a controller, a value and, if you like, a channel".into()),
         ("/gesture", [v]) => recorder.gesture(truth(v)?)?,
         ("/gesture", _) => return Err("takes 1 or 0".into()),
-        _ => return Err("there is /param, /port, /note, /control, /gesture and /state".into()),
+        _ => return Err("there is /param, /preset, /port, /note, /control, /gesture and /state".into()),
     }
     Ok(())
 }

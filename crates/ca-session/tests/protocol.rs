@@ -5,7 +5,8 @@ mod skipped;
 
 use ca_haptic::control::Given;
 use ca_session::protocol::{
-    Bound, Choices, DeviceState, Message, NumberedRequest, Param, Picked, PortInfo, PortRole, Request, jsdoc, page,
+    Bound, Choices, DeviceState, Message, NumberedRequest, Param, Picked, PortInfo, PortRole, Preset, Request, jsdoc,
+    page,
 };
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -86,6 +87,7 @@ fn messages_are_the_same_bytes_as_ever() {
         }],
         ports: vec![PortInfo { name: "key".into(), role: PortRole::Device, mass: Some(3), rest: -0.5 }],
         gesture: true,
+        presets: vec![Preset { name: "soft".into(), values: [("k".to_string(), 800.0)].into() }],
         notes: None,
         seconds: Some(2.5),
         energy: vec!["low".into()],
@@ -119,7 +121,7 @@ fn messages_are_the_same_bytes_as_ever() {
     for (message, text) in [
         (
             scene,
-            r#"{"channels":["left"],"drawing":{"masses":1},"energy":["low"],"frame":16,"generation":2,"gesture":true,"model":"key.ca.toml","notes":null,"params":[{"doc":"of the spring","max":null,"min":0.0,"name":"k","unit":"N/m","value":8000.0}],"ports":[{"mass":3,"name":"key","rest":-0.5,"role":"device"}],"rate":48000.0,"seconds":2.5,"stability":"proven","title":"A key","type":"scene"}"#,
+            r#"{"channels":["left"],"drawing":{"masses":1},"energy":["low"],"frame":16,"generation":2,"gesture":true,"model":"key.ca.toml","notes":null,"params":[{"doc":"of the spring","max":null,"min":0.0,"name":"k","unit":"N/m","value":8000.0}],"ports":[{"mass":3,"name":"key","rest":-0.5,"role":"device"}],"presets":[{"name":"soft","values":{"k":800.0}}],"rate":48000.0,"seconds":2.5,"stability":"proven","title":"A key","type":"scene"}"#,
         ),
         (
             state,

@@ -16,6 +16,10 @@ use std::sync::Arc;
 const MODEL: &str = r#"
 [param]
 k = { value = "500 N/m", unit = "N/m", live = true, min = 100, max = 5000 }
+[preset.soft]
+k = 200
+[preset.hard]
+k = "4 kN/m"
 [MAS]
 bob = { m = "5 g" }
 [SOL]
@@ -207,6 +211,36 @@ fn a_session_plays_and_answers_without_threads() {
     i.play(1000);
     assert_eq!(pages.last("state")["params"]["k"], 5000.0);
     assert!(i.ask(1, NumberedRequest::read(json!({"type": "stop"}))));
+}
+
+#[test]
+fn a_preset_is_chosen_by_a_page_by_osc_and_by_a_program_change() {
+    let (mut i, pages) = instrument();
+    let presets = json!([{"name": "soft", "values": {"k": 200.0}}, {"name": "hard", "values": {"k": 4000.0}}]);
+    assert_eq!(pages.last("scene")["presets"], presets);
+    let choose = |preset: Value, more: Value| {
+        let mut values = more;
+        values["preset"] = preset;
+        json!({"type": "set", "values": values})
+    };
+    assert_eq!(ask(&mut i, &pages, choose(json!("hard"), json!({}))), (true, "k = 4000".into()));
+    i.play(1000);
+    assert_eq!(pages.last("state")["params"]["k"], 4000.0);
+    // a parameter that is set by itself counts
+    assert!(ask(&mut i, &pages, choose(json!("hard"), json!({"k": 700}))).0);
+    i.play(1000);
+    assert_eq!(pages.last("state")["params"]["k"], 700.0);
+    for (preset, why) in [(json!("heavy"), "did you mean `soft`?"), (json!(1), "`preset` is not a live parameter")] {
+        let (ok, text) = ask(&mut i, &pages, choose(preset, json!({})));
+        assert!(!ok && text.contains(why), "{text}");
+    }
+    // program 0 is the first preset; one that the model lacks changes nothing
+    assert!(ask(&mut i, &pages, json!({"type": "midi", "bytes": [0xc0, 0]})).0);
+    i.play(1000);
+    assert_eq!(pages.last("state")["params"]["k"], 200.0);
+    assert!(ask(&mut i, &pages, json!({"type": "midi", "bytes": [0xc0, 2]})).0);
+    i.play(1000);
+    assert_eq!(pages.last("state")["params"]["k"], 200.0);
 }
 
 #[test]

@@ -79,3 +79,35 @@ fn what_is_set_is_checked_like_what_is_written() {
     assert_eq!(compiled("rate.sound", "1").err(), Some("E023"));
     assert_eq!(compiled("q", "inf").err(), Some("E009"));
 }
+
+#[test]
+fn a_preset_gives_live_parameters_their_values() {
+    let text = r#"
+[param]
+k = { value = "8 kN/m", min = "1 kN/m", max = "90 kN/m", live = true }
+z = { value = 4, unit = "mN s/m", live = true }
+[preset.felt]
+k = "2 kN/m"
+z = 9
+[preset.wood]
+k = 60000
+[CEL]
+bar = { m = "2 g", k = "k", z = "z" }
+[SOX]
+out = { from = "bar" }
+"#;
+    let read = || read::read(text, "m.ca.toml", &catalog());
+    let compiled = |m: Model| finish(&m, read().1, &catalog(), &Options::default()).expect("compiles").scene;
+    // a bare number is in the unit of the parameter, or else in SI
+    let scene = compiled(read().0);
+    let felt = [("k".to_string(), 2000.0), ("z".to_string(), 9e-3)];
+    assert_eq!(scene.about.presets, [("felt".into(), felt.to_vec()), ("wood".into(), vec![("k".into(), 6e4)])]);
+    for (preset, k, z) in [("felt", 2000.0, 9e-3), ("wood", 6e4, 4e-3)] {
+        let mut m = read().0;
+        assert!(m.set("preset", preset));
+        let scene = compiled(m);
+        let live: Vec<f64> = scene.live.params.iter().map(|p| p.value).collect();
+        assert_eq!(live, [k, z], "{preset}");
+    }
+    assert!(!read().0.set("preset", "glass"));
+}

@@ -35,6 +35,7 @@ fn bare(m: &Model) -> Model {
         rate: entries(&m.rate),
         params: entries(&m.params),
         gestures: entries(&m.gestures),
+        presets: entries(&m.presets),
         equivalence: entries(&m.equivalence),
         groups,
         items,
@@ -154,12 +155,20 @@ fn gestures() -> impl Strategy<Value = Vec<Entry>> {
         .prop_map(|m| m.into_iter().map(|(k, v)| Entry::new(&k, v)).collect())
 }
 
+/// Each preset is a table of numbers.
+fn presets() -> impl Strategy<Value = Vec<Entry>> {
+    let values = prop::collection::btree_map("[a-z]{1,3}(\\.[a-z]{1,3})?", -1e9..1e9, 0..4)
+        .prop_map(|m| Value::Table(m.into_iter().map(|(k, v)| Entry::new(&k, v)).collect()));
+    prop::collection::btree_map("[a-z]{1,3}", values, 0..4)
+        .prop_map(|m| m.into_iter().map(|(k, v)| Entry::new(&k, v)).collect())
+}
+
 fn model() -> impl Strategy<Value = Model> {
     let items = prop::collection::vec((0..3usize, 0..3usize, entries(&["x", "dx0"])), 0..12);
-    let sections = (entries(read::META), entries(read::RATES), free(), gestures(), free());
+    let sections = (entries(read::META), entries(read::RATES), free(), gestures(), presets(), free());
     let groups = (entries(read::GROUP), entries(read::GROUP));
     ("[ -~é\\n]{0,40}", sections, groups, items).prop_map(|(header, sections, groups, items)| {
-        let (meta, rate, params, gestures, equivalence) = sections;
+        let (meta, rate, params, gestures, presets, equivalence) = sections;
         let lines: Vec<&str> = header.lines().map(str::trim_end).collect();
         let mut m = Model {
             header: lines.join("\n").trim().into(),
@@ -167,6 +176,7 @@ fn model() -> impl Strategy<Value = Model> {
             rate,
             params,
             gestures,
+            presets,
             equivalence,
             ..Model::default()
         };

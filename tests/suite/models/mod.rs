@@ -10,6 +10,8 @@ mod mallet;
 mod piano;
 mod plates;
 mod played;
+mod presets;
+mod proven;
 mod renders;
 mod space;
 mod strings;

@@ -2,6 +2,7 @@
 
 use super::completions;
 use ca_core::Unit;
+use ca_core::internal::scene::PRESET;
 use ca_import::Format;
 use ca_model::quantity;
 use clap::{Args, ValueEnum};
@@ -16,6 +17,9 @@ pub struct Source {
     /// Changes a parameter: of a module (`hammer.m="30 g"`), a `[param]`, or `rate.gesture`; repeatable
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = pair)]
     pub set: Vec<(String, String)>,
+    /// Chooses a preset of the model, as `--set preset=NAME`; `--set` changes it further
+    #[arg(long, value_name = "NAME")]
+    pub preset: Option<String>,
     /// Sound rate, e.g. "96 kHz" or 96k; the model's own, or 48 kHz
     #[arg(long, value_name = "HZ", value_parser = hertz)]
     pub rate: Option<f64>,
@@ -34,7 +38,7 @@ impl Source {
     /// Names a model without changes.
     pub fn of(model: &str) -> Source {
         let model = model.to_owned();
-        Source { model, set: Vec::new(), rate: None, border: None, latency: None, no_feedback: false }
+        Source { model, set: Vec::new(), preset: None, rate: None, border: None, latency: None, no_feedback: false }
     }
 
     /// Returns the changes of the rate boundary, as names and values of `--set`.
@@ -48,7 +52,8 @@ impl Source {
 
     /// Returns all changes, as names and values of `--set`.
     pub fn changes(&self) -> impl Iterator<Item = (String, String)> {
-        self.set.iter().cloned().chain(self.crossing())
+        let preset = self.preset.iter().map(|name| (PRESET.to_string(), name.clone()));
+        preset.chain(self.set.iter().cloned()).chain(self.crossing())
     }
 }
 

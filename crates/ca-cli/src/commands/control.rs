@@ -11,11 +11,13 @@ use std::time::{Duration, Instant};
 /// Changes parameters of a running `ca serve` or `ca play`
 ///
 /// All live parameters change in the same tick, ramped over one gesture frame, or none where one is refused. Values may have
-/// units; plain numbers are in SI units. Without any, the live parameters and their values are listed.
+/// units; plain numbers are in SI units. `preset=NAME` sets the parameters of a preset. Without any, the live parameters with their
+/// values and the presets are listed.
 /// Any other number, as by `--set`, makes the model of `ca play` anew, which plays on; what is wrong with it is told there.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca set
+  ca set preset=soft
   ca set k='900 N/m' z=0.5")]
 pub struct SetArgs {
     /// Parameters and their new values
@@ -91,7 +93,10 @@ pub fn set(args: &SetArgs) -> Outcome {
                 };
                 format!("{} = {} {} ({} to {})", part("name"), part("value"), part("unit"), part("min"), part("max"))
             };
-            list.iter().map(line).collect::<Vec<_>>().join("\n")
+            let presets = r.fields.get("presets").and_then(|p| p.as_array());
+            let presets: Vec<&str> = presets.into_iter().flatten().filter_map(|p| p.as_str()).collect();
+            let presets = (!presets.is_empty()).then(|| format!("presets: {}", presets.join(", ")));
+            list.iter().map(line).chain(presets).collect::<Vec<_>>().join("\n")
         });
     }
     let values = args.values.iter().map(|(n, v)| (n.clone(), Given::Text(v.clone()))).collect();

@@ -128,6 +128,7 @@ fn take(args: &ReportArgs, file: &Path) -> Result<(String, Report), Failure> {
     useless(
         "a take is shown as it was played; `ca render MODEL --gesture TAKE` plays it otherwise",
         &[
+            ("--preset", args.source.preset.is_some()),
             ("--set", args.source.changes().next().is_some()),
             ("--rate", args.source.rate.is_some()),
             ("--seconds", played.seconds.is_some()),

@@ -95,7 +95,8 @@ pub fn schedule(
     let solved_modal = points::solved(&mut plan, n_mat, links.tap, (&modal, &shares));
     let (gains, outputs) = outputs(&mut plan, &links)?;
     let implicit = plan.implicit(n_mat, &links, model, diags);
-    // Passes before the links shift all of them in the list of forces; passes after them shift only the late links.
+    // Passes before the links shift all of them in the list of forces; passes after them shift only the late links. The
+    // same order as in `pass_list::forces`.
     let waves = plan.waves(links.mem);
     let lead = [!in_space.is_empty(), !weighed.is_empty(), !waves.delays.is_empty()].into_iter().filter(|b| *b).count();
     let solved = implicit.as_ref().map_or([false; 2], |(a, _)| [!a.places.is_empty(), !a.pairs.is_empty()]);
@@ -249,6 +250,7 @@ pub fn schedule(
         live,
         about: About {
             gestures: net.gestures.clone(),
+            presets: net.presets.clone(),
             left_out: net.left_out.clone(),
             title: plain(model.title()),
             seconds: net.seconds,

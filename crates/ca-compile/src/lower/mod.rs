@@ -12,6 +12,7 @@ pub mod lowpass;
 pub mod named;
 pub mod params;
 pub mod ports;
+pub mod preset;
 mod product;
 pub mod rates;
 pub mod requirements;

@@ -66,6 +66,24 @@ fn raw(e: &Entry, what: &str, is_param: &dyn Fn(&str) -> bool, diags: &mut Diags
     }
 }
 
+/// A bare number in the unit of its parameter; other values as they are.
+fn in_unit(x: &Entry, unit: Option<&str>) -> Entry {
+    match (&x.value, unit) {
+        (Value::Num(v), Some(unit)) if v.is_finite() => {
+            Entry { value: Value::Text(format!("{v:e} {unit}")), ..x.clone() }
+        }
+        _ => x.clone(),
+    }
+}
+
+/// The value of a line of `[param]`, called `what` in reports; nothing where it was reported.
+pub fn raw_value(e: &Entry, what: &str, diags: &mut Diags) -> Option<Raw> {
+    let Value::Table(entries) = &e.value else { return raw(e, what, &|_| false, diags) };
+    let of = |key: &str| entries.iter().find(|x| x.key == key);
+    let unit = of("unit").and_then(|x| if let Value::Text(t) = &x.value { Some(t.as_str()) } else { None });
+    raw(&in_unit(of("value")?, unit.filter(|u| !u.is_empty())), what, &|_| false, diags)
+}
+
 fn named(e: &Entry, is_param: &dyn Fn(&str) -> bool, diags: &mut Diags) -> Named {
     let what = format!("parameter `{}`", e.key);
     let mut n = Named { value_span: e.span, ..Named::broken(&e.key, e.key_span) };
@@ -114,12 +132,7 @@ fn named(e: &Entry, is_param: &dyn Fn(&str) -> bool, diags: &mut Diags) -> Named
             return n;
         }
     }
-    let with_unit = |x: &Entry| match (&x.value, &unit) {
-        (Value::Num(v), Some((u, _))) if v.is_finite() => {
-            Entry { value: Value::Text(format!("{v:e} {u}")), ..x.clone() }
-        }
-        _ => x.clone(),
-    };
+    let with_unit = |x: &Entry| in_unit(x, unit.as_ref().map(|u| u.0.as_str()));
     let mut spans = [Span::NONE; 2];
     for x in entries {
         match (x.key.as_str(), &x.value) {

@@ -7,7 +7,7 @@ use crate::lower::expand::expand;
 use crate::lower::ports::gesture;
 use crate::lower::ports::port::port;
 use crate::lower::values::Values;
-use crate::lower::{equivalence, params, rates, requirements, space};
+use crate::lower::{equivalence, params, preset, rates, requirements, space};
 use crate::net::{MatNode, MatRole, NetItem, Resolved};
 use crate::options::Options;
 use alloc::collections::{BTreeMap, BTreeSet};
@@ -91,7 +91,9 @@ pub fn resolve(model: &Model, catalog: &Catalog, options: &Options, diags: &mut 
     // Release spare capacity, which would otherwise last for the whole compilation.
     net.mats.shrink_to_fit();
     net.lias.shrink_to_fit();
-    gesture::gestures(model, &mut net, alg, &v.named, diags);
+    let (named, diags) = (v.named, v.diags);
+    gesture::gestures(model, &mut net, alg, &named, diags);
+    preset::presets(model, &mut net, alg, &named, diags);
     net
 }
 

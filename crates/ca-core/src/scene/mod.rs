@@ -28,7 +28,7 @@ pub use bind::Unbound;
 use certificate::Certificate;
 pub use identity::{ARITHMETIC, identify, same_since};
 pub use numbers::{numbers, structure};
-pub use parts::{About, InHand, OutputNames, Passes};
+pub use parts::{About, InHand, OutputNames, PRESET, Passes};
 #[cfg(feature = "bytes")]
 pub use plan::{PLAN_VERSION, Plan, PlanError};
 pub use start::{Order, Start, start};

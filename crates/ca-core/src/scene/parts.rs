@@ -44,9 +44,14 @@ pub struct About {
     pub seconds: Option<f64>,
     /// built-in gesture of the model: inputs with their points \[s, value\]
     pub gestures: Vec<(String, Vec<[f64; 2]>)>,
+    /// presets by name: live parameters and their values (SI)
+    pub presets: Vec<(String, Vec<(String, f64)>)>,
     /// descriptions of what the compiler left out
     pub left_out: Vec<String>,
 }
+
+/// As the name of a parameter that is set, it chooses a preset: the value is the name of the preset.
+pub const PRESET: &str = "preset";
 
 /// A model at a device.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -29,6 +29,13 @@ pub enum Played {
         /// True if a port follows it.
         used: bool,
     },
+    /// a program change, which may choose a preset
+    Program {
+        /// from 1
+        channel: u8,
+        /// 0 … 127
+        number: u8,
+    },
     /// Description of an event that moves nothing, once for each kind.
     Unheard(String),
 }
@@ -97,6 +104,7 @@ impl LiveMidi {
                     all.push(Played::Control { channel, number, part, used });
                 }
             }
+            MidiMessage::ProgramChange { program } => all.push(Played::Program { channel, number: program.as_int() }),
             _ if used => {}
             MidiMessage::NoteOn { key, vel } if vel > 0 => all.extend(self.unheard(channel, format!("note {key}"))),
             MidiMessage::PitchBend { .. } => all.extend(self.unheard(channel, "pitch bend".into())),

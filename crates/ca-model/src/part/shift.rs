@@ -21,8 +21,8 @@ pub(super) fn shift_diags(diags: &mut Diags, by: usize) {
 }
 
 pub(super) fn shift_model(model: &mut Model, by: usize) {
-    let sections = [&mut model.meta, &mut model.rate, &mut model.params, &mut model.gestures, &mut model.equivalence];
-    for s in sections {
+    let Model { meta, rate, params, gestures, presets, equivalence, .. } = model;
+    for s in [meta, rate, params, gestures, presets, equivalence] {
         entries(s, by);
     }
     for g in &mut model.groups {

@@ -9,7 +9,7 @@ use super::entry::{Key, Val, article, ordered};
 use super::reader::{Reader, is_code, unique};
 use super::syntax::{self, Source};
 use crate::diag::{Diag, Diags};
-use crate::model::{Entry, Model};
+use crate::model::{Entry, Model, Value};
 use crate::sections::{CURVES, GROUP, META, RATES, SECTIONS};
 use crate::select::is_word;
 use crate::suggest::{nearest, ticked};
@@ -132,6 +132,7 @@ impl Reader<'_, '_> {
             "part" => !self.model.parts.is_empty(),
             "use" => !self.model.uses.is_empty(),
             "gesture" => !self.model.gestures.is_empty(),
+            "preset" => !self.model.presets.is_empty(),
             _ => !self.model.equivalence.is_empty(),
         }
     }
@@ -168,25 +169,53 @@ impl Reader<'_, '_> {
             "use" => self.uses(table),
             "gesture" => {
                 let mut list = Vec::new();
-                self.paths("", table, &mut list);
+                // a table with such a key makes a gesture; any other holds gestures
+                self.paths(
+                    "",
+                    table,
+                    &|t| t.keys().any(|k| CURVES.iter().any(|c| c.0 == k.get_ref().as_ref())),
+                    &mut list,
+                );
                 self.model.gestures = list;
             }
+            "preset" => self.model.presets = self.presets(table),
             _ => self.model.equivalence = self.entries(table),
         }
     }
 
-    /// Reads `[gesture]`. Keys are full names, so `ball.hand` and a nested table are equal.
-    fn paths(&mut self, prefix: &str, table: &DeTable, out: &mut Vec<Entry>) {
+    /// Reads entries whose keys are full names, so `ball.hand` and a nested table are equal. A table that `is_value`
+    /// accepts is a value.
+    fn paths(&mut self, prefix: &str, table: &DeTable, is_value: &dyn Fn(&DeTable) -> bool, out: &mut Vec<Entry>) {
         for (key, value) in ordered(table) {
             let path = format!("{prefix}{}", key.get_ref());
             match value.get_ref() {
                 // a table with such a key is a gesture; other tables contain gestures
-                DeValue::Table(inner) if !inner.keys().any(|k| CURVES.iter().any(|c| c.0 == k.get_ref().as_ref())) => {
-                    self.paths(&format!("{path}."), inner, out);
+                DeValue::Table(inner) if !is_value(inner) => {
+                    self.paths(&format!("{path}."), inner, is_value, out);
                 }
                 _ => out.extend(self.entry(path, key, value)),
             }
         }
+    }
+
+    /// `[preset.NAME]`: a table for each preset, whose keys are full names of parameters.
+    fn presets(&mut self, table: &DeTable) -> Vec<Entry> {
+        let mut all = Vec::new();
+        for (key, value) in ordered(table) {
+            let (name, key_span, span) = (key.get_ref().as_ref(), self.span(key), self.span(value));
+            let DeValue::Table(inner) = value.get_ref() else {
+                let title = format!("preset `{name}` must be a table, not {}", article(value.get_ref()));
+                let help = format!("write `[preset.{name}]`, and its values on the lines below");
+                self.diags.push(Diag::error("E006", title).at(span, "wrong type").help(help));
+                continue;
+            };
+            if self.check_word(name, key_span) {
+                let mut values = Vec::new();
+                self.paths("", inner, &|_| false, &mut values);
+                all.push(Entry { key: name.into(), key_span, value: Value::Table(values), span });
+            }
+        }
+        all
     }
 
     /// Returns the entries of a section with a fixed list of keys.

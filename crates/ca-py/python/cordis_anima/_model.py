@@ -192,8 +192,12 @@ class Model:
         """
         return self.put("gesture", name, points)
 
+    def preset(self, name: str, values: Mapping[str, object]) -> Model:
+        """Values of live parameters that are chosen together, under a name. See ``Scene.presets``."""
+        return self.put("preset", name, dict(values))
+
     def put(self, section: str, key: str, value: object) -> Model:
-        """Writes an entry of ``model``, ``rate``, ``param``, ``gesture`` or ``equivalence``."""
+        """Writes an entry of ``model``, ``rate``, ``param``, ``gesture``, ``preset`` or ``equivalence``."""
         self._core.put(section, key, _value(key, value))
         return self
 

@@ -100,6 +100,20 @@ class Scene(Measured, Derivatives):
         return Params([Param(*p) for p in self._compiled.params])
 
     @property
+    def presets(self) -> dict[str, dict[str, float]]:
+        """Presets of the model by name: values of live parameters (SI). A scene begins with one by `replace`.
+
+        >>> import cordis_anima as ca
+        >>> m = ca.Model().param("k", "8 kN/m", live=True).add("MAS", "bob", m="1 g").add("SOL", "wall")
+        >>> m = m.add("RES", "spring", between=["wall", "bob"], k="k").add("SOX", "out", from_="bob")
+        >>> m.preset("soft", {"k": "2 kN/m"}).compile().presets
+        {'soft': {'k': 2000.0}}
+        >>> m.compile().replace({"preset": "soft"}).params["k"].value
+        2000.0
+        """
+        return dict(self._compiled.presets)
+
+    @property
     def n_mat(self) -> int:
         """Number of masses, cells and fixed points."""
         return int(self._compiled.about()["n_mat"])
@@ -183,6 +197,35 @@ class Scene(Measured, Derivatives):
         return Scene._of(model, asked if rate is None else rate, exact)
 
     # rendering and running
+
+    def within(
+        self,
+        error: float,
+        seconds: float | str | None = None,
+        *,
+        times: Sequence[int] = (1, 2, 4),
+        reference: int = 16,
+        probes: Sequence[str] = (),
+        progress: Progress | None = None,
+    ) -> Scene:
+        """Returns the scene computed by the cheapest proven method and rate with at most this relative RMS error.
+
+        Measures first, see `accuracy`; the arguments are the same.
+
+        Raises:
+            UsageError: no method has so small an error, or the reference is not known as well.
+
+        >>> import cordis_anima as ca
+        >>> scene = ca.examples.string()
+        >>> scene.within(0.9, 0.02, times=[1], reference=4).sr == scene.sr
+        True
+        """
+        found = self.accuracy(seconds, times=times, reference=reference, probes=probes, progress=progress)
+        best = found.cheapest(error)
+        if best is None:
+            why = f"the smallest is {min(found.error):.1e}, and the reference is known to {found.known:.1e}"
+            raise UsageError(f"no method has an error of at most {error:g}: {why}")
+        return self.replace(dict(self._model.changes(*best) or ()))
 
     def render(
         self,

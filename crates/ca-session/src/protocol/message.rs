@@ -32,6 +32,8 @@ messages! {
         ports: Vec<PortInfo>,
         /// whether the model brings a gesture
         gesture: bool,
+        /// presets of the model; `set` with the name `preset` and the name of one of them chooses it
+        presets: Vec<Preset>,
         /// MIDI keys that play, lowest first; `null` without any
         notes: Option<Vec<u8>>,
         /// how long its author plays it \[s\]
@@ -135,6 +137,16 @@ record! {
         unit: String,
         /// what it is
         doc: String,
+    }
+}
+
+record! {
+    /// A preset of the model.
+    Preset {
+        /// its name
+        name: String,
+        /// values of live parameters, by name (SI)
+        values: BTreeMap<String, f64>,
     }
 }
 

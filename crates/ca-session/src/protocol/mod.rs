@@ -13,7 +13,7 @@ mod pages;
 mod request;
 
 pub use define::{Fields, Kind};
-pub use message::{Bound, Choices, DeviceState, Message, Param, Picked, PortInfo, PortRole};
+pub use message::{Bound, Choices, DeviceState, Message, Param, Picked, PortInfo, PortRole, Preset};
 pub use pages::{jsdoc, page};
 pub use request::{NumberedRequest, Request};
 

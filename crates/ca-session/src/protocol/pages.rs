@@ -2,13 +2,21 @@
 
 use super::VERSION;
 use super::define::Kind;
-use super::message::{Bound, Choices, DeviceState, Message, Param, Picked, PortInfo};
+use super::message::{Bound, Choices, DeviceState, Message, Param, Picked, PortInfo, Preset};
 use super::request::Request;
 use std::fmt::Write as _;
 
 /// The records inside messages, in the order of the pages.
-fn records() -> [Kind; 6] {
-    [Param::kind(), PortInfo::kind(), DeviceState::kind(), Bound::kind(), Choices::kind(), Picked::kind()]
+fn records() -> [Kind; 7] {
+    [
+        Param::kind(),
+        Preset::kind(),
+        PortInfo::kind(),
+        DeviceState::kind(),
+        Bound::kind(),
+        Choices::kind(),
+        Picked::kind(),
+    ]
 }
 
 /// `docs/protocol.md`.

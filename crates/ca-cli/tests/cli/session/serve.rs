@@ -8,6 +8,8 @@ const MODEL: &str = r#"
 [param]
 k = { value = 500, unit = "N/m", live = true, min = 0, max = 1000 }
 z = { value = 0.001, unit = "N s/m", live = true, min = 0, max = 1 }
+[preset.soft]
+k = "300 N/m"
 [TGR]
 key = { device = "tgr12", dof = 0 }
 [MAS]
@@ -63,7 +65,9 @@ fn the_examples_of_the_control_run_against_a_server() {
             desk.sh(line).is(0);
         }
     }
-    desk.ca(&["set"]).is(0).says(&["k = 900 N/m (0 to 1000)", "z = 0.5 N s/m (0 to 1)"]);
+    let all = ["k = 900 N/m (0 to 1000)", "z = 0.5 N s/m (0 to 1)", "presets: soft"];
+    desk.ca(&["set"]).is(0).says(&all);
+    desk.ca(&["set", "preset=sof"]).is(1).says(&["`sof` is not a preset", "did you mean `soft`?"]);
     desk.ca(&["set", "k=800", "zz=1"]).is(1).says(&["`zz`", "live = true"]);
     desk.ca(&["set", "k=800", "z=7"]).is(1).says(&["`z` must lie between 0 and 1"]);
     desk.ca(&["set", "k=3 kg"]).is(1).says(&["`k` is a quantity in N/m"]);

@@ -35,6 +35,34 @@ fn the_same_bits_in_two_runs_and_with_either_kernel() {
 }
 
 #[test]
+fn a_preset_is_chosen_and_changed_further() {
+    let desk = Desk::new();
+    let own = "[param]\nhard = { value = \"9 kN/m\", live = true }\n\
+        soft = { value = 0.5, unit = \"N s/m\", live = true }\n[preset.felt]\nhard = \"2 kN/m\"\nsoft = 1\n\
+        [CEL]\nbar = { m = \"2 g\", k = \"hard\", z = \"soft\", dx0 = \"1 mm\" }\n[SOX]\nout = { from = \"bar\", gain = 100 }\n";
+    desk.put("own.ca.toml", own);
+    let render = |file: &str, more: &[&str]| {
+        desk.ca(&[&["render", "own.ca.toml", "--seconds", "0.1", "-q", "-o", file], more].concat()).is(0);
+        fs::read(desk.path(file)).unwrap()
+    };
+    let as_written = render("a.wav", &[]);
+    let felt = render("b.wav", &["--preset", "felt"]);
+    assert!(felt != as_written);
+    assert!(felt == render("c.wav", &["--set", "preset=felt"]));
+    assert!(felt == render("d.wav", &["--set", "hard=2 kN/m", "--set", "soft=1"]));
+    // what is set beside a preset counts
+    let changed = render("e.wav", &["--set", "hard=9 kN/m", "--preset", "felt"]);
+    assert!(changed != felt && changed == render("f.wav", &["--set", "soft=1"]));
+    desk.ca(&["render", "own.ca.toml", "--preset", "fel"])
+        .is(2)
+        .says(&["`fel` is not a preset", "did you mean `felt`?"]);
+    desk.put("struck.ca.toml", STRUCK);
+    desk.ca(&["render", "struck.ca.toml", "--preset", "felt"])
+        .is(2)
+        .says(&["`felt` is not a preset", "`[preset.NAME]`"]);
+}
+
+#[test]
 fn a_module_of_a_line_is_not_set_by_itself() {
     let desk = Desk::new();
     desk.put("struck.ca.toml", STRUCK);

@@ -63,6 +63,7 @@ pub(super) fn scene(record: SceneRecord, known: &Known) -> Result<Scene, PlanErr
         live,
         about: About {
             gestures: record.gestures.into_owned(),
+            presets: record.presets.into_owned(),
             left_out: record.left_out.into_owned(),
             title: record.title.into_owned(),
             seconds: record.seconds,

@@ -242,6 +242,7 @@ pub(super) struct SceneRecord<'a> {
     pub probe_of: List<'a, u32>,
     pub live: LiveRecord<'a>,
     pub gestures: List<'a, (String, Vec<[f64; 2]>)>,
+    pub presets: List<'a, (String, Vec<(String, f64)>)>,
     pub symbols: SymbolsRecord<'a>,
     pub certificate: Cow<'a, Certificate>,
     pub equivalence: Cow<'a, Equivalence>,
