@@ -25,7 +25,7 @@ struct Method {
     word: Option<&'static str>,
 }
 
-/// All there are, the model as it is first.
+/// All methods, the unchanged model first.
 const METHODS: [Method; 12] = [
     Method { name: AS_WRITTEN, linear: None, word: None },
     Method { name: "ca", linear: Some(("ca", None)), word: None },

@@ -12,7 +12,7 @@ use ca_model::diag::Severity;
 use std::path::Path;
 use std::sync::OnceLock;
 
-const STDIN: &str = "-";
+pub const STDIN: &str = "-";
 
 /// Reads the model named by a word: a file, a bundled model, or `-` for standard input. Standard input is read once per
 /// run and returns the same model each time.

@@ -21,9 +21,10 @@ export class Presets {
   // A scene begins: its model, its presets, and whether it has parameters.
   scene(model, presets, any) {
     this.model = model;
+    // an edit of a model with presets leaves the box as it is
+    if (presets.length && !this.ofModel.length) this.box.open = true;
     this.ofModel = presets;
     this.box.hidden = !any;
-    if (presets.length) this.box.open = true;
     this.far = null;
     this.draw();
   }

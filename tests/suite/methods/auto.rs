@@ -78,7 +78,7 @@ fn a_method_that_a_line_names_counts_and_so_does_that_of_a_group() {
     assert_eq!(laws(&compiled(grouped))[0], "BUT");
 }
 
-/// What no method can do stays explicit and is named; all else keeps its energy.
+/// A link without a method that works stays explicit and is named; all others conserve their energy.
 #[test]
 fn what_cannot_be_stays_explicit_and_is_named() {
     let moving = "[model]\nmethod = \"auto\"\n[param]\nu = { value = 0.5, live = true, min = 0.1, max = 0.9 }\n\

@@ -1,8 +1,7 @@
 //! `--error`: computes a model by the cheapest proven method whose error is small enough, for `ca render` and `ca play`.
 
-use crate::args::Source;
 use crate::commands::accuracy::share;
-use crate::load::{self, Loaded};
+use crate::load::Loaded;
 use crate::outcome::Failure;
 use crate::term;
 use ca_accuracy::{AccuracyOptions, Choice, choose};
@@ -27,24 +26,26 @@ pub struct Aim {
 }
 
 impl Aim {
-    /// Returns the source with the changes that meet the error; the same source without `--error`.
-    pub fn meet(&self, source: &Source, quiet: bool) -> Result<Source, Failure> {
-        let Some(error) = self.error else { return Ok(source.clone()) };
+    /// Returns the changes of the model that meet the error, as names and values of `--set`; none without `--error`.
+    pub fn changes(&self, loaded: &Loaded, rate: Option<f64>, quiet: bool) -> Result<Vec<(String, String)>, Failure> {
+        let Some(error) = self.error else { return Ok(Vec::new()) };
         if let Some(path) = &self.write {
             super::new::may_be(path, false)?;
         }
-        let loaded = load::load(source)?;
-        let choice = measure(&loaded, source.rate, error, quiet)?;
+        let choice = measure(loaded, rate, error, quiet)?;
         if let Some(path) = &self.write {
-            super::new::write(path, &written(&loaded, &choice)?, false)?;
+            super::new::write(path, &written(loaded, &choice)?, false)?;
             term::note(&format!("written to `{}`", path.display()));
         }
         if !quiet {
             term::note(&choice.words());
         }
-        let mut source = source.clone();
-        source.set.extend(choice.changes);
-        Ok(source)
+        Ok(choice.changes)
+    }
+
+    /// Returns the files that the options write, for comparison with other outputs.
+    pub fn files(&self) -> impl Iterator<Item = (&'static str, &Path)> {
+        self.write.iter().map(|p| ("--write", p.as_path()))
     }
 }
 
@@ -83,9 +84,4 @@ fn written(loaded: &Loaded, choice: &Choice) -> Result<String, Failure> {
         text.insert(&place, &value).ok_or_else(|| failed(format!("`{name}` has no place in the text")))?;
     }
     Ok(text.to_string())
-}
-
-/// Returns the files that the options write, for comparison with other outputs.
-pub fn files(aim: &Aim) -> impl Iterator<Item = (&'static str, &Path)> {
-    aim.write.iter().map(|p| ("--write", p.as_path()))
 }

@@ -5,8 +5,9 @@ mod browser;
 
 pub use args::PlayArgs;
 
-use crate::commands::serve::{self, ServeArgs};
-use crate::outcome::Outcome;
+use crate::commands::serve;
+use crate::load::{self, STDIN};
+use crate::outcome::{Failure, Outcome};
 use ca_live::PageOptions;
 use std::sync::Mutex;
 
@@ -22,8 +23,16 @@ pub fn run(args: &PlayArgs) -> Outcome {
             *redirect = browser::open(address);
         }
     };
-    let source = args.aim.meet(&args.serve.source, args.serve.quiet)?;
-    let aimed = ServeArgs { source, ..args.serve.clone() };
+    if args.aim.error.is_none() {
+        return serve::play(&args.serve, Some(page(args)), Box::new(opens));
+    }
+    let mut aimed = args.serve.clone();
+    if aimed.source.model == STDIN {
+        let what = "--error: standard input can be read only once; save the model as a file";
+        return Err(Failure::Usage(what.into()));
+    }
+    let loaded = load::load(&aimed.source)?;
+    aimed.source.set.extend(args.aim.changes(&loaded, aimed.source.rate, aimed.quiet)?);
     serve::play(&aimed, Some(page(args)), Box::new(opens))
 }
 

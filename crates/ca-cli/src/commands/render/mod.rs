@@ -14,7 +14,7 @@ pub(crate) use play::{Progress, listen, play, stopped};
 pub(crate) use summary::stability_json;
 
 use crate::args::Playing;
-use crate::commands::{aim, border};
+use crate::commands::border;
 use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{outputs, term};
@@ -42,13 +42,15 @@ pub(crate) struct Probe {
 
 /// Runs the command.
 pub fn run(args: &RenderArgs) -> Outcome {
-    let source = args.aim.meet(&args.source, args.quiet || args.json)?;
-    let loaded = load::load(&source)?;
+    let mut loaded = load::load(&args.source)?;
     let output = output(args, &loaded)?;
     let probes = probes(args, &output)?;
     let written = [("-o", &*output)].into_iter().chain(probes.iter().map(|p| ("--probe", &*p.file)));
-    let written: Vec<_> = written.chain(aim::files(&args.aim)).collect();
+    let written: Vec<_> = written.chain(args.aim.files()).collect();
     outputs::apart(&written, &inputs(&args.source.model, &args.playing.gesture))?;
+    for (name, value) in args.aim.changes(&loaded, args.source.rate, args.quiet || args.json)? {
+        ca_lab::load::set_typed(&mut loaded, &name, &value)?;
+    }
     let options = Options {
         rate: args.source.rate,
         energy: args.energy,

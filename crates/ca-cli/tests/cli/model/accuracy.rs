@@ -283,6 +283,10 @@ fn a_render_meets_an_error_by_the_cheapest_proven_method() {
     assert!(ran.out.contains("proven"), "{}", ran.out);
 
     render(&["--error", "1e-30"]).is(1).says(&["no method has an error of at most 1e-30"]);
+    // outputs are checked before the model is measured, and a model from standard input is read once
+    desk.ca(&["render", "own.ca.toml", "--error", "0.01", "-o", "out.txt"]).is(2);
+    desk.sh("cat own.ca.toml | ca render - --error 0.01 --seconds 0.02 -o piped.wav -q").is(0);
+    assert!(by_error == fs::read(desk.path("piped.wav")).unwrap());
     render(&["--error", "0"]).is(2);
     render(&["--write", "other.ca.toml"]).is(2);
     render(&["--error", "0.01", "--write", "chosen.ca.toml"]).is(1).says(&["it exists"]);
