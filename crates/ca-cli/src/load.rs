@@ -4,6 +4,7 @@ use crate::args::Source;
 use crate::outcome::Failure;
 use crate::term;
 use ca_compile::{Compiled, Options};
+use ca_core::internal::scene::PRESET;
 use ca_io::{FileError, reading};
 pub use ca_lab::load::{
     BUNDLED, Loaded, bundled, compiled, foreign_text, has_extension, reason, stem, text, ticked, utf8, warnings,
@@ -43,11 +44,14 @@ pub fn load(source: &Source) -> Result<Loaded, Failure> {
     Ok(changed(read(&source.model)?, source)?)
 }
 
-/// Applies `--set` to a model.
+/// Applies `--set` and `--preset` to a model.
 pub fn changed(mut loaded: Loaded, source: &Source) -> Result<Loaded, ca_lab::Failure> {
     for (name, value) in source.changes() {
         ca_lab::load::set_typed(&mut loaded, &name, &value).map_err(|e| match e {
-            ca_lab::Failure::Usage(what) => ca_lab::Failure::Usage(format!("--set: {what}")),
+            ca_lab::Failure::Usage(what) => {
+                let option = if name == PRESET { "--preset" } else { "--set" };
+                ca_lab::Failure::Usage(format!("{option}: {what}"))
+            }
             other => other,
         })?;
     }

@@ -5,6 +5,7 @@ use ca_compile::Options;
 use ca_haptic::coupling;
 use ca_haptic::engine::Setup;
 use ca_haptic::version::{ModelText, Version};
+use ca_lab::load::Loaded;
 use ca_lab::watch::Watch;
 use ca_lab::{Failure, load};
 use ca_model::diag::Severity;
@@ -14,13 +15,15 @@ use ca_view::Drawing;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
-/// Files from which the model takes parts, and the result.
-type Making = (Vec<String>, Result<Box<Made>, session::Refused>);
+/// The model as its author wrote it, if it could be read, and the result.
+type Making = (Option<Loaded>, Result<Box<Made>, session::Refused>);
 
 /// Compiles versions of a model, each on a separate thread, and watches the file of the model.
 pub(crate) struct Compiler {
     source: ModelSource,
     options: Options,
+    /// The model as it was last read, without changes.
+    loaded: Option<Loaded>,
     /// Watched file, if the model comes from one.
     file: Option<Watch>,
     /// Receiver of the running compilation.
@@ -31,22 +34,28 @@ impl Compiler {
     pub(crate) fn new(source: &ModelSource, options: &Options) -> Compiler {
         let source = source.clone();
         let mut file = Watch::of(&source.word);
-        if let (Some(file), Ok(loaded)) = (&mut file, (source.read)()) {
+        let loaded = (source.read)().ok();
+        if let (Some(file), Some(loaded)) = (&mut file, &loaded) {
             file.also(&load::part_files(&loaded.model));
         }
-        Compiler { file, source, options: options.clone(), making: None }
+        Compiler { loaded, file, source, options: options.clone(), making: None }
     }
 }
 
 impl Maker for Compiler {
+    fn check(&mut self, name: &str, value: &str) -> Result<(), session::Refused> {
+        let Some(mut loaded) = self.loaded.clone() else { return Ok(()) };
+        load::set_typed(&mut loaded, name, value).map_err(refused)
+    }
+
     fn start(&mut self, changes: &[(String, String)], anew: bool, setups: &[Setup]) -> Result<(), session::Refused> {
         let (source, changes, options) = (self.source.clone(), changes.to_vec(), self.options.clone());
         let setups = setups.to_vec();
         let (tell, making) = channel();
         let start = move || {
-            let mut files = Vec::new();
-            let made = make(&source, &changes, (options, &setups), anew, &mut files);
-            let _ = tell.send((files, made));
+            let mut read = None;
+            let made = make(&source, &changes, (options, &setups), anew, &mut read);
+            let _ = tell.send((read, made));
         };
         let thread = std::thread::Builder::new().name("ca model".into()).spawn(start);
         thread.map_err(|e| format!("no thread to make the model: {e}"))?;
@@ -57,10 +66,11 @@ impl Maker for Compiler {
     fn poll(&mut self) -> session::Making {
         let made = match self.making.as_ref().map(Receiver::try_recv) {
             Some(Err(TryRecvError::Empty)) => return session::Making::Busy,
-            Some(Ok((files, made))) => {
-                if let Some(file) = &mut self.file {
-                    file.also(&files);
+            Some(Ok((read, made))) => {
+                if let (Some(file), Some(read)) = (&mut self.file, &read) {
+                    file.also(&load::part_files(&read.model));
                 }
+                self.loaded = read.or(self.loaded.take());
                 session::Making::Done(made)
             }
             Some(Err(TryRecvError::Disconnected)) => {
@@ -82,28 +92,30 @@ impl Maker for Compiler {
     }
 }
 
+fn refused(e: Failure) -> session::Refused {
+    session::Refused::from(match e {
+        Failure::Usage(text) | Failure::Failed(text) => text,
+        Failure::Found(found) => render::text(&found.diags, &found.model, false),
+        Failure::Stopped => "stopped".into(),
+    })
+}
+
+/// Reads the model into `read`, and compiles it with its changes.
 fn make(
     source: &ModelSource,
     changes: &[(String, String)],
     (options, setups): (Options, &[Setup]),
     anew: bool,
-    files: &mut Vec<String>,
+    read: &mut Option<Loaded>,
 ) -> Result<Box<Made>, session::Refused> {
-    let words = |e: Failure| {
-        session::Refused::from(match e {
-            Failure::Usage(text) | Failure::Failed(text) => text,
-            Failure::Found(found) => render::text(&found.diags, &found.model, false),
-            Failure::Stopped => "stopped".into(),
-        })
-    };
-    let mut loaded = (source.read)().map_err(words)?;
-    *files = load::part_files(&loaded.model);
+    let mut loaded = (source.read)().map_err(refused)?;
+    *read = Some(loaded.clone());
     let changes: Vec<_> = source.changes.iter().chain(changes).cloned().collect();
     for (name, value) in &changes {
-        load::set_typed(&mut loaded, name, value).map_err(words)?;
+        load::set_typed(&mut loaded, name, value).map_err(refused)?;
     }
     let mut options = Options { clouds: loaded.clouds.clone(), couplings: Vec::new(), ..options };
-    let compiled = loaded.compile(&options).map_err(|found| words(found.into()))?;
+    let compiled = loaded.compile(&options).map_err(|found| refused(found.into()))?;
     let met = coupling::meet(compiled, setups, &mut options, |options| loaded.compile(options));
     let (softened, setups) = (met.said(), met.setups(setups));
     let compiled = met.compiled;

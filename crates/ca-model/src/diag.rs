@@ -248,6 +248,7 @@ pub const CODES: &[(&str, &str)] = &[
     ("W116", "a gesture that begins elsewhere than its port"),
     ("W117", "a contact that is unstable while it presses"),
     ("W118", "friction that creeps"),
+    ("W119", "a contact so stiff that rounding makes energy"),
     ("N201", "lost on import"),
     ("N202", "not all of a file is used"),
     ("N203", "a heavy junction"),

@@ -59,6 +59,7 @@ impl Edit {
         if name.len().max(value.len()) > LONGEST {
             return Err(format!("`name` and `value` have {LONGEST} bytes at most").into());
         }
+        self.maker.check(name, value)?;
         put(&mut self.changes, (name.into(), value.into()));
         self.again = true;
         Ok(())

@@ -49,6 +49,12 @@ pub enum Making {
 
 /// Compiles new versions of the model, one at a time and beside the engine.
 pub trait Maker {
+    /// Checks that the model, as it was last read, has a parameter `name` that can have `value`.
+    ///
+    /// # Errors
+    /// If it has no such parameter, with the nearest name.
+    fn check(&mut self, name: &str, value: &str) -> Result<(), Refused>;
+
     /// Begins to compile the model with `changes`, names and values in order, for devices of these `setups`. With
     /// `anew` the version starts as at load.
     ///

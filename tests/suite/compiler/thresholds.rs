@@ -121,6 +121,8 @@ fn limits() -> Vec<Limit> {
         ("N206", "below 4", 4.0, |b| {
             link("BOW", &format!("curve = \"coulomb\", f = {:?}, v0 = \"1 m/s\", method = \"newton\"", z(b)))
         }),
+        ("W119", "the limit is 1e8", 1e8, |a| link("BUT", &format!("k = {:?}, method = \"stable\"", k(a)))),
+        ("W119", "the limit is 1e8", 1e8, |a| link("CUB", &format!("k = {:?}, k3 = 1, method = \"stable\"", k(a)))),
         // 1 % of half the sound rate is left to the filter
         ("E023", "stay below 23760 Hz", 23_760.0, |f| rate(&format!("filter = {f:?}"))),
         ("E023", "stay below 24000 Hz", 24_000.0, |f| {

@@ -33,6 +33,11 @@ pub(crate) fn models(current: &OsStr) -> Vec<CompletionCandidate> {
     all
 }
 
+/// Completes paths of files that `ca import` reads.
+pub(crate) fn foreign(current: &OsStr) -> Vec<CompletionCandidate> {
+    PathCompleter::any().filter(|path| ca_import::of(&path.to_string_lossy()).is_some()).complete(current)
+}
+
 pub(crate) fn listed(current: &OsStr) -> Vec<CompletionCandidate> {
     named(current, pages(&catalog()))
 }

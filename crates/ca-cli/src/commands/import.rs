@@ -3,6 +3,7 @@
 //! The import ends with a compilation, because an imported model is useful only if it runs.
 
 use crate::args::common::imported;
+use crate::args::completions;
 use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::term;
@@ -10,6 +11,7 @@ use ca_compile::Options;
 use ca_core::Level;
 use ca_model::{Model, write};
 use clap::Args;
+use clap_complete::ArgValueCompleter;
 use std::io::Write as _;
 use std::path::PathBuf;
 
@@ -20,7 +22,7 @@ use std::path::PathBuf;
   ca import string.mdl -o gut.ca.toml --force")]
 pub struct ImportArgs {
     /// the imported file
-    #[arg(help = file_help())]
+    #[arg(help = file_help(), add = ArgValueCompleter::new(completions::foreign))]
     pub file: PathBuf,
     /// The file to write; the name of the model in the current directory if left out
     #[arg(short, long, value_name = "FILE.ca.toml")]

@@ -3,7 +3,7 @@
 use crate::certify::accumulate::Accumulated;
 use crate::certify::bound::Bounds;
 use crate::certify::exact::{self, Exact};
-use crate::certify::rules::{creeps, rubs};
+use crate::certify::rules::{creeps, rounds, rubs};
 use crate::net::{LiaNode, Pruned};
 use crate::options::Effort;
 use ca_core::internal::scene::certificate::FactorVerdict;
@@ -45,7 +45,8 @@ fn level(net: &Pruned, sums: &Accumulated, bounds: &Bounds, verdict: FactorVerdi
         return Level::NotProven;
     }
     let mut explicit = net.lias.iter().zip(&sums.links).filter(|(l, _)| l.law.stage.is_explicit());
-    if !explicit.clone().all(|(_, b)| b.linear) || net.lias.iter().any(|l| creeps(net, l)) {
+    let beyond = |(l, b)| creeps(net, l) || rounds(net, sums, l, b).is_some();
+    if !explicit.clone().all(|(_, b)| b.linear) || net.lias.iter().zip(&sums.links).any(beyond) {
         Level::RuleOfThumb
     } else if explicit.any(|(l, _)| l.is_radial()) {
         Level::Linearised

@@ -220,13 +220,29 @@ pub fn creeps(net: &Pruned, l: &LiaNode) -> bool {
     matches!(l.law.stage, SolveStage::Coupled(_)) && method(net, l) == "set-valued"
 }
 
-/// Reports friction methods that do not apply here: set-valued friction that creeps, and Newton's method where the
-/// secant replaces it.
+/// kT²/m up to which the energy of a contact or of a non-linear spring holds to rounding by its method
+/// (`methods::potential`, `methods::shared`). Far beyond it the rounding of positions makes energy.
+const STIFFEST: f64 = 1e8;
+
+/// Returns kT²/m of a contact or non-linear spring for which rounding decides the energy of its method.
+pub fn rounds(net: &Pruned, sums: &Accumulated, l: &LiaNode, b: &Bound) -> Option<f64> {
+    let solved = (b.contact || !b.linear) && !l.law.stage.is_explicit();
+    Some(b.k * mobility(net, l, &sums.mats)).filter(|a| solved && *a > STIFFEST)
+}
+
+/// Reports methods beyond their limits: a contact too stiff for its energy to be exact, set-valued friction that creeps,
+/// and Newton's method where the secant replaces it.
 pub fn methods(model: &Model, net: &Pruned, sums: &Accumulated, decides: &mut Decides, diags: &mut Diags) {
     let mut reported = BTreeSet::new();
     for (l, b) in net.lias.iter().zip(&sums.links).filter(|(l, _)| !l.law.stage.is_explicit()) {
         let together = matches!(l.law.stage, SolveStage::Coupled(_));
-        let d = if creeps(net, l) {
+        let d = if let Some(a) = rounds(net, sums, l, b) {
+            decides.take(l, a / STIFFEST);
+            let title = format!("`{}` may make energy by rounding: kT²/m is {:.3}, the limit is 1e8", l.name, quantity::Plain(a));
+            Diag::warning("W119", title)
+                .at(span(model, net, l.item), "stiffer than its method is exact")
+                .help(format!("use a smaller `k`, heavier masses or a higher {} rate", net.clock()))
+        } else if creeps(net, l) {
             decides.take(l, 0.0);
             Diag::warning("W118", format!("`{}` creeps where it should stick", l.name))
                 .at(span(model, net, l.item), "solved together with other links, or in space")

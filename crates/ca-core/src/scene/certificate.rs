@@ -12,7 +12,8 @@ pub enum Level {
     Proven,
     /// like `Proven`, for small motions about the pose at load; distances conserve energy up to [`Certificate::ripple`]
     Linearised,
-    /// the linear links are proven, others judged by rules of thumb; set-valued friction of shared masses creeps
+    /// the linear links are proven, others judged by rules of thumb; set-valued friction of shared masses creeps, and
+    /// contacts beyond kT²/m = 1e8 may make energy by rounding
     RuleOfThumb,
     /// neither bounds nor a factorisation decide, or groups at the gesture rate have a compensated border
     #[default]

@@ -57,7 +57,7 @@ pub(super) fn lines<'a>(text: &'a str, diags: &mut Diags) -> Option<Vec<Line<'a>
         return None;
     }
     if lines.is_empty() {
-        diags.push(Diag::error("E030", "not a MIMS model: no line says `@label type …`"));
+        diags.push(Diag::error("E030", "not a MIMS model: no line says `@label type …`").at(Span { start: 0, end: 0 }, "begins here"));
         return None;
     }
     Some(lines)

@@ -20,7 +20,7 @@ printf \"%s\\n\" \"${{COMPREPLY[@]}}\"'; rm ca.bash err"
 #[test]
 fn bash_completes_commands_options_and_models() {
     let desk = Desk::new();
-    desk.put("harp.ca.toml", BAR).put("harm.txt", "");
+    desk.put("harp.ca.toml", BAR).put("harm.txt", "").put("harp.mdl", "");
     std::fs::create_dir(desk.path("harbour")).unwrap();
     let has = |words: &str, all: &[&str], none: &[&str]| {
         let offered = offered(&desk, words);
@@ -29,6 +29,7 @@ fn bash_completes_commands_options_and_models() {
     };
     has("ca re", &["render", "report", "replay"], &["check"]);
     has("ca render har", &["harmonic_chain", "harp.ca.toml", "harbour/"], &["harm.txt", "hammered_string"]);
+    has("ca import har", &["harp.mdl", "harbour/"], &["harp.ca.toml", "harm.txt"]);
     has("ca check ham", &["hammered_string", "hammer_piano"], &["harp.ca.toml"]);
     has("ca tune memb", &["membrane"], &[]);
     has("ca list BU", &["BUT"], &[]);

@@ -55,7 +55,7 @@ fn a_preset_is_chosen_and_changed_further() {
     assert!(changed != felt && changed == render("f.wav", &["--set", "soft=1"]));
     desk.ca(&["render", "own.ca.toml", "--preset", "fel"])
         .is(2)
-        .says(&["`fel` is not a preset", "did you mean `felt`?"]);
+        .says(&["--preset: `fel` is not a preset", "did you mean `felt`?"]);
     desk.put("struck.ca.toml", STRUCK);
     desk.ca(&["render", "struck.ca.toml", "--preset", "felt"])
         .is(2)
