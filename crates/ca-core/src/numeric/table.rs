@@ -92,7 +92,7 @@ impl<R: Real> Table<R> {
             t.area[i] = t.area[i - 1] + R::of(0.5) * (t.y[i] + t.y[i - 1]) * (t.x[i] - t.x[i - 1]);
         }
         t.slopes = (0..t.x.len() - 1).map(|i| t.rise(i).wide()).fold(t.slopes, |(hi, lo), s| (s.max(hi), s.min(lo)));
-        let zero = t.raw_integral(R::ZERO);
+        let zero = t.since_first(R::ZERO);
         t.area.iter_mut().for_each(|a| *a -= zero);
         t
     }
@@ -130,21 +130,31 @@ impl<R: Real> Table<R> {
         y0 + (y1 - y0) * ((x - x0) / (x1 - x0))
     }
 
-    fn raw_integral(&self, x: R) -> R {
-        let n = self.x.len();
-        if x <= self.x[0] {
-            return self.area[0] + self.y[0] * (x - self.x[0]);
-        }
-        if x >= self.x[n - 1] {
-            return self.area[n - 1] + self.y[n - 1] * (x - self.x[n - 1]);
-        }
-        let i = self.segment(x);
+    /// Returns the integral from the first point to `x`, while `area` is that.
+    fn since_first(&self, x: R) -> R {
+        let i = if self.spans(x) || x <= self.x[0] { self.segment(x.max(self.x[0])) } else { self.x.len() - 1 };
         self.area[i] + R::of(0.5) * (self.y[i] + self.at(x)) * (x - self.x[i])
     }
 
-    /// Returns the integral from 0 to `x`.
+    /// Returns the integral from 0 to `x`. It starts at 0 in the segment that holds 0, and elsewhere at the nearer end
+    /// of the segment, since areas of distant points would leave only their rounding where the integral is small.
     pub fn integral(&self, x: R) -> R {
-        self.raw_integral(x)
+        let last = self.x.len() - 1;
+        let below = |x: R| x <= self.x[0];
+        let above = |x: R| x >= self.x[last];
+        let (holds_zero, near) = match () {
+            () if below(x) => (below(R::ZERO), 0),
+            () if above(x) => (above(R::ZERO), last),
+            () => {
+                let i = self.segment(x);
+                let (from, to) = (self.x[i], self.x[i + 1]);
+                (from <= R::ZERO && R::ZERO <= to, if x - from <= to - x { i } else { i + 1 })
+            }
+        };
+        if holds_zero {
+            return R::of(0.5) * (self.at(R::ZERO) + self.at(x)) * x;
+        }
+        self.area[near] + R::of(0.5) * (self.y[near] + self.at(x)) * (x - self.x[near])
     }
 
     fn rise(&self, i: usize) -> R {

@@ -146,6 +146,16 @@ fn a_table_is_straight_between_and_constant_beyond() {
         let rise = (t.integral(x + h) - t.integral(x - h)) / (2.0 * h);
         assert!((rise - y).abs() < 1e-9, "at {x}: {rise}");
     }
+    // a small integral keeps its digits beside large ones, whether 0 is a point or within a segment
+    for points in [&[[-2.0, -1.4e4], [-1.0, -1.4e4], [0.0, 0.0], [0.5, 1.4e4]][..], &[[-2.0, -2.8e4], [0.5, 7e3]]] {
+        let t = Table::new(points).unwrap();
+        for x in [1e-4, -1e-4, 1e-9, -1e-9] {
+            let of = 0.5 * t.slope(x) * x * x;
+            // the rounding of values of 3e4
+            let room = 1e-12 * of + 4e-12 * x.abs();
+            assert!((t.integral(x) - of).abs() < room, "{points:?} at {x}: {} and {of}", t.integral(x));
+        }
+    }
     for bad in [&[[0.0, 1.0]][..], &[[0.0, 1.0], [0.0, 2.0]], &[[1.0, 0.0], [0.0, 0.0]], &[[0.0, f64::NAN], [1.0, 0.0]]]
     {
         assert!(Table::new(bad).is_none(), "{bad:?}");
