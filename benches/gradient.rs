@@ -19,14 +19,16 @@ const HEAD: &str = "# What derivatives cost
 
 Made by `UPDATE=1 cargo bench -p ca-benches --bench gradient`: do not edit.
 
-Half a second of each scene: a render, forward mode with the derivatives of every sample by all parameters, and reverse mode with those
-of one number, the power of the sound. Reverse mode first plays with checkpoints (*play*), for the loss, and then goes back
-(*back*); what it takes does not depend on the number of parameters. Times are over that of a render, which is the loop over
-ticks alone. Expected is at most 1 + 1.5 p forward for p parameters, and in reverse 5 for what is linear, 8 with contacts.
+Half a second of each scene: a render, forward mode with the derivatives of every sample by all parameters, and
+reverse mode with the derivatives of one number, the power of the sound. Reverse mode first plays with checkpoints
+(*play*), for the loss, and then backwards (*back*); its time does not depend on the number of parameters. Times are
+divided by the time of a render, which is only the loop over ticks. The limits are 1 + 1.5 p forward for p parameters,
+and in reverse 5 for linear scenes, 8 with contacts.
 
-*Difference* is how far derivatives by the first parameter are from a central difference of renders, over the largest, to which
-the step of the difference adds its own error, and in the bowed bar a contact that begins in another sample; *apart* is how far the
-gradients of both modes are from each other, over the sum of the sizes of their terms.
+*Difference* is the largest deviation of derivatives by the first parameter from a central difference of renders,
+relative to the largest derivative; it includes the error of the difference itself, and in the bowed bar a contact
+that begins in another sample. *Apart* is the deviation of the gradients of both modes from each other, relative to
+the sum of the sizes of their terms.
 ";
 
 /// Title, text, parameters, and the largest time of reverse mode.
@@ -176,12 +178,13 @@ fn main() {
 }
 
 const SHORT: &str = "
-What is short of what is expected, by samples of the processor (`perf record` of this bench):
+Reasons for values beyond the limits, from samples of the processor (`perf record` of this bench):
 
-- *Forward.* Of the string of 200 half is the fused pass, of the render and of six states of derivatives; a fifth the forces that changed
-  numbers add, found once a sample; the rest the short passes of each state: a link at its side, the outputs, copies.
-- *Reverse.* The passes run three times, to play, to play once more from checkpoints and back; then sums of the adjoints of
-  numbers, a fifth, and copies of the ticks that are played once more.
-- *Bowed bar.* A scene of three masses, in which the way back runs what is solved together over dual numbers, seven of the numbers
-  that it reads at a time.
+- *Forward.* For the string of 200, half of the time is the fused pass, of the render and of six states of
+  derivatives. A fifth is the forces of changed numbers, computed once per sample. The rest is the short passes of
+  each state: a link at its side, the outputs, copies.
+- *Reverse.* The passes run three times: to play, to play again from checkpoints, and backwards. Sums of the adjoints
+  of numbers take a fifth; the rest is copies of the ticks that are played again.
+- *Bowed bar.* A scene of three masses, in which the backward pass computes the links that are solved together over
+  dual numbers, for seven of their input numbers at a time.
 ";

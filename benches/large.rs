@@ -33,22 +33,22 @@ const HEAD: &str = "# Very many modules
 
 Made by `UPDATE=1 cargo bench -p ca-benches --bench large`: do not edit.
 
-In brackets what is expected, and whether it holds. Times are processor time of one thread, the least of several rounds; bytes
-are those asked of the allocator. ns are of one machine; `ca bench --curve --page bench.html` draws the same curve for yours, beside the limits of
-its caches and its memory.
+Each limit is in brackets, with the result of its test. Times are processor time of one thread, the least of several
+rounds; bytes are requests to the allocator. ns are for one machine; `ca bench --curve --page bench.html` draws the
+same curve for yours, beside the limits of its caches and its memory.
 ";
 
 const SHORT: &str = "
-What is short of what is expected, by samples of the processor (`perf record` of this bench):
+Reasons for values beyond the limits, from samples of the processor (`perf record` of this bench):
 
-- *Strings of 10^5 modules and more.* Positions, motions and the numbers of each link and mass no longer fit into the second
-  cache, and each is read once a tick. Numbers kept once for a stretch of equal modules would mend it.
-- *Compiling one line.* No pass stands out: the network, its layout, the coefficients, the certificate and the start each go once
-  over all modules, in tables larger than the second cache. One line could be kept as one line up to the layout, at
-  the price of a second way through every pass.
-- *One by one.* Each module is read into a tree of the TOML library, and then into a model, before it is compiled: many
-  allocations a module, and no function of them stands out. The model stays while it is compiled,
-  for the places of what is found. A reader by events, without the tree, would mend it.
+- *Strings of 10^5 modules and more.* Positions, motions and the numbers of each link and mass no longer fit into the
+  second-level cache, and each is read once per tick. Storing numbers once for a run of equal modules would fix it.
+- *Compiling one line.* No pass dominates: the network, its layout, the coefficients, the certificate and the start
+  each process all modules once, in tables larger than the second-level cache. One line could stay one line up to the
+  layout, but every pass would need a second implementation.
+- *One by one.* Each module is read into a tree of the TOML library, and then into a model, before it is compiled:
+  many allocations per module, and no function of them dominates. The model stays in memory while it is compiled, for
+  the positions of findings. An event-based reader, without the tree, would fix it.
 ";
 
 /// Processor time of a stage, and its use of the allocator.

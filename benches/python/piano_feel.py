@@ -93,7 +93,7 @@ none: the jack is not held.
 def fast(command: str, ax: plt.Axes) -> tuple[str, Points]:
     """Presses to the bed at constant speeds."""
     text = """Down to the bed at a constant speed. *Travel* is the largest force between 0.3 and 7 mm: weight, and inertia of hammer, lever and
-damper; *most* is that before the bed. Above 0.3 m/s the let-off is hidden by the inertia.
+damper; *most* is the largest force before the bed. Above 0.3 m/s the let-off is hidden by the inertia.
 
 | speed (m/s) | travel (N) | most (N) | contacts | hammer (m/s) | level (dBFS) | centroid (Hz) |
 |---|---|---|---|---|---|---|
@@ -135,8 +135,8 @@ def again(command: str) -> str:
         force = f"{-r.probes[PROBES[4]][int(back * RATE) :].min():.2f}" if n > 1 else "–"
         rows += f"| {mm} | {n} | {force} |\n"
         first, last = (max(first, mm), last) if n > 1 else (first, min(last, mm))
-    return f"""After a stroke of 0.3 m/s the key comes back at 0.2 m/s to a depth, waits 20 ms, and goes down again at 0.3 m/s. From {last} mm and
-deeper there is no second stroke; from {first} mm and above there is.
+    return f"""After a stroke of 0.3 m/s the key comes back at 0.2 m/s to a depth, waits 20 ms, and goes down again at 0.3 m/s. A second
+stroke is not possible from {last} mm and deeper; it is possible from {first} mm and above.
 
 | back to (mm) | strokes | force of the second (N) |
 |---|---|---|
@@ -163,7 +163,7 @@ def repeated(command: str) -> tuple[str, Points]:
                 shown = points
             cells.append(f"{len(strokes(pressed(command, points, 0.4 + 8 / rate)))} of 8")
         text += f"| {rate} | {cells[0]} | {cells[1]} |\n"
-    text += "\nAbove ten a second from half release, a hundredth of a millisecond decides which of them do.\n"
+    text += "\nAbove ten per second from half release, a hundredth of a millisecond decides which strokes sound.\n"
     return text, shown
 
 
@@ -194,9 +194,9 @@ def main() -> None:
 
 Made by `python benches/python/piano_feel.py`: do not edit.
 
-Key C4 of `models/piano_key.ca.toml`, alone, moved along a list of positions whatever it feels. Depth is counted from rest. The force
-at the key is that of its weight and bed minus that of the lever to the action (`key[0].a.weight` − `key[0].a.lever`), averaged over
-a gesture frame (16 samples). The twelve keys of `hammer_piano` have the same action; [hammer-piano.md](hammer-piano.md) has where the energy goes.
+Key C4 of `models/piano_key.ca.toml`, alone, moved along a list of positions whatever the force. Depth is counted from rest. The force
+at the key is the force of its weight and bed minus the force of the lever to the action (`key[0].a.weight` − `key[0].a.lever`), averaged over
+a gesture frame (16 samples). The twelve keys of `hammer_piano` have the same action; [hammer-piano.md](hammer-piano.md) lists its energies.
 
 ![force at the key against depth](piano-feel/feel.webp)
 

@@ -124,25 +124,25 @@ def page(by_speed: Array, by_place: Array) -> str:
     between = (forces > LEAST * SPEEDS) & (forces < LARGEST * SPEEDS)
     inside = f"{int((kinds[between] == 1).sum())} of {int(between.sum())}"
     outside = f"{int((kinds[~between] == 1).sum())} of {int((~between).sum())}"
-    out = f"""# Where the bowed string sings
+    out = f"""# Bow speed and force of the bowed string
 
 Made by `python benches/python/schelleng.py`: do not edit.
 
-`models/bowed_string.ca.toml`, each point one render: the bow is pressed first, then drawn, at full speed within 50 ms, and slips
-are counted half a second long, 0.65 s later. A slip is where the string goes back against the hair by more than 0.3 of the speed of
-the bow. One slip a period (0.93 to 1.07) is the motion that Helmholtz saw; less force makes several, more makes it raucous
+`models/bowed_string.ca.toml`, each point one render: the bow is pressed first, then drawn, and reaches full speed within 50 ms. Slips
+are counted for half a second, 0.65 s later. In a slip the string moves back against the hair by more than 0.3 of the speed of
+the bow. One slip per period (0.93 to 1.07) is Helmholtz motion; less force makes several, more force makes the sound raucous
 (J. C. Schelleng, *The bowed string and the player*, JASA 53, 1973).
 
 ![slips per period over speed and force, and over place and force](bowed-string/schelleng.webp)
 
-All points are in [schelleng.csv](bowed-string/schelleng.csv). At the place that the model is bowed, {(NODE + 1) / (MASSES + 1):.3f} of the string
+All points are in [schelleng.csv](bowed-string/schelleng.csv). At the place where the model is bowed, {(NODE + 1) / (MASSES + 1):.3f} of the string
 from the bridge, {counts[1]} of {kinds.size} points have one slip a period, {counts[2]} have several, {counts[3]} are raucous and {counts[0]} fall silent. Between
-the lines {SLIDE} N + {LEAST} N s/m and {SLIDE} N + {LARGEST:.0f} N s/m times the speed, which the header of the model gives to its player, {inside}
+the lines {SLIDE} N + {LEAST} N s/m and {SLIDE} N + {LARGEST:.0f} N s/m times the speed, which the header of the model gives, {inside}
 have one; beyond them {outside}.
 
 ## Over the speed of the bow
 
-The least and the largest of the {len(FORCES)} forces with one slip a period, and at how many of those in between it is so.
+The least and the largest of the {len(FORCES)} forces with one slip per period, and how many of the forces between them have one.
 
 | speed (m/s) | least (N) | largest (N) | forces |
 |---|---|---|---|
@@ -152,7 +152,7 @@ The least and the largest of the {len(FORCES)} forces with one slip a period, an
     out += """
 ## Over the place of the bow
 
-At 0.2 m/s. Nearer the bridge more force is needed and more is borne, as Schelleng found.
+At 0.2 m/s. Nearer the bridge both limits of force are higher, as Schelleng found.
 
 | place (length) | least (N) | largest (N) | forces |
 |---|---|---|---|
@@ -160,11 +160,11 @@ At 0.2 m/s. Nearer the bridge more force is needed and more is borne, as Schelle
     for j, n in enumerate(NODES):
         out += f"| {(n + 1) / (MASSES + 1):.3f} | {span(by_place[:, j])} |\n"
     out += """
-One point is heard by
+To hear one point:
 
     ca render bowed_string --gesture docs/measured/bowed-string/stroke.csv --seconds 1.3 --probe bow.hair --probe 'low[11]'
 
-whose bow is drawn at 0.2 m/s and sticks with 2 N.
+The bow moves at 0.2 m/s and sticks with 2 N.
 """
     return out
 

@@ -4,29 +4,30 @@
 use crate::table::{head, line};
 use std::fmt::Write as _;
 
-const HEAD: &str = "# How late is the loop?
+const HEAD: &str = "# Latency of the loop
 
-`UPDATE=1 cargo bench -p ca-cli --bench latency` makes it anew: do not edit.
+Made by `UPDATE=1 cargo bench -p ca-cli --bench latency`: do not edit.
 
 `ca serve hammer_piano`, twelve keys at 3 kHz, with `ca device sim --profile tgr12 --script strike` on the other side of
 the shared memory: two processes, three threads of real time and the desk. The period is **333.3 µs**; all times are in
 µs.
 
 - **computing**: the engine, from the beginning of a gesture frame to its end;
-- **lateness**: how long after it was due the engine's frame began;
-- **force**: from the moment the device said where the hand is to the moment it had the force that answers it, by the
+- **lateness**: the time from the due time of the engine's frame to its beginning;
+- **force**: from the moment the device sent a position to the moment it received the force that answers it, by the
   device's clock, found by `ack`;
-- **loop**: from the moment the device said where the hand is to the first position it sent after using the force that
-  answers it, by the device's clock, found by `seq` and `ack`. Both sides run freely at 3 kHz, so this is a whole number of
-  periods, and two are the usual.
+- **loop**: from the moment the device sent a position to the first position it sent after using the force that
+  answers it, by the device's clock, found by `seq` and `ack`. Both sides run freely at 3 kHz, so this is a whole
+  number of periods, usually two.
 
-**Load** is two processes that do nothing but compute, one for each core. **Priority** is SCHED_FIFO, 70 for the engine, 65
-for the gateway and 60 for the device; without it all three are as any other process. A period that is over before its
-frame could begin is left out, and is in the second table, not in the first.
+**Load** is two processes that only compute, one for each core. **Priority** is SCHED_FIFO, 70 for the engine, 65 for
+the gateway and 60 for the device; without it all three are ordinary processes. A period that is over before its frame
+could begin is skipped, and counts in the second table, not in the first.
 
-The machine of this page is a virtual one with two cores, which it shares with others: it stands still for 5 to 20 ms now
-and then, whatever runs on it. The largest times tell of that, and \"none\" is only what the bench adds: what else ran there
-meanwhile, compilers too, is in all rows. For a machine to play on, run the bench there.
+The machine of this page is a virtual one with two cores, which it shares with others: it stops for 5 to 20 ms now and
+then, whatever runs on it. The largest times come from that. A load of \"none\" excludes only the load of the bench:
+other programs that ran there meanwhile, compilers too, affect all rows. To judge a machine for playing, run the bench
+on it.
 ";
 
 /// Runs: with real-time priority or without, with load or without.

@@ -46,7 +46,7 @@ fn a_mistake_in_every_line_costs_no_more_than_none() {
     assert!(good && found.is_full());
     assert_eq!(found.list.len(), KEPT + 1);
     let limit = found.list.last().unwrap();
-    assert_eq!((limit.code, limit.title.as_str()), ("E027", "more than 100 errors: the search for others ended there"));
+    assert_eq!((limit.code, limit.title.as_str()), ("E027", "more than 100 errors: the search stopped there"));
     println!("right {} wrong {} of {}", of_right, of_wrong, right.len());
     assert!(of_wrong < of_right, "{of_wrong} {of_right}");
 }

@@ -7,15 +7,16 @@ use std::fmt::Write as _;
 
 const HEAD: &str = "# Error against run time
 
-`UPDATE=1 cargo bench -p ca-cli --bench accuracy` makes it anew: do not edit.
+Made by `UPDATE=1 cargo bench -p ca-cli --bench accuracy`: do not edit.
 
-What `ca accuracy` finds of twelve scenes: every method they know, at multiples of 48 kHz. **Error** is the distance of
-what the outputs hear from the reference, relative, before gains and filters, and cannot be less than the reference is
-known; **spectrum** the same of the levels of its partials; **cents** and **decay dB** how far the strongest partial and
-the loudness of the second half are off; **energy** the energy that the scheme gives or takes, relative to the most there
-was, where there is a ledger; **ns** the time of one sample at 48 kHz, the quickest of at least four runs, all ways in turn,
-with the finding of diverged states and the reading of outputs; `single` has its inputs written down beforehand. Rows
-with a star are beaten by nothing in both error and time; full dots in the pictures. The errors do not depend on the machine, the times do.
+Results of `ca accuracy` for twelve scenes: every method that they have, at multiples of 48 kHz. **Error** is the
+relative difference of the outputs from the reference, before gains and filters; it cannot be less than the error of
+the reference. **spectrum** is the same for the levels of the partials; **cents** and **decay dB** are the errors of
+the strongest partial and of the loudness of the second half; **energy** is the energy that the scheme gives or takes,
+relative to the maximum, if there is a ledger; **ns** is the time of one sample at 48 kHz, the fastest of at least
+four runs, with all methods in turn, including the test for diverged states and the reading of outputs; `single` gets
+its inputs computed beforehand. No other row is better than a row with a star in both error and time; these are full
+dots in the pictures. The errors do not depend on the machine, the times do.
 ";
 
 const COLUMNS: [&str; 9] =
@@ -73,9 +74,10 @@ pub fn page(found: &[Found], stiff: &[Found], claims: &[Claim], machine: &str) -
     }
     t += "\n## Links beyond the limit\n\n";
     t += &wrap(
-        "The plucked string with links spread over it that are 10⁶ times stiffer than the limit of two such masses, each of \
-          them by `method = \"implicit\", theta = 0.25`, the rest explicit. They stay in one row with the explicit ones, which \
-          is then a little dearer, and as no two of them share a mass each is solved by itself.",
+        "The plucked string with links spread over it that are 10⁶ times stiffer than the limit of two such masses, each \
+          of them with `method = \"implicit\", theta = 0.25`, the others explicit. They stay in one row with the \
+          explicit links, which then takes a little longer, and since no two of them share a mass each is solved \
+          separately.",
     );
     t += "\n\n";
     t += &head(&["stiff links", "error", "energy", "ns", "over none", "stability"]);

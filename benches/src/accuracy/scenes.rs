@@ -12,10 +12,10 @@ pub const CASES: [Case; 12] = [
         seconds: "0.1",
         times: "1,2,4,8,32",
         reference: "64",
-        about: "64 masses between fixed ends, T²k/m = 1/4, let go from a triangle; the reference case B01. Its highest \
-                partials are far from where they belong by the explicit scheme, and four times the rate is four times the \
-                work for a quarter of the error. By its modes it is exact, and a fourth-order tick at the rate of the \
-                model is worth thirty times that rate.",
+        about: "64 masses between fixed ends, T²k/m = 1/4, released from a triangle; the reference case B01. With the \
+                explicit scheme its highest partials have large errors, and four times the rate is four times the \
+                work for a quarter of the error. With its modes it is exact, and a fourth-order tick at the rate of \
+                the model is as exact as the explicit scheme at thirty times that rate.",
     },
     Case {
         name: "bar",
@@ -24,8 +24,8 @@ pub const CASES: [Case; 12] = [
         seconds: "0.1",
         times: "1,2,4,8",
         reference: "64",
-        about: "40 masses that resist bending only, free at both ends, pushed by a mass of 20 g that stays on it. All of it \
-                is linear, and what is low in pitch is near enough by any method.",
+        about: "40 masses that resist bending only, free at both ends, pushed by a mass of 20 g that stays on it. All \
+                of it is linear, and low partials are accurate with any method.",
     },
     Case {
         name: "membrane",
@@ -34,8 +34,8 @@ pub const CASES: [Case; 12] = [
         seconds: "0.1",
         times: "1,2,4,8",
         reference: "64",
-        about: "12 × 10 masses with a fixed border, hit by a felt hammer (Hertz). Once hit it is linear again: the modes are \
-                exact, and what is left is the error of the touch.",
+        about: "12 × 10 masses with a fixed border, hit by a felt hammer (Hertz). After the impact it is linear \
+                again: the modes are exact, and only the error of the contact remains.",
     },
     Case {
         name: "impact",
@@ -54,9 +54,9 @@ pub const CASES: [Case; 12] = [
         seconds: "0.3",
         times: "1,2,4,8",
         reference: "128",
-        about: "A cell of 220 Hz under a bow. Whether it sticks or slips is decided anew in every period, and the pitch \
-                hangs on when: the explicit bow and the linearised one are late by part of a tick each time, the one that \
-                is solved is not.",
+        about: "A cell of 220 Hz under a bow. It changes between sticking and slipping in every period, and the pitch \
+                depends on the moment: the explicit bow and the linearised one are late by part of a tick each time, \
+                the solved one is not.",
     },
     Case {
         name: "belt",
@@ -65,9 +65,9 @@ pub const CASES: [Case; 12] = [
         seconds: "0.3",
         times: "1,2,4,8",
         reference: "64",
-        about: "10 g on a spring, on a belt at 0.1 m/s, with the friction that sticks exactly (`method = \"set-valued\"`): ten \
-                times it sticks and slips. Single precision refuses it: rounding of the motion of the belt, times m/T², is more than \
-                friction holds.",
+        about: "10 g on a spring, on a belt at 0.1 m/s, with friction that sticks exactly (`method = \
+                \"set-valued\"`): it sticks and slips ten times. Single precision refuses it: the rounding of the \
+                motion of the belt, times m/T², exceeds the friction.",
     },
     Case {
         name: "plectrum",
@@ -77,8 +77,8 @@ pub const CASES: [Case; 12] = [
         times: "1,2,4,8",
         reference: "64",
         about: "2 g fly at a string of 40 masses, take hold of it from one side (PLK, `side`, `engaged = false`) and let go at \
-                1 mm. The string by itself is exact at the limit it is tuned to, so that what is left is when the plectrum \
-                lets go.",
+                1 mm. The string by itself is exact at the limit it is tuned to, so only the error of the moment of \
+                release remains.",
     },
     Case {
         name: "stop",
@@ -97,8 +97,8 @@ pub const CASES: [Case; 12] = [
         seconds: "0.1",
         times: "1,2,4,8",
         reference: "64",
-        about: "A head of 10 g strikes a bar of 30 masses, free at both ends; the bar goes by its modes, the contact is \
-                `stable`. Energy is kept to rounding at every rate; the error is that of the force over a tick.",
+        about: "A head of 10 g strikes a bar of 30 masses, free at both ends; the bar is modal, the contact is \
+                `stable`. Energy is kept to rounding at every rate; the error comes from the force within a tick.",
     },
     Case {
         name: "rates",
@@ -108,8 +108,8 @@ pub const CASES: [Case; 12] = [
         times: "1,2,4,8",
         reference: "64",
         about: "200 g on a spring, computed 3000 times a second (`rate = \"gesture\"`), tied to a string of 40 masses. All rows \
-                and the reference have the same 3 kHz: this is the error of the sound. That of the body is of second order \
-                in the frame, and a test holds it against the same model at the sound rate.",
+                and the reference have the same 3 kHz: this is the error of the sound. The error of the body is of \
+                second order in the frame, and a test compares it with the same model at the sound rate.",
     },
     Case {
         name: "rattle",
@@ -118,9 +118,9 @@ pub const CASES: [Case; 12] = [
         seconds: "0.1",
         times: "1,2,8",
         reference: "128",
-        about: "`models/rattle.ca.toml` before the hand moves: three tetrahedra fall into one another, and their first \
-                touches ring the sheet. Contacts follow contacts, and no method has a say in what comes after a few: a little \
-                later nothing converges. What can be judged there is the energy that is made.",
+        about: "`models/rattle.ca.toml` before the hand moves: three tetrahedra fall into one another, and their \
+                first contacts excite the sheet. Contacts follow contacts, and after a few the motion is chaotic: no \
+                method converges. Only the energy that is made can be judged there.",
     },
     Case {
         name: "piano",

@@ -70,10 +70,10 @@ fn neutral(n: u32) -> f64 {
 pub const PHASE: Map = Map {
     name: "bounce",
     title: "An explicit contact without damping: one bounce, by phase",
-    text: "A ball meets a wall by a BUT of `method = \"ca\"`, a part φ of a tick away from it at the last tick in \
-           which it is free. The energy it leaves with, over that it came with, is 1 + a (|x_q x_(q+1)| − |x_(p−1) \
+    text: "A ball hits a wall by a BUT of `method = \"ca\"`; at the last free tick its distance is a part φ of its \
+           motion in a tick. The energy after the bounce, over the energy before, is 1 + a (|x_q x_(q+1)| − |x_(p−1) \
            x_p|)/(vT)², which lies in [1 − a/4, 1/(1 − a/4)]. The thin lines are the stiffnesses a = 2 − 2 cos(π/N), \
-           which make nothing at any phase, and the curve is φ = 1 − 2/a, below which a contact of one tick makes \
+           which make no energy at any phase, and the curve is φ = 1 − 2/a, below which a contact of one tick makes \
            energy.",
     axes: [Axis::of("a = k T²/m", 0.0, 4.0), Axis::of("phase φ [ticks]", 0.0, 1.0)],
     words: WORDS,
@@ -94,9 +94,9 @@ pub const PHASE: Map = Map {
 pub const VISCOUS: Map = Map {
     name: "contact",
     title: "An explicit contact with damping, at any phase",
-    text: "The same ball at forty phases of a tick; a cell makes energy where one of them does. Within the wedge a ≤ \
+    text: "The same ball at forty phases of a tick; a cell makes energy if one of them does. Within the wedge a ≤ \
            1, 0.12 a ≤ b ≤ 1.9 − a none may (the rule of `ca check`). Beyond a + b = 2 a contact of one tick does, by \
-           x' − x = a s + b − 1 at a depth s up to 1. Between the two nothing is said: `stable` is for there.",
+           x' − x = a s + b − 1 at a depth s up to 1. Between the two there is no prediction: use `stable` there.",
     axes: [Axis::of("a = k T²/m", 0.0, 3.0), Axis::of("b = z T/m", 0.0, 2.5)],
     words: WORDS,
     measured: |a, b| most(a, b, "ca", 40) > 1.0 + 1e-12,
@@ -126,8 +126,8 @@ pub const STABLE: Map = Map {
     name: "stable",
     title: "A contact of `method = \"stable\"`",
     text: "The ball and the wall again, at eight phases, with the force in closed form. No stiffness and no viscosity \
-           makes energy, up to 10¹⁶ times the mass over a tick squared; allowed is what rounding of the depth does, 8 \
-           ε √a of the energy.",
+           makes energy, up to 10¹⁶ times the mass over a tick squared; the rounding of the depth may change 8 ε √a \
+           of the energy.",
     axes: [Axis::log("a = k T²/m", -2.0, 16.0), Axis::log("b = z T/m", -3.0, 9.0)],
     words: WORDS,
     measured: |a, b| most(a, b, "stable", 8) > 1.0 + rounding(a),

@@ -189,8 +189,8 @@ pub const LINEAR: Map = Map {
     name: "border_linear",
     title: "A device at a key: linear position, mean force",
     text: "A mass m with friction b under a force held for a gesture period T, on a TGR with a spring K; sixteen \
-           ticks to a period, `border = \"linear\"`. H = K (1 + 1/z)/2: passive below K T/b = 1 whatever the device \
-           (thin), stable up to the line. Moved by a nudge; it grows where it swings further and further.",
+           ticks to a period, `border = \"linear\"`. H = K (1 + 1/z)/2: passive below K T/b = 1 for any device \
+           (thin), stable up to the line. It starts from a small displacement; it grows if its amplitude rises.",
     axes: AXES,
     words: ["comes to rest", "shakes"],
     measured: |kt, beta| border_grows("", kt, beta),
@@ -203,8 +203,8 @@ pub const LINEAR: Map = Map {
 pub const HOLD: Map = Map {
     name: "border_hold",
     title: "A device at a key: held position, mean force at the jump",
-    text: "The same with `border = \"hold\"`. The force is the mean of those before and after the jump, so H is the \
-           same.",
+    text: "The same with `border = \"hold\"`. The force is the mean of the forces before and after the jump, so H is \
+           the same.",
     measured: |kt, beta| border_grows("border = \"hold\"", kt, beta),
     ..LINEAR
 };
@@ -247,7 +247,7 @@ pub const LOOP_LATE: Map = Map {
 pub const LOOP_LATER: Map = Map {
     name: "loop_later",
     title: "The device loop at 3 and 48 kHz, the force one frame late, κ = 2",
-    text: "The default border and a force used one frame late, which is what a device process has. Passive below K \
+    text: "The default border and a force used one frame late, as in a device process. Passive below K \
            T/b = 1/2.",
     measured: |kt, beta| loop_grows("", 1, kt, beta),
     theory: |kt, beta| Some(unstable(LATER, kt, beta)),

@@ -27,12 +27,12 @@ pub(super) fn gripped(a: f64, b: f64) -> String {
 pub const BOW: Map = Map {
     name: "bow",
     title: "A bar gripped by a bow, explicit",
-    text: "A CEL of mass m, and a BOW of the smooth curve on a fixed point, from a nudge of 1e-9 of v0 T. With b = √e \
-           f T/(v0 m), the steepest slope of the friction, the grip holds if and only if a + 2b < 4. Beyond, the bar \
-           chatters: no tick gives it more than the largest force, but explicit friction makes energy there, and the \
-           steeper the slope the further the bar is driven (see the extremes below). Below b = 1 its speed dies \
-           without changing sign; a stick is faithful up to b = 0.5, and at 1.5 it is lost: these two, the thin \
-           lines, are about accuracy and nothing is judged by them.",
+    text: "A CEL of mass m, and a BOW of the smooth curve on a fixed point, from a displacement of 1e-9 of v0 T. With b = √e \
+           f T/(v0 m), the steepest slope of the friction, the bar sticks if and only if a + 2b < 4. Beyond this \
+           limit it oscillates: the force in a tick is at most the largest force, but explicit friction makes energy \
+           there, and the amplitude rises with the slope (see the extremes below). Below b = 1 its speed decays \
+           without changing sign; sticking is accurate up to b = 0.5 and fails at 1.5: these two thin lines concern \
+           accuracy, and cells are not judged by them.",
     axes: [Axis::of("a = k T²/m", 0.0, 5.0), Axis::of("b = √e f T/(v0 m)", 0.0, 2.5)],
     words: ["grip holds", "chatters"],
     measured: |a, b| {

@@ -111,8 +111,8 @@ fn mesh() -> f64 {
 pub const MESH: Map = Map {
     name: "mesh",
     title: "A free mesh of 6 × 6 masses",
-    text: "A MESH that nothing holds. Its highest mode has λ = 4 − 4 cos(5 π/6), and it is stable if and only if (a + \
-           2b) λ < 4. That it may fly away as a whole is no growth.",
+    text: "A free MESH. Its highest mode has λ = 4 − 4 cos(5 π/6), and it is stable if and only if (a + \
+           2b) λ < 4. A motion of the whole mesh does not count as growth.",
     axes: [Axis::of("a = k T²/m", 0.0, 0.8), Axis::of("b = z T/m", 0.0, 0.4)],
     words: WORDS,
     measured: |a, b| {
@@ -135,8 +135,8 @@ fn pair_grows(ratio: f64, a: f64, b: f64) -> bool {
 pub const PAIR: Map = Map {
     name: "pair",
     title: "A light mass on a heavy one",
-    text: "Two MAS, m and M, tied by a REF, with nothing else. What counts is the mobility 1/m + 1/M: stable if and \
-           only if a (1 + m/M) < 4, whatever the ratio.",
+    text: "Two MAS, m and M, tied by a REF, with nothing else. The mobility 1/m + 1/M decides: stable if and only if \
+           a (1 + m/M) < 4, for any ratio.",
     axes: [Axis::log("M/m", 0.0, 6.0), Axis::of("a = k T²/m", 0.0, 5.0)],
     words: WORDS,
     measured: |ratio, a| pair_grows(ratio, a, 0.0),

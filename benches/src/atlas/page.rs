@@ -11,12 +11,12 @@ const HEAD: &str = "# The stability atlas
 
 Made by `UPDATE=1 cargo bench -p ca-benches --bench atlas`: do not edit.
 
-What the engine does when it is played, beside what theory says it must. Every cell of a map is a model in text,
-compiled and ticked; nothing here asks `ca check`. Throughout, T is a tick, a = k T²/m and b = z T/m. Blue is calm,
-orange grows, the black line is the boundary of theory, thin dashed lines are rules and special values; **red is a cell
-that contradicts theory**. Within a band beside the line a run of finite length cannot tell the two apart, so nothing is
-judged there; neither where theory says nothing. The test suite plays coarse maps by the same functions and allows no
-contradiction. No number of this page depends on the machine.
+Measurements of the engine beside the predictions of theory. Every cell of a map is a model in text, compiled and
+played; `ca check` is not used here. Throughout, T is a tick, a = k T²/m and b = z T/m. Blue cells are bounded, orange
+cells grow, the black line is the boundary of theory, thin dashed lines are rules and special values; **red is a cell
+that contradicts theory**. Within a band beside the line a run of finite length cannot distinguish the two, so cells
+there are not judged; neither are cells without a prediction. The test suite plays coarse maps by the same functions
+and allows no contradiction. The numbers of this page do not depend on the machine.
 ";
 
 /// Formats the line below a map.
@@ -75,12 +75,12 @@ pub const DOORS: [(&str, &str, Try); 4] = [
 pub fn page(maps: &str) -> String {
     let mut t = format!("{HEAD}\n## Maps\n{maps}\n## Extremes\n\n");
     t += &wrap(
-        "Each case is played by each method that has a part in it. An oscillator is let go from 1. A contact is a \
-         wall at the rest of a cell of k T²/m = 0.01, hit once every swing, so that an explicit one may also settle \
-         at a phase of the tick in which it takes as much as it made. Energy is that of the energy ledger and its heat, \
-         its largest deviation at any tick; momentum is that of both masses, where the light one moves by about 1 a tick. \
-         Resonators that die away pass through the denormal numbers, if at all, for less than the 1024 ticks between \
-         two looks of the engine at what is too small to matter, and then are 0.",
+        "Each case is played by each method that affects it. An oscillator is released from 1. A contact is a wall at \
+         the rest position of a cell of k T²/m = 0.01, hit once per period, so an explicit contact may also settle at \
+         a phase of the tick in which it takes as much energy as it made. Energy is the largest deviation of the \
+         energy ledger, heat included, at any tick; momentum is the sum for both masses, where the light one moves by \
+         about 1 per tick. Decaying resonators have denormal numbers, if at all, for less than the 1024 ticks between \
+         two checks of the engine for negligibly small numbers, and then are 0.",
     );
     let names: Vec<&str> = METHODS.iter().map(|m| m.name).collect();
     t += "\n\n";
@@ -90,10 +90,10 @@ pub fn page(maps: &str) -> String {
     }
     t += "\n## Orders\n\n";
     t += &wrap(
-        "The order of each method, measured: by how much the error of a second falls from 1 to 4 kHz, of an oscillator of \
-         20 Hz let go from a place, with a speed, and with both; and, under a hand that moves at a steady speed from the \
-         first tick on, how runs at 2, 4 and 8 kHz come together. By `ca` a port stands still in the first tick; by the \
-         others it is under way as the gesture has it.",
+        "The order of each method, measured: the fall of the error of a second from 1 to 4 kHz, for an oscillator of \
+         20 Hz released from a position, with a speed, and with both; and, with a hand that moves at a constant speed \
+         from the first tick on, the convergence of runs at 2, 4 and 8 kHz. With `ca` a port is at rest in the first \
+         tick; with the others it has the speed of the gesture.",
     );
     t += "\n\n";
     t += &head(&["method", "order", "from a place", "with a speed", "with both", "under a hand"]);

@@ -36,8 +36,8 @@ pub const JUNCTION: Map = Map {
     name: "junction",
     title: "A junction of a waveguide, with a spring and a damper",
     text: "A WAVEGUIDE of ZT/m = 1 with a junction of mass m, three samples from its near end and back; a REF ties it \
-           to a SOL. Its waves neither help nor harm: it is stable if and only if a + 2b < 4, as the same mass without \
-           a string. That is where `ca check` has the limit, of every waveguide.",
+           to a SOL. Its waves do not change the limit: it is stable if and only if a + 2b < 4, like the same mass \
+           without a string. `ca check` uses this limit for every waveguide.",
     axes: [Axis::of("a = k T²/m", 0.0, 5.0), Axis::of("b = z T/m", 0.0, 2.5)],
     words: WORDS,
     measured: |a, b| junction_grows(3, 1.0, a, b),
@@ -58,10 +58,10 @@ fn borne(zeta: f64) -> f64 {
 pub const IMPEDANCE: Map = Map {
     name: "impedance",
     title: "A junction of a waveguide, by its impedance",
-    text: "The same without a damper, two samples from the near end and back. There the rigid end gives half the \
-           sample rate back as a mass would: stable if and only if a < 4 + 2 (ZT/m)/D, D = 2. The thin line is the \
-           limit of `ca check`, which leaves that out: a longer way gives less of it, and an odd one, or an end that \
-           loses anything, none.",
+    text: "The same without a damper, two samples from the near end and back. At half the sample rate the rigid end \
+           then reflects like a mass: stable if and only if a < 4 + 2 (ZT/m)/D, D = 2. The thin line is the limit of \
+           `ca check`, which does not include this effect: a longer delay has less of it, and an odd delay, or an end \
+           with losses, has none.",
     axes: [Axis::of("a = k T²/m", 0.0, 10.0), Axis::of("Z T/m", 0.0, 5.0)],
     words: WORDS,
     measured: |a, zeta| junction_grows(NEAR, zeta, a, 0.0),

@@ -8,22 +8,23 @@ pub const HEAD: &str = "# What it costs
 
 Made by `UPDATE=1 cargo bench -p ca-benches --bench costs`: do not edit.
 
-What each guard, check and method costs, and that a scene without it pays nothing. A price is a difference: a scene with
-the thing less the same scene without it, over the modules that have it, so that all the compiler does otherwise because
-of it is in the price; a negative one is cheaper. Methods are beside `ca`, the explicit scheme of the same modules.
+The cost of each guard, check and method, and the proof that a scene without it has no extra cost. A cost is a
+difference: a scene with the feature minus the same scene without it, divided by the number of modules that have it.
+It includes every effect on the compiled scene; a negative cost means faster. Methods are beside `ca`, the explicit
+scheme of the same modules.
 
-**Instructions** are counted by valgrind (callgrind) in runs of two lengths, whose difference has neither start nor end
-in it: they do not depend on what else the machine does. **ns** are the best of many short runs in one process, with and
-without in turn; the rows of 0 instructions show how far they err.
+**Instructions** are counted by valgrind (callgrind) in runs of two lengths, whose difference excludes start and end:
+they do not depend on the load of the machine. **ns** are the best of many short runs in one process, with and without
+the feature in turn; the rows of 0 instructions show the error of these times.
 
-**A scene without it** pays nothing, by one of these proofs, and the bench fails where it is not so:
+**A scene without it** has no extra cost, by one of these proofs, and the bench fails if a proof does not apply:
 
-- *counted*: the same scene with the thing in the file, where nothing hears it or it is set to nothing, counts the same
-  instructions in each tick, to 0.05, and has the same passes and the same state;
-- *no pass*: it cannot stand in a file without being used; the passes it makes and its numbers in the state are not
-  there;
-- *outside*: whoever plays the scene asks for it, in no pass of the scene;
-- *no device*: it belongs to a device, or to one that asks for it in its profile; another engine has no stage of it.
+- *counted*: the same scene with the feature in the file, but without an output or with a value of no effect, has the
+  same count of instructions in each tick, to 0.05, and the same passes and the same state;
+- *no pass*: it cannot be in a file without being used; a scene without it lacks its passes and its numbers in the
+  state;
+- *outside*: the program that plays the scene requests it, outside of the passes of the scene;
+- *no device*: it belongs to a device, or to a device whose profile requests it; other engines do not have its stage.
 ";
 
 const COLUMNS: &str =
@@ -31,15 +32,16 @@ const COLUMNS: &str =
 const FRAMES: &str = "
 ## At the hand
 
-Of a device of twelve keys, with every stage of the guard, forces on, moving slowly within all limits: what a gesture
-frame costs while nothing is wrong, at 3000 frames a second and 16 ticks each. A stage is priced alone. H7 and H14 are
-fields of the force frame, in the price of a device; H17 and H18 are at the start, or what is not done. Records of an
-engine's loop are handed over by rings; a take is written from them by another thread, for which no frame waits.
+The cost of a gesture frame in normal operation, for a device of twelve keys with every stage of the guard, forces on
+and slow motion within all limits, at 3000 frames a second and 16 ticks each. Each stage is measured alone. H7 and H14
+are fields of the force frame, included in the cost of a device; H17 applies only at the start, and H18 is the absence
+of operations. Ring buffers pass the records of an engine's loop to another thread, which writes the take; frames do
+not wait for it.
 ";
 const ALWAYS: &str = "
 ## What every scene pays
 
-One check is in every scene: every 1024 ticks, what is too small to matter is set to 0 before it becomes denormal and
+One check is in every scene: every 1024 ticks, negligibly small numbers are set to 0 before they become denormal and
 slow.
 ";
 

@@ -57,15 +57,15 @@ pub static ALL: &[Instrument] = &[
             },
             Claim {
                 says: "t60 of `rim` = \"0.5 s\" (no finger can start it)",
-                shows: "level with it at 0.3 m/s below that of the rim as it is: {} dB",
+                shows: "level with it at 0.3 m/s below the level of the unchanged rim: {} dB",
                 measure: |p| {
                     p.level(QUICK_FINGER.at(4.0, 6.0)) - p.level(QUICK_FINGER.set(&["rim.t60=0.5 s"]).at(4.0, 6.0))
                 },
                 keeps: [30.0, NEVER_MORE],
             },
         ],
-        remark: "Loudness follows the finger; what is heard is nearly a sine, the stem adding little even when loud, and its colour \
-                 hardly changes.",
+        remark: "Loudness follows the finger; the sound is nearly a sine, the stem adds little even when loud, and the \
+                 timbre hardly changes.",
         ..Instrument::new("glass")
     },
     Instrument {
@@ -85,8 +85,8 @@ pub static ALL: &[Instrument] = &[
                 keeps: [1.0, NEVER_MORE],
             },
             Claim {
-                says: "its partials stand near 1 : 2.76 : 5.40 : 8.93",
-                shows: "of partials 2, 3 and 4, the farthest from there: {} cents",
+                says: "its partials are near 1 : 2.76 : 5.40 : 8.93",
+                shows: "largest deviation of partials 2, 3 and 4: {} cents",
                 measure: |p| {
                     let cut = BUILT.at(2.31, 2.7);
                     let first = 123.47 * 2f64.powf(p.cents(123.47, BUILT.at(2.5, 4.5)) / 1200.0);
@@ -97,19 +97,19 @@ pub static ALL: &[Instrument] = &[
             },
             Claim {
                 says: "brighter when louder",
-                shows: "centroid of the last stroke over that of the first: {}",
+                shows: "centroid of the last stroke over the centroid of the first: {}",
                 measure: |p| p.colour(BUILT.at(2.28, 2.8)) / p.colour(BUILT.at(0.08, 0.6)),
                 keeps: [1.05, NEVER_MORE],
             },
             Claim {
                 says: "they shorten the others",
-                shows: "T60 of the first mode over that of the second: {}",
+                shows: "T60 of the first mode over T60 of the second: {}",
                 measure: |p| p.t60(123.47, BUILT.at(2.5, 4.5)) / p.t60(2.77 * 123.47, BUILT.at(2.35, 3.0)),
                 keeps: [3.0, 12.0],
             },
         ],
-        remark: "Partials of a free bar, the fourth a quarter of a semitone flat, as 25 masses make it; between soft and loud the colour \
-                 changes by less than on a piano.",
+        remark: "Partials of a free bar, the fourth a quarter of a semitone flat because there are only 25 masses; \
+                 between soft and loud the timbre changes less than on a piano.",
         stroke: Stroke { slower: 2.0, ..Stroke::DEFAULT },
         ..Instrument::new("iron_bar")
     },
@@ -122,7 +122,7 @@ pub static ALL: &[Instrument] = &[
         claims: &[
             Claim {
                 says: "three cells at 1 : 6.27 : 17.5, as a clamped bar has",
-                shows: "second mode of the first tine from 6.27 times C4: {} cents",
+                shows: "deviation of the second mode of the first tine from 6.27 times C4: {} cents",
                 measure: |p| p.cents(6.27 * 261.6256, BUILT.at(0.12, 0.4)),
                 keeps: [-5.0, 5.0],
             },
@@ -142,7 +142,7 @@ pub static ALL: &[Instrument] = &[
             },
             Claim {
                 says: "with a quarter of the force",
-                shows: "largest force of such a touch over that of the pluck before it: {}",
+                shows: "largest force of such a touch over the force of the pluck before it: {}",
                 measure: |p| {
                     let of = |a: f64, b: f64| peak(&p.probe("tine[0].pluck[0]", BUILT.at(a, b)));
                     let touch = [[0.1, 0.172, 0.4], [3.1, 3.172, 3.6], [3.7, 3.772, 5.0]];
@@ -157,7 +157,7 @@ pub static ALL: &[Instrument] = &[
                 keeps: [6.0, NEVER_MORE],
             },
         ],
-        remark: "Pure tines, in tune; a note changes its level and not its colour, since plucked cells are linear.",
+        remark: "Pure tines, in tune; a stronger note is louder but not brighter, since plucked cells are linear.",
         ..Instrument::new("kalimba")
     },
     Instrument {
@@ -169,7 +169,7 @@ pub static ALL: &[Instrument] = &[
         claims: &[
             Claim {
                 says: "three cells at 1 : 4 : 10, as makers carve them",
-                shows: "of partials 2 and 3 of D5, the farther from 4 and 10 times its pitch: {} cents",
+                shows: "largest deviation of partials 2 and 3 of D5 from 4 and 10 times its pitch: {} cents",
                 measure: |p| {
                     let off = [4.0, 10.0].map(|r| p.cents(r * 587.3295, LOUD_D5.at(0.11, 0.4)));
                     off.into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(f64::NAN)
@@ -178,7 +178,7 @@ pub static ALL: &[Instrument] = &[
             },
             Claim {
                 says: "swings wider than the wood",
-                shows: "swing of the air under G3 over that of the wood: {}",
+                shows: "amplitude of the air under G3 over the amplitude of the wood: {}",
                 measure: |p| {
                     let of = |name| rms(&p.probe(name, BUILT.at(0.2, 0.45)));
                     of("bar[0].tube") / of("bar[0].wood[0]")
@@ -187,7 +187,7 @@ pub static ALL: &[Instrument] = &[
             },
             Claim {
                 says: "loud notes are brighter",
-                shows: "centroid of D5 struck in 8 ms over that in 30 ms: {}",
+                shows: "centroid of D5 struck in 8 ms over the centroid in 30 ms: {}",
                 measure: |p| p.colour(LOUD_D5.at(0.08, 0.44)) / p.colour(SOFT_D5.at(0.08, 0.44)),
                 keeps: [1.5, NEVER_MORE],
             },
@@ -198,8 +198,8 @@ pub static ALL: &[Instrument] = &[
                 keeps: [1.0, 1.0],
             },
         ],
-        remark: "The air is heard most and gives each note its body; a soft stroke is little more than the first partial, a loud one has the \
-                 wood's ring for a third of a second.",
+        remark: "The resonance of the air is loudest and makes each note full; a soft stroke is little more than the \
+                 first partial, a loud one also has the ring of the wood for a third of a second.",
         ..Instrument::new("marimba")
     },
 ];

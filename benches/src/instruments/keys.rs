@@ -62,13 +62,13 @@ pub static ALL: &[Instrument] = &[
             },
             Claim {
                 says: "spectral centroid of C4 324 Hz at 0.08 m/s, 641 Hz at 0.58",
-                shows: "that at 0.58 m/s over that at 0.08: {}",
+                shows: "centroid at 0.58 m/s over the centroid at 0.08: {}",
                 measure: |p| p.colour(LOUD.at(0.08, 0.58)) / p.colour(SOFT.at(0.1, 0.58)),
                 keeps: [1.5, NEVER_MORE],
             },
             Claim {
                 says: "Let go, a note is down by 40 dB within 0.3 s",
-                shows: "level before the key of C4 is let go, above that 0.3 s after: {} dB",
+                shows: "level before the key of C4 is let go, above the level 0.3 s after: {} dB",
                 measure: |p| p.level(LOUD.at(0.55, 0.6)) - p.level(LOUD.at(0.95, 1.0)),
                 keeps: [40.0, NEVER_MORE],
             },
@@ -79,8 +79,8 @@ pub static ALL: &[Instrument] = &[
                 keeps: [0.0, 0.0],
             },
         ],
-        remark: "Hammer, damper and shared pin do what a piano's do; partial 7, near whose node the hammer strikes, is more than 30 dB down, \
-                 and the landing of a damper is heard near the level of the softest notes.",
+        remark: "Hammer, damper and shared pin act as in a piano; partial 7, near whose node the hammer strikes, is \
+                 more than 30 dB down, and the landing of a damper is nearly as loud as the softest notes.",
         ..Instrument::new("hammer_piano")
     },
     Instrument {
@@ -103,7 +103,7 @@ pub static ALL: &[Instrument] = &[
                 keeps: [3.0, NEVER_MORE],
             },
         ],
-        remark: "In tune over two octaves; there is no soundboard, so that it is drier than `hammer_piano`, and partial 7 is as weak.",
+        remark: "In tune over two octaves; without a soundboard it is drier than `hammer_piano`, and partial 7 is as weak.",
         ..Instrument::new("piano24")
     },
     Instrument {
@@ -134,12 +134,12 @@ pub static ALL: &[Instrument] = &[
             },
             Claim {
                 says: "five times from half release",
-                shows: "times the hammer then strikes: {}",
+                shows: "number of times the hammer then strikes: {}",
                 measure: |p| p.contacts("key[0].strike", BUILT.at(5.65, 6.6)),
                 keeps: [5.0, 5.0],
             },
         ],
-        remark: "What is to be felt, weight, let-off and repetition, is there in newtons; the sound is that of bare strings, without a board.",
+        remark: "Weight, let-off and repetition can be felt, in newtons; the sound is of bare strings, without a soundboard.",
         ..Instrument::new("piano_key")
     },
 ];

@@ -11,16 +11,16 @@ pub const HEAD: &str = "# The bundled instruments, measured
 Made by `UPDATE=1 cargo bench -p ca-benches --bench instruments`: do not edit.
 
 Each instrument is played by its own gesture, unless its entry in `benches/src/instruments` says otherwise, and measured. A test
-measures all of it anew but the times, and fails where this page says otherwise; another plays each instrument with ports of a
-device by a simulated device, through `ca serve`. `ca render NAME` plays one, `ca list NAME` says what it is.
+measures everything again except the times, and fails if this page differs. Another test plays each instrument that has device
+ports with a simulated device, through `ca serve`. `ca render NAME` plays an instrument, `ca list NAME` describes it.
 
-- **pitch**: the strongest partial near the pitch that is claimed, and how far it is from that.
+- **pitch**: the strongest partial near the expected pitch, and its deviation from that pitch.
 - **centroid**: centre of gravity of the power spectrum of a soft and a loud stroke.
-- **T60**: time in which the level falls by 60 dB: by the line through its first 12 dB, and through the second half of its
-  fall as far as it is there, at most 60 dB. One number where both are alike; – where it does not decay.
+- **T60**: time in which the level falls by 60 dB, extrapolated from its first 12 dB (early) and from the second half of
+  its fall (late, over at most 60 dB). One number if both are alike; – if it does not decay.
 - **peak**, **DC**: largest sample and largest mean of a channel, in dBFS.
-- **end**: largest sample of the last 20 ms, in dBFS; *faded* where `ca render` fades it, which it does above −60.
-- **real time**: seconds of sound in a second, by one thread, with the build of the bench, on ";
+- **end**: largest sample of the last 20 ms, in dBFS; *faded* if `ca render` fades it out, which it does above −60.
+- **real time**: seconds of sound per second of computation, by one thread, with the build of the bench, on ";
 const COLUMNS: &str = "| instrument | pitch (Hz) | centroid soft / loud (Hz) | T60 early / late (s) | peak | DC | end | real time | \
                        MAT + LIA | picture | sound |\n|---|---|---|---|---|---|---|---|---|---|---|\n";
 
@@ -87,15 +87,15 @@ fn claim(c: &Claim, figure: f64) -> String {
 /// times.
 pub fn page(all: &[(&Instrument, Figures)], machine: &str, times: &dyn Fn(&str) -> String) -> String {
     let mut t = format!("{HEAD}{machine}.\n- **MAT + LIA**: modules that are computed.\n\n");
-    t += "Pictures show 40 Hz to half the sound rate from below upwards, equal distances being equal ratios, over the time of the\n\
-          whole sound, 90 dB from the loudest to black. Sounds are one channel, the loudest, and may be its beginning alone.\n\n";
+    t += "Pictures are spectrograms of the whole sound: frequency upwards from 40 Hz to half the sound rate on a logarithmic axis,\n\
+          90 dB from the loudest to black. Sounds are the loudest channel, some of them only its beginning.\n\n";
     t += COLUMNS;
     for (i, f) in all {
         t += &row(i, f, &times(i.model));
     }
     t += "\n## What the headers say, and what is measured\n\n\
-          What the figures say of each sound and what of it is weak; words of the header of each model, and the figure that supports\n\
-          them with the bounds that a test keeps.\n";
+          For each sound: a judgement with its weak points, then quotations from the header of the model, each with the figure that\n\
+          supports it and the bounds that a test checks.\n";
     for (i, f) in all {
         let _ = write!(t, "\n### {}\n\n{}\n\n", i.model, one_line(i.remark));
         for (c, figure) in i.claims.iter().zip(&f.claims) {

@@ -60,7 +60,7 @@ pub static ALL: &[Instrument] = &[
         claims: &[
             Claim {
                 says: "at 0.2 m/s 1.2 N gives 309 Hz",
-                shows: "inverse of the period after which the sound is most like itself: {} Hz",
+                shows: "inverse of the period with the highest autocorrelation: {} Hz",
                 measure: |p| 1.0 / repeats(p, FIRM).0,
                 keeps: [307.0, 311.0],
             },
@@ -72,7 +72,7 @@ pub static ALL: &[Instrument] = &[
             },
             Claim {
                 says: "5 N is raucous, without a pitch",
-                shows: "likeness of the sound to itself after its best period, 1 where it repeats: {}",
+                shows: "autocorrelation after the best period, 1 if the sound repeats: {}",
                 measure: |p| repeats(p, HEAVY).1,
                 keeps: [0.0, 0.5],
             },
@@ -83,8 +83,8 @@ pub static ALL: &[Instrument] = &[
                 keeps: [20.0, NEVER_MORE],
             },
         ],
-        remark: "One mode locks to the bow and force chooses which; the sheet has tension and no bending stiffness, so that its modes lie as \
-                 those of a membrane with a free edge do.",
+        remark: "One mode locks to the bow, and the force selects the mode; the sheet has tension and no bending \
+                 stiffness, so it has the modes of a membrane with a free edge.",
         ..Instrument::new("bowed_plate")
     },
     Instrument {
@@ -94,13 +94,13 @@ pub static ALL: &[Instrument] = &[
         claims: &[
             Claim {
                 says: "the share of the sound above 900 Hz grows by half in the 0.15 s after the blow",
-                shows: "that share 0.12 to 0.2 s after the blow over that in its first 80 ms: {}",
+                shows: "that share 0.12 to 0.2 s after the blow over the share in its first 80 ms: {}",
                 measure: |p| high(p, 1.64) / high(p, 1.52),
                 keeps: [1.4, 1.8],
             },
             Claim {
-                says: "a strong stroke blooms",
-                shows: "that share then over that as long after the soft stroke: {}",
+                says: "a strong stroke becomes brighter",
+                shows: "that share then over the share at the same time after the soft stroke: {}",
                 measure: |p| high(p, 1.64) / high(p, 0.25),
                 keeps: [1.5, NEVER_MORE],
             },
@@ -111,7 +111,7 @@ pub static ALL: &[Instrument] = &[
                 keeps: [15.0, NEVER_MORE],
             },
         ],
-        remark: "Strong strokes grow brighter after the blow, modestly: little passes 2 kHz; `tam_tam` goes farther.",
+        remark: "Strong strokes become a little brighter after the blow, with little above 2 kHz; `tam_tam` becomes brighter still.",
         ..Instrument::new("gong")
     },
     Instrument {
@@ -139,7 +139,7 @@ pub static ALL: &[Instrument] = &[
                 keeps: [980.0, 1100.0],
             },
         ],
-        remark: "Pitch exact, colour opens towards the rim; 37 by 33 masses stop at 3.2 kHz, so that the click of a hard stick is missing.",
+        remark: "Pitch exact, brighter towards the rim; 37 by 33 masses have no modes above 3.2 kHz, so the click of a hard stick is missing.",
         stroke: Stroke { slower: 2.0, ..Stroke::DEFAULT },
         ..Instrument::new("membrane")
     },
@@ -170,8 +170,8 @@ pub static ALL: &[Instrument] = &[
                 keeps: [0.4, 0.65],
             },
         ],
-        remark: "Dense and bright; louder is only a little brighter, and a sheet under tension has no dispersion of bending, so that the \
-                 shimmer of thin metal is not there.",
+        remark: "Dense and bright; louder is only a little brighter, and a sheet under tension lacks the dispersion of \
+                 bending, so the shimmer of thin metal is missing.",
         stroke: Stroke { slower: 2.0, ..Stroke::DEFAULT },
         ..Instrument::new("plate")
     },
@@ -183,7 +183,7 @@ pub static ALL: &[Instrument] = &[
         claims: &[
             Claim {
                 says: "With the wires up each stroke has a noisy tail",
-                shows: "power above 1 kHz from 20 to 120 ms after the stroke, above that with the wires down: {} dB",
+                shows: "power above 1 kHz from 20 to 120 ms after the stroke, above the power with the wires down: {} dB",
                 measure: |p| p.band(1e3, 2e4, BUILT.at(0.23, 0.33)) - p.band(1e3, 2e4, BUILT.at(3.33, 3.43)),
                 keeps: [10.0, NEVER_MORE],
             },
@@ -194,8 +194,8 @@ pub static ALL: &[Instrument] = &[
                 keeps: [0.0, 0.1],
             },
         ],
-        remark: "The wires rattle and stop within 0.4 s; a stroke at the edge is only some 50 Hz brighter than one in the middle, and 11 by 11 \
-                 masses give the skin few modes.",
+        remark: "The wires rattle and stop within 0.4 s; the centroid of a stroke at the edge is only some 50 Hz \
+                 higher than in the middle, and 11 by 11 masses give the skin few modes.",
         // the raised strainer presses with 2.8 N
         stroke: Stroke { clear: 0.3, ..Stroke::DEFAULT },
         ..Instrument::new("snare")
@@ -241,8 +241,8 @@ pub static ALL: &[Instrument] = &[
                 keeps: [100.0, 300.0],
             },
         ],
-        remark: "A hard stroke becomes noise within 0.1 s and its pitch glides; as a linear sheet it ends at 3.1 kHz, and what is above comes \
-                 from hardening alone, so that the hiss of a real one is missing.",
+        remark: "A hard stroke becomes noise within 0.1 s and its pitch glides; the modes of the linear sheet end at \
+                 3.1 kHz, and only hardening makes higher frequencies, so the hiss of a real tam-tam is missing.",
         ..Instrument::new("tam_tam")
     },
 ];

@@ -41,13 +41,13 @@ pub static ALL: &[Instrument] = &[
         stroke: Stroke { ways: &[(0, SWUNG)], ..Stroke::DEFAULT },
         claims: &[
             Claim {
-                says: "the tubes have rung out at 11 s",
+                says: "the tubes are silent at 11 s",
                 shows: "largest sample of the last half second: {} dBFS",
                 measure: |p| p.peak(BUILT.at(10.5, 11.0)),
                 keeps: [f64::NEG_INFINITY, -80.0],
             },
             Claim {
-                says: "then the air stills the threads",
+                says: "then the air damps the threads",
                 shows: "strongest blow of the clapper later than a second after the wind, as a part of the strongest: {}",
                 // not the time of the last blow: the swing is chaotic, and the last digits of a mass move it by seconds
                 measure: |p| {
@@ -71,20 +71,20 @@ pub static ALL: &[Instrument] = &[
         claims: &[
             Claim {
                 says: "room.pebble.m=\"1 g\" (softer",
-                shows: "level with a pebble of 1 g below that as it is: {} dB",
+                shows: "level with a pebble of 1 g below the level of the model: {} dB",
                 measure: |p| p.level(BUILT.at(0.0, 1.0)) - p.level(BUILT.set(&["room.pebble.m=1 g"]).at(0.0, 1.0)),
                 keeps: [2.0, 12.0],
             },
             Claim {
                 says: "room.crystal.k=\"100 kN/m\" (lower)",
-                shows: "centroid with it over that as it is; √(1/5) is 0.447: {}",
+                shows: "centroid with it over the centroid of the model; √(1/5) is 0.447: {}",
                 measure: |p| {
                     p.colour(BUILT.set(&["room.crystal.k=100 kN/m"]).at(0.0, 1.0)) / p.colour(BUILT.at(0.0, 1.0))
                 },
                 keeps: [0.38, 0.52],
             },
         ],
-        remark: "Four partials from 1.9 to 4.7 kHz, the lowest by far the strongest, so that it is thin; a softer blow is hardly of another colour.",
+        remark: "Four partials from 1.9 to 4.7 kHz, the lowest by far the strongest, so the sound is thin; a softer blow hardly changes the timbre.",
         ..Instrument::new("crystal")
     },
     Instrument {
@@ -99,8 +99,8 @@ pub static ALL: &[Instrument] = &[
                 keeps: [f64::NEG_INFINITY, -60.0],
             },
             Claim {
-                says: "Its own edges ring far above the drum and are heard on the right",
-                shows: "centroid of the right over that of the left: {}",
+                says: "Its edges ring far above the drum and sound in the right channel",
+                shows: "centroid of the right channel over the centroid of the left: {}",
                 measure: |p| {
                     let r = p.play(BUILT);
                     let of = |k: usize| crate::acoustics::centroid(r.part(&r.sound[k], 0.1, 1.0), r.rate);
@@ -109,7 +109,7 @@ pub static ALL: &[Instrument] = &[
                 keeps: [3.0, NEVER_MORE],
             },
         ],
-        remark: "The rhythm of a thing that tumbles; the drum is eleven masses wide and simple, the star of seven points has few partials.",
+        remark: "The rhythm of a tumbling object; the drum is simple and eleven masses wide, the star of seven points has few partials.",
         ..Instrument::new("jack")
     },
     Instrument {
@@ -131,7 +131,7 @@ pub static ALL: &[Instrument] = &[
                 keeps: [f64::NEG_INFINITY, -55.0],
             },
         ],
-        remark: "Bright grains with the rhythm of the hand; the gourd itself, which should be heard below 2 kHz, is hardly there.",
+        remark: "Bright grains with the rhythm of the hand; the gourd itself, which should sound below 2 kHz, is hardly audible.",
         ..Instrument::new("maracas")
     },
     Instrument {
@@ -157,8 +157,8 @@ pub static ALL: &[Instrument] = &[
                 keeps: [0.77, 0.83],
             },
         ],
-        remark: "Sharp, as the rattle of the paper is; what is left, a fifth of the power, is nearly all between 1 and 3 kHz, so that there is \
-                 no body below.",
+        remark: "Sharp, like the rattle of the paper; the rest, a fifth of the power, is nearly all between 1 and 3 \
+                 kHz, so the sound lacks low frequencies.",
         ..Instrument::new("rattle")
     },
     Instrument {
@@ -185,8 +185,8 @@ pub static ALL: &[Instrument] = &[
                 keeps: [0.75, 0.87],
             },
         ],
-        remark: "The sound is that of `rattle`; a shake strikes up to 0.2 s after the turn of the hand, so that it is harder to time than a knock \
-                 by two keys.",
+        remark: "It sounds like `rattle`; a shake strikes up to 0.2 s after the turn of the hand, so it is harder to \
+                 time than a knock by two keys.",
         ..Instrument::new("rattle_stick")
     },
     Instrument {
@@ -196,8 +196,8 @@ pub static ALL: &[Instrument] = &[
         probes: &["hop[4]"],
         claims: &[
             Claim {
-                says: "falls by its own weight from its own height",
-                shows: "first touch of bead `e` after √(2 h / g), later by: {} %",
+                says: "falls by its weight from a different height",
+                shows: "delay of the first touch of bead `e` after √(2 h / g): {} %",
                 measure: |p| {
                     let x = p.probe("hop[4]", BUILT.whole());
                     let first = x.iter().position(|f| *f != 0.0).unwrap_or(0) as f64 / p.play(BUILT).rate;
@@ -212,7 +212,7 @@ pub static ALL: &[Instrument] = &[
                 keeps: [f64::NEG_INFINITY, -60.0],
             },
         ],
-        remark: "The rhythm of bouncing balls; a chime is one mode, so that each is a sine with a click, the first four cents sharp.",
+        remark: "The rhythm of bouncing balls; a chime is one mode, so each is a sine with a click, the first four cents sharp.",
         ..Instrument::new("rain_stick")
     },
     Instrument {
@@ -228,13 +228,13 @@ pub static ALL: &[Instrument] = &[
             },
             Claim {
                 says: "Thirty-two grains lie in a box",
-                shows: "level of the half second before the first toss, below that of the toss: {} dB",
+                shows: "level of the half second before the first toss, below the level of the toss: {} dB",
                 measure: |p| p.level(BUILT.at(1.0, 2.2)) - p.level(BUILT.at(0.5, 1.0)),
                 keeps: [10.0, NEVER_MORE],
             },
         ],
-        remark: "A rain of notes that no hand could play, the louder the faster; blows are of one hardness, so that loud tosses are hardly \
-                 brighter.",
+        remark: "A rain of notes that no hand could play, the louder the faster; all blows have one hardness, so loud \
+                 tosses are hardly brighter.",
         ..Instrument::new("tossed_grains")
     },
 ];

@@ -30,7 +30,7 @@ pub static ALL: &[Instrument] = &[
         claims: &[
             Claim {
                 says: "The string slips once a period (Helmholtz motion)",
-                shows: "share of the time in which it goes with the hair, of 1 − β = 0.881, in the strong down-bow: {}",
+                shows: "share of the time in which it sticks to the hair, 1 − β = 0.881 in theory, in the strong down-bow: {}",
                 measure: |p| {
                     let (x, rate) = (p.probe("low[11]", BUILT.at(2.9, 3.5)), p.play(BUILT).rate);
                     let sticks = velocity(&x, rate).iter().filter(|v| **v < 0.0).count();
@@ -45,7 +45,7 @@ pub static ALL: &[Instrument] = &[
                 keeps: [10.0, 25.0],
             },
             Claim {
-                says: "the hair left on the string stops it",
+                says: "the hair stays on the string and stops it",
                 shows: "fall of the level within half a second: {} dB",
                 measure: |p| p.level(BUILT.at(4.8, 5.2)) - p.level(BUILT.at(5.6, 5.9)),
                 keeps: [10.0, NEVER_MORE],
@@ -63,7 +63,7 @@ pub static ALL: &[Instrument] = &[
         claims: &[
             Claim {
                 says: "five strokes, soft to loud",
-                shows: "least ratio of the force of a blow to that of the one before: {}",
+                shows: "least ratio of the forces of two successive blows: {}",
                 measure: |p| {
                     let blow = |i: f64| peak(&p.probe("strike", BUILT.at(0.1 + 0.8 * i, 0.3 + 0.8 * i)));
                     (1..5).map(|i| blow(f64::from(i)) / blow(f64::from(i - 1))).fold(f64::INFINITY, f64::min)
@@ -78,7 +78,7 @@ pub static ALL: &[Instrument] = &[
             },
             Claim {
                 says: "a faster key is louder and brighter",
-                shows: "centroid of the last stroke over that of the first: {}",
+                shows: "centroid of the last stroke over the centroid of the first: {}",
                 measure: |p| p.colour(BUILT.at(3.28, 3.7)) / p.colour(BUILT.at(0.08, 0.5)),
                 keeps: [1.4, NEVER_MORE],
             },
@@ -89,7 +89,7 @@ pub static ALL: &[Instrument] = &[
                 keeps: [0.0, 0.0],
             },
         ],
-        remark: "One clean contact a stroke, and the colour of the sound grows with the speed of the key; one string without a body is dry.",
+        remark: "One clean contact per stroke, and the sound becomes brighter with the speed of the key; one string without a body is dry.",
         stroke: Stroke { slower: 2.0, ..Stroke::DEFAULT },
         ..Instrument::new("hammered_string")
     },
@@ -117,7 +117,7 @@ pub static ALL: &[Instrument] = &[
                 keeps: [20.0, NEVER_MORE],
             },
         ],
-        remark: "Exactly periodic, hence without the life of a string that loses its high partials first; a demonstration more than a voice.",
+        remark: "Exactly periodic, so it lacks the change of a string that loses its high partials first; a demonstration more than an instrument.",
         ..Instrument::new("harmonic_chain")
     },
     Instrument {
@@ -129,7 +129,7 @@ pub static ALL: &[Instrument] = &[
         claims: &[
             Claim {
                 says: "a stroke also pushes the whole of it away",
-                shows: "way of the top from 1 to 1.9 s over its swing then: {}",
+                shows: "displacement of the top from 1 to 1.9 s over its amplitude then: {}",
                 measure: |p| {
                     let swing = |t: f64| {
                         let x = p.probe("hoop[0]", BUILT.at(t, t + 0.1));
@@ -160,13 +160,13 @@ pub static ALL: &[Instrument] = &[
         claims: &[
             Claim {
                 says: "partials that move where it touches die",
-                shows: "what partials 1, 2, 4 and 5 fall by at a third, at least: {} dB",
+                shows: "least fall of partials 1, 2, 4 and 5 at a third: {} dB",
                 measure: |p| falls(p, &[110.0, 220.0, 440.0, 550.0], BUILT.at(0.3, 0.8), BUILT.at(1.4, 2.1))[0],
                 keeps: [40.0, NEVER_MORE],
             },
             Claim {
                 says: "those with a node there stay",
-                shows: "what partials 3, 6 and 9 fall by there in 1.2 s, at most: {} dB",
+                shows: "largest fall of partials 3, 6 and 9 there in 1.2 s: {} dB",
                 measure: |p| falls(p, &[330.0, 660.0, 990.0], BUILT.at(0.3, 0.8), BUILT.at(1.4, 2.1))[1],
                 keeps: [0.0, 20.0],
             },
@@ -177,7 +177,7 @@ pub static ALL: &[Instrument] = &[
                 keeps: [30.0, NEVER_MORE],
             },
         ],
-        remark: "Harmonics come out clean and in tune, the touch itself is silent; nothing weak is known.",
+        remark: "Harmonics are clean and in tune, the touch itself is silent; no weakness is known.",
         ..Instrument::new("natural_harmonic")
     },
     Instrument {
@@ -189,7 +189,7 @@ pub static ALL: &[Instrument] = &[
         claims: &[
             Claim {
                 says: "the high ones are sharp (the seventh by 47 cents)",
-                shows: "partial 7 from 7 times the first: {} cents",
+                shows: "deviation of partial 7 from 7 times the first: {} cents",
                 measure: |p| {
                     let cut = BUILT.at(2.2, 4.2);
                     47.0 + p.cents(7.0 * 65.406 * 2f64.powf(47.0 / 1200.0), cut) - p.cents(65.406, cut)
@@ -204,12 +204,12 @@ pub static ALL: &[Instrument] = &[
             },
             Claim {
                 says: "louder is brighter",
-                shows: "centroid of the loud stroke over that of the soft one: {}",
+                shows: "centroid of the loud stroke over the centroid of the soft one: {}",
                 measure: |p| p.colour(BUILT.at(2.0, 2.6)) / p.colour(BUILT.at(0.15, 0.75)),
                 keeps: [1.3, NEVER_MORE],
             },
         ],
-        remark: "Inharmonic as thick wire is, with two slopes of decay; without a board it lacks the noise of a bass key.",
+        remark: "Inharmonic like thick wire, with two slopes of decay; without a soundboard it lacks the noise of a bass key.",
         ..Instrument::new("piano_wire")
     },
     Instrument {
@@ -237,7 +237,7 @@ pub static ALL: &[Instrument] = &[
             },
             Claim {
                 says: "one of the two alone is a fret that buzzes",
-                shows: "power above 2 kHz of the pluck against the thumb over that of the open string: {} dB",
+                shows: "power above 2 kHz of the pluck against the thumb over the power of the open string: {} dB",
                 measure: |p| p.band(2e3, 2e4, BUILT.at(4.2, 4.9)) - p.band(2e3, 2e4, BUILT.at(0.1, 0.8)),
                 keeps: [3.0, NEVER_MORE],
             },
@@ -260,7 +260,7 @@ pub static ALL: &[Instrument] = &[
             },
             Claim {
                 says: "one note a passage",
-                shows: "times the plectrum lets go of more than 0.5 N in seven passages: {}",
+                shows: "number of releases of the plectrum from more than 0.5 N in seven passages: {}",
                 measure: |p| {
                     let x = p.probe("pick.pluck", BUILT.whole());
                     x.windows(2).filter(|w| w[0].abs() > 0.5 && w[1] == 0.0).count() as f64
@@ -274,7 +274,7 @@ pub static ALL: &[Instrument] = &[
                 keeps: [-1.5, 1.5],
             },
         ],
-        remark: "Loudness over 12 dB by how far the string is drawn, in tune; nothing weak is known.",
+        remark: "The displacement of the pluck changes the loudness over 12 dB, in tune; no weakness is known.",
         ..Instrument::new("plucked_string")
     },
     Instrument {
@@ -285,7 +285,7 @@ pub static ALL: &[Instrument] = &[
         claims: &[
             Claim {
                 says: "it rattles while the string swings wide",
-                shows: "contacts of the screw in the loud stroke over those in the soft one: {}",
+                shows: "contacts of the screw in the loud stroke over its contacts in the soft one: {}",
                 measure: |p| {
                     let of = |a: f64, b: f64| {
                         p.probe("rattle", BUILT.at(a, b)).windows(2).filter(|w| w[0] == 0.0 && w[1] != 0.0).count()
@@ -317,7 +317,7 @@ pub static ALL: &[Instrument] = &[
                 keeps: [3.05, 3.25],
             },
         ],
-        remark: "Loud strokes are brighter by the rattle of the screw; the screw chatters as a point and has no thread to grip the string.",
+        remark: "Loud strokes are brighter because the screw rattles; the screw is a point that chatters, without a thread to grip the string.",
         stroke: Stroke { slower: 2.0, ..Stroke::DEFAULT },
         ..Instrument::new("prepared_string")
     },
@@ -335,7 +335,7 @@ pub static ALL: &[Instrument] = &[
             },
             Claim {
                 says: "slides up a fifth",
-                shows: "interval from the place before the slide to that after it, 702 for a fifth: {} cents",
+                shows: "interval between the places before and after the slide, 702 for a fifth: {} cents",
                 measure: |p| {
                     let f = p.number("neck.f");
                     1200.0 * 1.5f64.log2() + p.cents(f / 0.6, BUILT.at(2.7, 3.2)) - p.cents(f / 0.9, BUILT.at(0.2, 0.5))
@@ -343,7 +343,7 @@ pub static ALL: &[Instrument] = &[
                 keeps: [695.0, 709.0],
             },
         ],
-        remark: "A smooth glide in tune; but dark.",
+        remark: "A smooth glide in tune, but dark.",
         ..Instrument::new("slide_guitar")
     },
     Instrument {
@@ -354,7 +354,7 @@ pub static ALL: &[Instrument] = &[
         claims: &[
             Claim {
                 says: "the odd partials die",
-                shows: "what partials 1, 3 and 5 fall by, at least: {} dB",
+                shows: "least fall of partials 1, 3 and 5: {} dB",
                 measure: |p| falls(p, &[110.0, 330.0, 550.0], BUILT.at(3.2, 3.65), BUILT.at(4.3, 4.9))[0],
                 keeps: [40.0, NEVER_MORE],
             },
@@ -365,7 +365,7 @@ pub static ALL: &[Instrument] = &[
                 keeps: [-45.0, -15.0],
             },
         ],
-        remark: "Cheap and harmonic; a plectrum much stiffer than this one is refused, as the margin of stability at the junction is 1.05.",
+        remark: "Cheap and harmonic; a plectrum much stiffer than this one is refused, because the margin of stability at the junction is 1.05.",
         ..Instrument::new("wave_guitar")
     },
 ];

@@ -21,7 +21,7 @@ pub static ALL: &[Instrument] = &[
         claims: &[
             Claim {
                 says: "the sound swells once a second",
-                shows: "time after which the level is most like itself: {} s",
+                shows: "period with the highest autocorrelation of the level: {} s",
                 measure: |p| {
                     let (x, rate) = p.heard(BUILT.at(0.5, 6.5));
                     let len = (0.02 * rate) as usize;
@@ -31,14 +31,14 @@ pub static ALL: &[Instrument] = &[
             },
             Claim {
                 says: "every swell costs the pendulum some of its swing: 12 % a second",
-                shows: "loss a second from 0 to 4 s: {}",
+                shows: "loss per second from 0 to 4 s: {}",
                 measure: |p| {
                     loss_a_second(&|a, b| p.probe("pendulum", BUILT.at(a.max(0.0), b)), &[0.0, 1.0, 2.0, 3.0, 4.0])
                 },
                 keeps: [0.1, 0.145],
             },
         ],
-        remark: "It swells and tires as said; the two strings are short and dark, and a push is needed to keep it going for longer than 10 s.",
+        remark: "It swells and fades as its header says; the two strings are short and dark, and a push is needed to keep it going for longer than 10 s.",
         ..Instrument::new("physical_lfo")
     },
     Instrument {
@@ -62,7 +62,7 @@ pub static ALL: &[Instrument] = &[
                 keeps: [0.15, 1.0],
             },
         ],
-        remark: "A coloured noise that follows the hand in loudness; its colour does not change with speed.",
+        remark: "A coloured noise whose loudness follows the hand; its timbre does not change with speed.",
         ..Instrument::new("wind")
     },
 ];

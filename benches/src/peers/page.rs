@@ -99,41 +99,45 @@ pub const HEAD: &str = "# Beside other ways to play the same
 
 Made by `UPDATE=1 cargo bench -p ca-benches --bench peers`: do not edit.
 
-The same networks by the engine and by programs of ours: Faust (`-double`, modules of mi.lib, one program a network), flat
-C, C++ with an object a module, loops compiled by numba, and stencils by hand. All that is compiled has `-O3
--march=native -ffast-math`. Parameters differ from module to module, but in the stencils, which have one set and fixed
-ends or edges. The engine loads a model and plays it, blocks of 64 ticks, as any program that has it as a library.
+The same networks played by the engine and by programs written for this comparison: Faust (`-double`, modules of
+mi.lib, one program per network), flat C, C++ with an object per module, loops compiled by numba, and stencils written
+by hand. All compiled programs use `-O3 -march=native -ffast-math`. Parameters differ from module to module, except in
+the stencils, which have one set and fixed ends or edges. The engine loads a model and plays it in blocks of 64 ticks,
+like any program that uses it as a library.
 
-Before anything is timed, what each peer plays is compared with the engine, and the bench fails where they differ: over 4096
-ticks to 1e-9 of the largest value heard, or 1e-7 in the mixture, whose bow is a table in the engine; in space, where
+Before the timing, the output of each peer is compared with the engine, and the bench fails if they differ: over 4096
+ticks to 1e-9 of the largest output, or 1e-7 in the mixture, whose bow is a table in the engine; in space, where
 motion is chaotic, over 1024 ticks to 1e-6. Stencils are compared in a network that is as uniform as they are.
 
 Times are processor time of one thread. All players of a network take turns, each as a process that plays 1024 ticks
-from the start and then times those that follow; the quickest of all rounds counts. All are started six times, since where a
-process has its memory makes up to a fifth of its time. Ratios are between numbers of one run
-and last; ns are of one machine. A module is a MAT or a LIA; of
-grains each pair that may touch is one, though only those that are near are computed by the engine.
+from the start and then times those that follow; the fastest of all rounds counts. All are started six times, since
+the location of a process in memory changes its time by up to a fifth. Ratios are between numbers of one run and stay
+valid; ns are for one machine. A module is a MAT or a LIA; for grains each pair that may touch is one, though the
+engine computes only the pairs that are near.
 ";
 
 /// Text below the tables, about networks below expectation.
 pub const SHORT: &str = "
-What is short of what is expected, by passes (`ca check --schedule`), counted instructions (`benches/counts/run`) and what was
-tried:
+Reasons for values beyond the limits, from passes (`ca check --schedule`), counted instructions (`benches/counts/run`)
+and experiments:
 
-- *Strings, in ns.* For eight masses the fused pass reads six vectors (place, motion, force, and three of parameters) and writes
-  three: it is as fast as the first cache gives them, at the clock there is. Narrower vectors take
-  longer (`CA_VECTORS=avx2 ca check --schedule`). Parameters kept once for a stretch of equal modules would mend it, as below.
-- *64 CEL with 64 outputs.* Most of the tick is the outputs: they are added to one channel in the order of the document, and
-  each addition waits for the one before. Sums in parts would be quicker, and have other bits.
-- *Mesh beside the stencil.* The stencil has one set of parameters, the engine reads those of each link and mass: more numbers a
-  tick than the positions are. Parameters kept once for a stretch of equal modules would mend it, at the price of another kernel for
-  each form.
-- *Random.* A link adds its force at two places that are looked up, and the next may need what has just been written: the tick waits
-  for its own stores. A quarter fewer instructions brought no time, nor did forces first and sums by mass behind them. Links in
-  colours, none of which share a mass, would run in vectors; their sums have another order, so other bits.
-- *Mixture.* Short passes, each with what it costs around its modules, and a bow, whose table is looked up for one link at a time.
-- *Cloth and random in space.* Four points at a time are brought into lanes number by number, and forces added back so; roots and
-  divisions are the smaller part. Points of four numbers, one a vector, would mend it: another layout of the state for all passes.
+- *Strings, in ns.* For eight masses the fused pass reads six vectors (place, motion, force, and three of parameters)
+  and writes three: its speed is limited by the first-level cache at the present clock. Narrower vectors take longer
+  (`CA_VECTORS=avx2 ca check --schedule`). Storing parameters once for a run of equal modules would fix it, as below.
+- *64 CEL with 64 outputs.* Most of the tick is the outputs: they are added to one channel in the order of the
+  document, and each addition waits for the one before. Partial sums would be faster, but have other bits.
+- *Mesh beside the stencil.* The stencil has one set of parameters, the engine reads the parameters of each link and
+  mass: more numbers per tick than there are positions. Storing parameters once for a run of equal modules would fix
+  it, but needs another kernel for each form.
+- *Random.* A link adds its force at two places that are looked up, and the next may need what has just been written:
+  the tick waits for its own stores. A quarter fewer instructions did not save time, and neither did a first pass of
+  forces with sums by mass after it. Sets of links that do not share a mass (a colouring) could run in vectors; their
+  sums have another order, so other bits.
+- *Mixture.* Short passes, each with a fixed cost besides its modules, and a bow, whose table is looked up for one
+  link at a time.
+- *Cloth and random in space.* Four points at a time are loaded into lanes number by number, and forces are added back
+  in the same way; roots and divisions take less time. Points of four numbers, one per vector, would fix it, but need
+  another layout of the state for all passes.
 ";
 
 fn number(v: f64) -> String {
@@ -180,7 +184,7 @@ pub fn page(rows: &[Row], machine: &str, wide: bool) -> String {
         }
         t += "\n";
     }
-    t += "\nA cell `> 120 s` is a compiler run, of Faust or of what it made, that was ended after so long; `not here` is a\n\
+    t += "\nA cell `> 120 s` is a compiler run, of Faust or of what it made, that was stopped after this time; `not here` is a\n\
           compiler that this machine does not have; – is a network that a peer does not play.\n\
           \n## Beside what is expected\n\n\
           Against the better of the two compilers. In brackets what is expected, and whether it holds.\n\n\

@@ -8,15 +8,16 @@ const HEAD: &str = "# How stiff may a contact be?
 Made by `UPDATE=1 cargo bench -p ca-benches --bench rattle`: do not edit.
 
 Three pyramids of four corners (1 g each, edges of 20 mm with k T²/m = 0.1) fly about in a hollow sphere of 50 g and
-R = 50 mm, which moves too; corners of different pyramids keep 4 mm apart. Nothing is damped, so the energy should stay
-what it is. Played for 10 s at 48 kHz from three draws of the velocities.
+R = 50 mm, which moves too; corners of different pyramids keep 4 mm apart. Nothing is damped, so the energy should
+stay constant. Each is played for 10 s at 48 kHz from three random sets of velocities.
 
 - **kT²/m** is the stiffness of the contacts against the mass of one corner;
-- **explicit** (`method = \"ca\"`): energy at the end over that at the start, per draw, or when it passed 10⁷ times that;
-- **stable** (`method = \"stable3d\"`): the largest |E/E₀ − 1| at any tick, per draw. What is left is of the explicit
-  springs of the pyramids, which keep energy to O(T²) and without drift;
-- **ns** per tick of the whole scene, 18 springs and 60 contacts, without the energy ledger. Of the machine that made this
-  page: only their ratios mean something elsewhere. A tick of real time is 20 833 ns.
+- **explicit** (`method = \"ca\"`): energy at the end over energy at the start, per set, or the time at which it
+  exceeded 10⁷ times the start;
+- **stable** (`method = \"stable3d\"`): the largest |E/E₀ − 1| at any tick, per set. The remaining error comes from the
+  explicit springs of the pyramids, which keep energy to O(T²) and without drift;
+- **ns** per tick of the whole scene, 18 springs and 60 contacts, without the energy ledger. These times are for the
+  machine that made this page: on other machines only their ratios apply. A tick of real time is 20 833 ns.
 
 | kT²/m | explicit: E/E₀ after 10 s | ns | stable: largest deviation of E | ns |
 |---|---|---|---|---|

@@ -49,11 +49,13 @@ pub fn choose(loaded: &Loaded, error: f64, ask: &mut AccuracyOptions) -> Result<
             found.rows.iter().filter(|r| r.method != SINGLE).min_by(|a, b| a.score.error.total_cmp(&b.score.error));
         let known = found.reference.known;
         let why = match best {
-            _ if known > error => format!("the reference is known only to {known:.1e}"),
-            Some(r) => format!("the best is {}, with {:.1e}", r.name(), r.score.error),
+            _ if known > error => format!("the reference is accurate only to {known:.1e}"),
+            Some(r) => format!("the best is {}, with an error of {:.1e}", r.name(), r.score.error),
             None => "nothing was measured".into(),
         };
-        return Err(Failure::Failed(format!("no method has an error of at most {error:e}: {why}")));
+        return Err(Failure::Failed(format!(
+            "no method has an error of at most {error:e}: {why}; allow a larger error"
+        )));
     };
     let changes = changes(loaded, row.method, row.times).unwrap_or_default();
     let (error, known, rate) = (row.score.error, found.reference.known, found.rate);
@@ -65,6 +67,6 @@ impl Choice {
     pub fn words(&self) -> String {
         let Choice { name, error, known, ns, rate, level, .. } = self;
         let error = if error < known { format!("below {known:.1e}") } else { format!("{error:.1e}") };
-        format!("{name}: error {error}, {ns:.0} ns a sample, {:.1} times real time, {level}", 1e9 / (ns * rate))
+        format!("{name}: error {error}, {ns:.0} ns per sample, {:.1} times real time, {level}", 1e9 / (ns * rate))
     }
 }

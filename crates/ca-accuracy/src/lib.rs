@@ -125,15 +125,15 @@ pub fn measured(loaded: &Loaded, ask: &mut AccuracyOptions) -> Result<Measured, 
     if !(samples > 0.0 && samples * probes.len() as f64 <= MOST) {
         let most = MOST / (rate * probes.len() as f64);
         return Err(Failure::Usage(format!(
-            "{seconds} s cannot be compared; play more than nothing, and at most {most:.0} s"
+            "a length of {seconds} s is not allowed; play more than 0 s and at most {most:.0} s"
         )));
     }
     let frames = samples.round().max(16.0) as usize;
     let finest = ask.times.iter().copied().max().map_or(ask.reference, |t| t.max(ask.reference));
     if f64::from(finest) * rate > HIGHEST {
         let most = (HIGHEST / rate).floor();
-        let what = format!("{finest} times {rate} Hz is beyond {HIGHEST:e} Hz");
-        return Err(Failure::Usage(format!("{what}; ask for at most {most} times the rate")));
+        let what = format!("{finest} times {rate} Hz is above the limit of {HIGHEST:e} Hz");
+        return Err(Failure::Usage(format!("{what}; use at most {most} times the rate")));
     }
     let mut times = ask.times.to_vec();
     times.sort_unstable();
@@ -144,7 +144,7 @@ pub fn measured(loaded: &Loaded, ask: &mut AccuracyOptions) -> Result<Measured, 
     let reference = reference::reference(loaded, &probes, &scene, (frames, ask.reference), &mut steps)?;
     steps.step()?;
     if reference.columns.iter().flatten().all(|v| *v == 0.0) {
-        let what = format!("nothing of {} moves in {seconds} s", load::ticked(probes.iter().map(String::as_str)));
+        let what = format!("no motion of {} within {seconds} s", load::ticked(probes.iter().map(String::as_str)));
         return Err(Failure::Failed(format!("{what}; {}", ask.remedy)));
     }
     let mut rows = Vec::with_capacity(candidates.all.len());
@@ -265,12 +265,12 @@ impl Measured {
         let (known, method) = (self.reference.known, self.reference.method);
         let by = if method == AS_WRITTEN { String::new() } else { format!(" by {method}") };
         match self.reference.origin {
-            Origin::Modes => format!("the closed form of its modes, known to {known:.0e}"),
+            Origin::Modes => format!("the closed form of its modes, accurate to {known:.0e}"),
             Origin::Rate(n, p) => {
-                format!("the model{by} at {n} times the rate, converging with order {p:.1}, known to {known:.0e}")
+                format!("the model{by} at {n} times the rate, converging with order {p:.1}, accurate to {known:.0e}")
             }
             Origin::Open(n) => {
-                format!("the model{by} at {n} times the rate, which does not converge evenly: known to {known:.0e}")
+                format!("the model{by} at {n} times the rate, which does not converge evenly: accurate to {known:.0e}")
             }
         }
     }
@@ -309,14 +309,14 @@ impl Measured {
             front: r.front,
         });
         let (x, y) = (Axis::log("time of a sample", "ns"), Axis::log("error", ""));
-        let plot = Plot::scatter(TITLE, x, y, "not beaten", "others", &points.collect::<Vec<_>>());
+        let plot = Plot::scatter(TITLE, x, y, "no method is better in both", "others", &points.collect::<Vec<_>>());
         let table = Table::new(&Self::HEAD, self.rows.iter().map(|r| self.cells(r)).collect());
         let how = format!("{:.3} s at {} Hz, against {}.", self.seconds(), self.rate, self.origin());
         let mut blocks = vec![Block::Text(how), Block::Plot(plot), Block::Table(table)];
         let reported = |list: &[(&'static str, String)]| -> Vec<Vec<String>> {
             list.iter().map(|(m, what)| vec![(*m).to_owned(), what.clone()]).collect()
         };
-        for (head, list) in [("why not", &self.refused), ("what it leaves out", &self.warned)] {
+        for (head, list) in [("why it is not possible", &self.refused), ("warning", &self.warned)] {
             if !list.is_empty() {
                 blocks.push(Block::Table(Table::new(&["method", head], reported(list))));
             }

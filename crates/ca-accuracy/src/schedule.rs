@@ -169,21 +169,21 @@ pub fn absent(scene: &Scene) -> Vec<&'static str> {
     let absent = [
         ("ledger", "no energy ledger"),
         ("changes", "no live parameters"),
-        ("TGR in", "no border to a device"),
+        ("TGR in", "no device ports"),
         ("ENX", "no position inputs"),
         ("ENF", "no force inputs"),
         ("points", "no moving points"),
         ("waves in", "no waveguides"),
         ("modal ports", "no modes"),
-        ("implicit", "nothing that is implicit"),
+        ("implicit", "no implicit parts"),
         ("weight", "no gravity"),
         ("outputs", "no outputs"),
         ("high pass", "no high pass"),
         ("low pass", "no low-pass"),
-        ("ticks between", "one tick a sample"),
+        ("ticks between", "one tick per sample"),
     ]
     .into_iter()
     .filter(|a| !any(a.0))
     .map(|a| a.1);
-    absent.chain((!space).then_some("nothing in space")).collect()
+    absent.chain((!space).then_some("no modules in space")).collect()
 }

@@ -38,7 +38,7 @@ pub fn compiled(loaded: &Loaded, options: &Options) -> Result<Scene<f32>, String
         first.map(|d| d.title).unwrap_or_default()
     })?;
     match scene.about.gestures.iter().find(|(name, _)| scene.input(name).is_none()) {
-        Some((name, _)) => Err(format!("a gesture moves `{name}`, which is no port")),
+        Some((name, _)) => Err(format!("a gesture drives `{name}`, which is not a port")),
         None => bound(&scene).map_err(|why| why.to_string()),
     }
 }

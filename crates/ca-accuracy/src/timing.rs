@@ -60,8 +60,8 @@ pub fn processor() -> Duration {
 pub fn machine() -> String {
     let cpuinfo = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let name = cpuinfo.lines().find_map(|l| l.strip_prefix("model name")).and_then(|l| l.split_once(": "));
-    let virtual_one = if cpuinfo.contains("hypervisor") { ", a virtual one" } else { "" };
-    format!("{}{virtual_one}", name.map_or("a processor that does not say its name", |(_, name)| name.trim()))
+    let virtual_one = if cpuinfo.contains("hypervisor") { " (virtual machine)" } else { "" };
+    format!("{}{virtual_one}", name.map_or("unknown processor", |(_, name)| name.trim()))
 }
 
 /// Returns the time in which this machine reads `bytes` bytes and writes two fifths of them back \[ns\], with its

@@ -33,7 +33,7 @@ pub(super) fn open(wanted: &str, buffer: Option<u32>, scene: &Scene) -> Result<(
     let (follow, mut player, watch) = link(scene.counts.channels, scene.rates.ratio, who, buffer);
     let (tell, words) = channel();
     let (counts, called, xruns) = (watch.counts.clone(), watch.counts.clone(), watch.counts.clone());
-    let failed = |e: cpal::Error| AudioError::Failed(format!("`{name}` cannot be played: {e}"));
+    let failed = |e: cpal::Error| AudioError::Failed(format!("cannot play on `{name}`: {e}"));
     let stream = device
         .build_output_stream::<f32, _, _>(
             config,
@@ -72,13 +72,14 @@ impl Output {
 fn find(wanted: &str) -> Result<(HostId, Device), AudioError> {
     if wanted.is_empty() {
         let host = cpal::default_host();
-        let none = || AudioError::Failed(format!("no sound device here; {}", there_is()));
+        let none = || AudioError::Failed(format!("no default sound device; {}", there_is()));
         let device = host.default_output_device().filter(cpal::traits::DeviceTrait::supports_output);
         return Ok((host.id(), device.ok_or_else(none)?));
     }
     if let Ok(id) = wanted.parse::<HostId>() {
         let host = cpal::host_from_id(id).map_err(|e| AudioError::Failed(e.to_string()))?;
-        let none = || AudioError::Failed("it does not have a device that plays".into());
+        let none =
+            || AudioError::Failed("this sound system does not have an output device; choose another output".into());
         return Ok((id, host.default_output_device().ok_or_else(none)?));
     }
     let is = |d: &Device| {
@@ -107,9 +108,9 @@ fn there_is() -> String {
         names.push("pulse".into());
     }
     if names.is_empty() {
-        return "there is none; a JACK or a PulseAudio server is one, `--audio jack` or `--audio pulse`".into();
+        return "start a JACK or PulseAudio server and use `--audio jack` or `--audio pulse`".into();
     }
-    format!("there is {}", ticked(names.iter().map(String::as_str)))
+    format!("available: {}", ticked(names.iter().map(String::as_str)))
 }
 
 /// Returns the configuration in which a device plays a scene as it is, and the frames per call.
@@ -117,15 +118,16 @@ fn fit(device: &Device, scene: &Scene, buffer: Option<u32>) -> Result<(StreamCon
     let refused = |why: String| AudioError::Failed(format!("`{device}` {why}"));
     let configs: Vec<_> = device
         .supported_output_configs()
-        .map_err(|e| refused(format!("does not say what it plays: {e}")))?
+        .map_err(|e| refused(format!("does not report its sample formats: {e}")))?
         .filter(|c| c.sample_format() == SampleFormat::F32)
         .collect();
     let Some(most) = configs.iter().map(SupportedStreamConfigRange::channels).max() else {
-        return Err(refused("plays no 32-bit floats; a device that converts does, e.g. ALSA's `default`".into()));
+        let why = "does not accept 32-bit float samples; choose a device that converts them, e.g. ALSA's `default`";
+        return Err(refused(why.into()));
     };
     if scene.counts.channels > most as usize {
         let why =
-            format!("plays {most} channels, and the model has {} outputs; join some of them", scene.counts.channels);
+            format!("has {most} channels, but the model has {} outputs; combine some of them", scene.counts.channels);
         return Err(refused(why));
     }
     let wide = configs.iter().filter(|c| c.channels() as usize >= scene.counts.channels);
@@ -141,7 +143,7 @@ fn fit(device: &Device, scene: &Scene, buffer: Option<u32>) -> Result<(StreamCon
         let said = |(lo, hi): &(u32, u32)| if lo == hi { format!("{lo}") } else { format!("{lo} to {hi}") };
         let all: Vec<String> = rates.iter().map(said).collect();
         let one = rates.first().map_or(48_000, |r| r.1);
-        let why = format!("plays at {} Hz, not at {}; say `--rate {one}Hz`", all.join(", "), scene.rate);
+        let why = format!("plays at {} Hz, not at {} Hz; use `--rate {one}Hz`", all.join(", "), scene.rate);
         return Err(refused(why));
     };
     let (min, max) = match *config.buffer_size() {
@@ -151,10 +153,10 @@ fn fit(device: &Device, scene: &Scene, buffer: Option<u32>) -> Result<(StreamCon
     let frames = match buffer {
         Some(n) if (min..=max).contains(&n) => n,
         Some(n) if min == max => {
-            let why = format!("is asked in buffers of {min} frames, not {n}; its server decides that (jackd -p {n})");
+            let why = format!("uses buffers of {min} frames, not {n}; its server sets the size (`jackd -p {n}`)");
             return Err(refused(why));
         }
-        Some(n) => return Err(refused(format!("takes buffers of {min} to {max} frames, not {n}"))),
+        Some(n) => return Err(refused(format!("accepts buffers of {min} to {max} frames, not {n}"))),
         None => BUFFER.clamp(min, max.max(min)),
     };
     let (channels, sample_rate) = (config.channels(), scene.rate as u32);

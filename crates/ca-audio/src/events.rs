@@ -68,7 +68,7 @@ impl EventReader {
             return None;
         }
         self.told = (lost, Some(Instant::now()));
-        Some(format!("MIDI: {}: {} events came faster than they are played, and are lost", self.name, lost - before))
+        Some(format!("MIDI: {}: {} events lost: they came faster than they are played", self.name, lost - before))
     }
 }
 

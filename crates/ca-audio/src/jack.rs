@@ -40,18 +40,17 @@ pub(super) struct Output {
 pub(super) fn open(scene: &Scene, buffer: Option<u32>, midi: bool) -> Result<(Playing, Follow, Watch), AudioError> {
     let none = |_| {
         let how =
-            "no JACK server answers; start one, e.g. `jackd -d alsa -r 48000 -p 64`, or name it in JACK_DEFAULT_SERVER";
+            "no JACK server answers; start one (`jackd -d alsa -r 48000 -p 64`) or set JACK_DEFAULT_SERVER to its name";
         AudioError::Failed(how.into())
     };
     let (client, _) = Client::new("ca", ClientOptions::NO_START_SERVER).map_err(none)?;
     let (rate, frames) = (client.sample_rate() as u32, client.buffer_size());
     if f64::from(rate) != scene.rate {
-        let why = format!("JACK plays at {rate} Hz, not at {}; say `--rate {rate}Hz`", scene.rate);
+        let why = format!("JACK plays at {rate} Hz, not at {} Hz; use `--rate {rate}Hz`", scene.rate);
         return Err(AudioError::Unfit(why));
     }
     if let Some(n) = buffer.filter(|n| *n != frames) {
-        let why =
-            format!("JACK is asked in buffers of {frames} frames, not {n}; its server decides that (jackd -p {n})");
+        let why = format!("JACK uses buffers of {frames} frames, not {n}; its server sets the size (`jackd -p {n}`)");
         return Err(AudioError::Unfit(why));
     }
     // one channel goes to both sides
@@ -63,8 +62,7 @@ pub(super) fn open(scene: &Scene, buffer: Option<u32>, midi: bool) -> Result<(Pl
         .map_err(failed)?;
     let names: Vec<String> = ports.iter().map(Port::name).collect::<Result<_, _>>().map_err(failed)?;
     let (midi, events) = midi.then(|| midi_in(&client)).transpose().map_err(failed)?.unzip();
-    let name = client.name().to_string();
-    let who = PlaybackDevice { host: "JACK".into(), device: name.clone(), rate, channels: wide as u16 };
+    let who = PlaybackDevice { host: "JACK".into(), device: client.name().to_string(), rate, channels: wide as u16 };
     let (follow, player, watch) = link(scene.counts.channels, scene.rates.ratio, who, frames);
     let (tell, words) = channel();
     let counts = watch.counts.clone();
@@ -78,7 +76,8 @@ pub(super) fn open(scene: &Scene, buffer: Option<u32>, midi: bool) -> Result<(Pl
         rate: f64::from(rate),
         words: tell,
     };
-    Ok((Playing { output: Any::Jack(Box::new(output)), counts, words, name, host: "JACK", events }, follow, watch))
+    let output = Any::Jack(Box::new(output));
+    Ok((Playing { output, counts, words, name: "JACK".into(), host: "JACK", events }, follow, watch))
 }
 
 /// Opens a MIDI port, with both ends of the ring for its events.
@@ -101,7 +100,7 @@ impl Output {
         let to = client.ports(None, Some("32 bit float mono audio"), PortFlags::IS_PHYSICAL | PortFlags::IS_INPUT);
         for (ours, to) in self.ports.iter().zip(&to) {
             if let Err(e) = client.connect_ports_by_name(ours, to) {
-                let _ = self.words.send(format!("{ours} is not connected to {to}: {e}"));
+                let _ = self.words.send(format!("cannot connect {ours} to {to}: {e}"));
             }
         }
         let port = self.ports.first().and_then(|p| client.port_by_name(p));

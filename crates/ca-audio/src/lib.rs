@@ -135,9 +135,9 @@ fn device(wanted: &str, wants: &AudioRequest) -> Result<Opened, AudioError> {
 #[cfg(not(feature = "devices"))]
 fn device(_: &str, _: &AudioRequest) -> Result<Opened, AudioError> {
     Err(AudioError::Failed(
-        "this `ca` plays by a JACK or a PulseAudio server (`--audio jack`, `--audio pulse`), and is built \
-         without other sound devices; `cargo install --path crates/ca-cli --features audio` builds one with them (on \
-         Linux with the headers of ALSA: libasound2-dev)"
+        "this build of `ca` plays only through a JACK or PulseAudio server (`--audio jack`, `--audio pulse`); for \
+         other sound devices, build it with `cargo install --path crates/ca-cli --features audio` (on Linux this needs \
+         the ALSA headers: libasound2-dev)"
             .into(),
     ))
 }
@@ -168,7 +168,7 @@ impl Playing {
             #[cfg(feature = "devices")]
             Output::Device(output) => output.start().map_err(|e| e.to_string()),
         };
-        started.map_err(|e| AudioError::Failed(format!("`{}` does not start: {e}", self.name)))
+        started.map_err(|e| AudioError::Failed(format!("cannot start `{}`: {e}", self.name)))
     }
 
     /// Returns the counters of requested and delivered samples.

@@ -168,7 +168,7 @@ impl Switch {
     fn asked(&mut self, name: &str, recorder: &mut Recorder, changed: &mut Changed) {
         (self.opening, self.instead) = (None, VecDeque::new());
         if name == PAGE && !self.page {
-            recorder.outputs().refused = Some("`ca serve` does not have a page; `ca play` does".into());
+            recorder.outputs().refused = Some("`ca serve` does not have a page; use `ca play`".into());
         } else if name == PAGE {
             self.wanted = PAGE.into();
             self.by_page(recorder, changed);
@@ -200,12 +200,8 @@ impl Switch {
         let silent = self.heard.is_some_and(|at| at.elapsed() > GONE);
         if !self.lost && (silent || self.heard.is_some() && playing.is_over()) {
             (self.lost, self.again) = (true, Instant::now() + AGAIN);
-            let others = if self.page {
-                "; another device plays, or the page"
-            } else {
-                "; another device plays, if there is one"
-            };
-            recorder.say(true, format!("sound: {} is gone{others}, until it is back", playing.name()));
+            let others = if self.page { "another device or the page" } else { "another device, if there is one," };
+            recorder.say(true, format!("sound: lost {}; using {others} until it is back", playing.name()));
             if self.opening.is_none() {
                 self.instead = named(false).into_iter().filter(|n| *n != self.now).collect();
             }
@@ -217,7 +213,7 @@ impl Switch {
         let Some(opening) = &self.opening else { return };
         let opened = match opening.opened.try_recv() {
             Err(TryRecvError::Empty) => return,
-            Err(TryRecvError::Disconnected) => Err(AudioError::Failed("no thread opens it".into())),
+            Err(TryRecvError::Disconnected) => Err(AudioError::Failed("cannot start a thread to open it".into())),
             Ok(opened) => opened,
         };
         let Some(Opening { name, why, .. }) = self.opening.take() else { return };
@@ -235,7 +231,7 @@ impl Switch {
                 }
                 let back = if why == Why::Back { "it is back; " } else { "" };
                 if let Some((device, ms)) = recorder.heard() {
-                    recorder.say(false, format!("sound: {back}{device}, {ms:.1} ms after the model"));
+                    recorder.say(false, format!("sound: {back}{device}, {ms:.1} ms latency"));
                 }
             }
             Err(e) if why == Why::Asked => {
@@ -257,7 +253,7 @@ impl Switch {
         changed(None, PAGE);
         self.leave(None);
         self.now = PAGE.into();
-        recorder.say(false, "sound: by the page, which says how late".into());
+        recorder.say(false, "sound: by the page, which shows its latency".into());
         self.says(recorder);
     }
 
@@ -272,7 +268,7 @@ impl Switch {
 
     /// Updates the output shown by `ca audio` and the page.
     fn says(&self, recorder: &mut Recorder) {
-        let heard = recorder.heard().map(|(device, ms)| format!("{device}, {ms:.1} ms after the model"));
+        let heard = recorder.heard().map(|(device, ms)| format!("{device}, {ms:.1} ms latency"));
         let plays = heard.unwrap_or_else(|| if self.now == PAGE { "by the page".into() } else { String::new() });
         let o = recorder.outputs();
         (o.plays, o.wanted, o.busy) = (plays, self.wanted.clone(), self.opening.is_some());

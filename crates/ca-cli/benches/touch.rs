@@ -253,14 +253,14 @@ mod linux {
         [what.into(), by.into(), times.len().to_string(), ms(0.5), ms(0.99), to.into()]
     }
 
-    const HEAD: &str = "# How late is a touch heard?
+    const HEAD: &str = "# Latency of a touch
 
-`UPDATE=1 cargo bench -p ca-cli --bench touch` makes it anew: do not edit.
+Made by `UPDATE=1 cargo bench -p ca-cli --bench touch`: do not edit.
 
-`ca play` of a bar that rests until it is touched, at 48 kHz. A touch is a message of the page that pulls a mass, or a byte of MIDI
-through a pipe; it is heard with the first sample beyond 10⁻⁶ of full scale. Sound goes to a JACK server without a device, where a
-period more passes until the device plays it, which is counted; or to a page, where it is in what the server sends: the browser's own
-queue comes on top, as the page says it. Times are in ms.
+`ca play` of a bar that rests until it is touched, at 48 kHz. A touch is a message of the page that pulls a mass, or a
+byte of MIDI through a pipe; it becomes audible with the first sample beyond 10⁻⁶ of full scale. Sound goes to a JACK
+server without a device, and one period more is added for the device; or to a page, and the time ends when the server
+sends the sample: the page shows the queue of the browser, which must be added. Times are in ms.
 
 The machine of this page is a virtual one with two cores, which it shares with others.
 

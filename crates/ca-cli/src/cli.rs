@@ -12,10 +12,10 @@ use std::any::TypeId;
 #[command(max_term_width = 100)]
 #[command(
     after_help = format!(
-        "Exit codes: 0 ok, 1 failed, 2 usage, 3 finished but degraded (unstable, clipped), 130 interrupted.\n\
-         A model is a file `*.ca.toml`, {}the name of a bundled model (`ca list`), or `-`: standard input.\n\
-         `ca completions --help` says how a shell completes all of it.",
-        imported(|f| format!("a {} file `*.{}`, ", f.name, f.extension))
+        "Exit codes: 0 ok, 1 failed, 2 usage error, 3 finished but degraded (e.g. unstable or clipped), 130 interrupted.\n\
+         A model is a `*.ca.toml` file, {}the name of a bundled model (`ca list`), or `-` for standard input.\n\
+         `ca completions --help` shows how to set up shell completion.",
+        imported(|f| format!("a {} `*.{}` file, ", f.name, f.extension))
     )
 )]
 pub struct Cli {

@@ -84,9 +84,9 @@ pub fn play_request(
     let failed = |e: clap::Error| ca_lab::Failure::Failed(e.to_string().trim_end().into());
     let cli = cli::command().try_get_matches_from(words).and_then(|m| Cli::from_arg_matches(&m)).map_err(failed)?;
     match cli.command {
-        Command::Play(args) if args.aim.error.is_some() => {
-            Err(ca_lab::Failure::Failed("--error: choose it before the scene is played, by `Scene.within`".into()))
-        }
+        Command::Play(args) if args.aim.error.is_some() => Err(ca_lab::Failure::Failed(
+            "--error: not available while a scene plays; choose the method before, with `Scene.within`".into(),
+        )),
         Command::Play(mut args) => {
             args.serve.source.set.splice(..0, changes);
             commands::serve::request(&args.serve, Some(commands::play::page(&args)), read)
@@ -98,9 +98,10 @@ pub fn play_request(
 /// Refuses unknown values of `CA_VECTORS`. With a misspelt value, a test would compare a processor with itself.
 fn vectors() -> Result<(), Failure> {
     match std::env::var_os("CA_VECTORS") {
-        Some(asked) if asked != "portable" && asked != "avx2" => {
-            Err(Failure::Usage(format!("CA_VECTORS: `{}` is neither `portable` nor `avx2`", asked.display())))
-        }
+        Some(asked) if asked != "portable" && asked != "avx2" => Err(Failure::Usage(format!(
+            "CA_VECTORS: `{}` is neither `portable` nor `avx2`; set it to one of them, or unset it",
+            asked.display()
+        ))),
         _ => Ok(()),
     }
 }

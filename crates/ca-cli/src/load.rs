@@ -34,9 +34,9 @@ pub fn own_file(word: &str) -> Result<&Path, Failure> {
     let why = match word {
         STDIN => "standard input cannot be changed in place",
         _ if Path::new(word).exists() => return Ok(Path::new(word)),
-        _ => "a bundled model is not yours to change",
+        _ => "a bundled model cannot be changed in place",
     };
-    Err(Failure::Usage(format!("`{word}`: {why}; name a file by `--write FILE.ca.toml`")))
+    Err(Failure::Usage(format!("`{word}`: {why}; write a copy with `--write FILE.ca.toml`")))
 }
 
 /// Reads the model and applies `--set`.

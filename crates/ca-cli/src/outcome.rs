@@ -35,7 +35,7 @@ impl From<std::io::Error> for Failure {
     fn from(e: std::io::Error) -> Failure {
         match e.kind() {
             std::io::ErrorKind::BrokenPipe => Failure::BrokenPipe,
-            _ => Failure::Failed(format!("stdout cannot be written: {e}")),
+            _ => Failure::Failed(format!("cannot write to standard output: {e}")),
         }
     }
 }

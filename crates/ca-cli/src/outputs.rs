@@ -19,7 +19,7 @@ pub fn apart(outputs: &[(&str, &Path)], inputs: &[(&str, &Path)]) -> Result<(), 
         }
         if let Some((other, _)) = outputs.iter().take(n).find(|(_, other)| same(path, other)) {
             let by = if other == option { format!("by `{option}`") } else { format!("by `{other}` and `{option}`") };
-            return Err(Failure::Usage(format!("`{shown}` would be written twice, {by}; name two files")));
+            return Err(Failure::Usage(format!("`{shown}` would be written twice, {by}; choose two different files")));
         }
     }
     Ok(())

@@ -64,7 +64,7 @@ pub fn findings(diags: &Diags, model: &Model) {
     if let Some(d) = worst
         && EXPLAINING.swap(false, Ordering::Relaxed)
     {
-        let _ = writeln!(err, "`ca explain {}` says more", d.code);
+        let _ = writeln!(err, "for details, run `ca explain {}`", d.code);
     }
 }
 

@@ -46,7 +46,7 @@ pub fn bad_quantity(what: &str, e: &Entry, text: &str, err: &QuantityError, unit
     let plain = unit.is_some_and(|u| u.dim.same(Unit::NONE.dim));
     if let (true, "dB", Ok(level)) = (plain, word, text[..from].trim().parse::<f64>()) {
         let factor = libm::round(libm::pow(10.0, level / 20.0) * 1e4) / 1e4;
-        return d.help(format!("a plain factor is wanted: {level} dB is {factor}")).fix(e.span, format!("{factor}"));
+        return d.help(format!("write a plain factor: {level} dB is {factor}")).fix(e.span, format!("{factor}"));
     }
     let help = match unit {
         Some(_) if plain => "write a plain number, e.g. `1`".into(),
@@ -112,9 +112,9 @@ pub fn wanted(symbol: &str) -> &str {
 pub fn wrong_unit(what: &str, symbol: &str, is: &str, span: Span) -> Diag {
     let is = wanted(is);
     let title = if symbol.is_empty() {
-        format!("{what} is a plain number, not one in {is}")
+        format!("{what} must be a plain number, not one in {is}")
     } else {
-        format!("{what} is given in {is}, not in {symbol}")
+        format!("{what} must be in {symbol}, not in {is}")
     };
     Diag::error("E008", title).at(span, format!("this is {is}"))
 }

@@ -69,7 +69,7 @@ impl Catalog {
             let first = self.get(kind.code);
             assert!(
                 first.is_none(),
-                "two kinds have the code `{}`: \"{}\" and \"{}\"; codes are unique, rename one of them",
+                "two kinds have the code `{}`: \"{}\" and \"{}\"; codes must be unique, so rename one of them",
                 kind.code,
                 first.map_or("", |k| k.title),
                 kind.title

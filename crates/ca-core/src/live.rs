@@ -178,7 +178,7 @@ impl core::fmt::Display for Refused {
         match self {
             Refused::Unknown(n) => write!(f, "`{n}` is not a live parameter: declare it in [param] with live = true"),
             Refused::Range(n, lo, hi) => write!(f, "`{n}` must lie between {} and {}", Plain(*lo), Plain(*hi)),
-            Refused::Driven(n, port) => write!(f, "`{n}` is driven by the port `{port}`: move that"),
+            Refused::Driven(n, port) => write!(f, "`{n}` is driven by the port `{port}`: move the port instead"),
             Refused::Unsolvable(why) => write!(f, "{why}"),
         }
     }
@@ -290,7 +290,10 @@ impl Controls {
         let follows = self.plan.implicit.as_mut().is_none_or(|a| a.follow(&self.plan.coefs, room, patch));
         if !follows || patch.set.iter().any(|(_, v)| !(self.finite)(*v)) {
             let name = &self.plan.params[p].name;
-            return Err(Refused::Unsolvable(format!("`{name}` = {} is beyond computing", Plain(value))));
+            return Err(Refused::Unsolvable(format!(
+                "`{name}` = {} cannot be computed: choose a less extreme value",
+                Plain(value)
+            )));
         }
         Ok(())
     }

@@ -62,13 +62,15 @@ impl core::fmt::Display for Refused {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             Refused::Unknown => f.write_str("the scene has no such mass"),
-            Refused::Fixed(m) => write!(f, "`{m}` is fixed; pull on a mass beside it"),
-            Refused::Port(m) => write!(f, "`{m}` is a port; move it by its slider or its device"),
-            Refused::Modal(m) => write!(f, "`{m}` is in a group that goes by its modes; pull on a mass outside of it"),
-            Refused::Implicit(m) => write!(f, "`{m}` is held by implicit links; pull on a mass outside of them"),
-            Refused::Slow(m) => write!(f, "`{m}` is in a group at the gesture rate; pull on a mass outside of it"),
-            Refused::Scheme(what) => write!(f, "a model with {what} cannot be pulled on; push it by a port"),
-            Refused::Margin(m) => write!(f, "`{m}`: nothing is left of the stability margin for a hand (`ca check`)"),
+            Refused::Fixed(m) => write!(f, "`{m}` is fixed; pull a mass beside it"),
+            Refused::Port(m) => write!(f, "`{m}` is a port; move it with its slider or its device"),
+            Refused::Modal(m) => {
+                write!(f, "`{m}` is in a group with `method = \"modal\"`; pull a mass outside the group")
+            }
+            Refused::Implicit(m) => write!(f, "`{m}` has implicit links; pull a mass that they do not touch"),
+            Refused::Slow(m) => write!(f, "`{m}` is in a group at the gesture rate; pull a mass outside the group"),
+            Refused::Scheme(what) => write!(f, "masses of a model with {what} cannot be pulled; move a port instead"),
+            Refused::Margin(m) => write!(f, "`{m}` cannot be pulled: the stability margin is used up (see `ca check`)"),
         }
     }
 }
@@ -136,7 +138,7 @@ impl Pointer {
             return Err(Refused::Fixed(name()));
         }
         if scene.oversample() > 1 {
-            return Err(Refused::Scheme("several ticks in a sample"));
+            return Err(Refused::Scheme("several ticks per sample"));
         }
         if scene.passes.moves.iter().any(|op| op.name() == "kick") {
             return Err(Refused::Scheme("the method `pefrl`"));

@@ -76,7 +76,7 @@ fn own<R: Real>(scene: &Scene<R>, s: &State<R>) {
 #[inline(never)]
 fn foreign<R: Real>(scene: &Scene<R>) -> ! {
     let title = &scene.about.title;
-    panic!("the state is not of the scene `{title}`: make it by `scene.state()` of the scene that is played")
+    panic!("the state does not belong to the scene `{title}`: make it with `scene.state()` of the scene that is played")
 }
 
 #[inline]

@@ -57,7 +57,8 @@ pub fn calibration(
                 axis(*stops, profile, old.axis.get(k)).map_err(|e| ToolError::Failed(format!("axis {k}: {e}")))?
             }
             None => *old.axis.get(k).ok_or_else(|| {
-                ToolError::Failed(format!("axis {k} was skipped and has no calibration to keep; nothing is written"))
+                let what = format!("axis {k} was skipped, but it does not have an earlier calibration");
+                ToolError::Failed(format!("{what}; nothing was written; calibrate all axes"))
             })?,
         });
     }
@@ -76,7 +77,7 @@ pub struct NoLine {
 impl fmt::Display for NoLine {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let NoLine { low, high } = self;
-        write!(f, "it says {low} at its low stop and {high} at its high one: two different numbers are needed")
+        write!(f, "the readings at the low and high stop are {low} and {high}; they must be two different numbers")
     }
 }
 
@@ -146,8 +147,8 @@ impl Reader {
             self.lines.poll(&mut |_, f| frames.push(f));
             if Instant::now() > end {
                 let what =
-                    format!("`{}` sent {} frames in {PATIENCE:?}; {READING} are needed", self.name, frames.len());
-                let fix = "start the device, `ca device list` shows those that speak";
+                    format!("`{}` sent {} frames in {PATIENCE:?}, but {READING} are needed", self.name, frames.len());
+                let fix = "start the device (`ca device list` shows running devices)";
                 return Err(ToolError::Failed(format!("{what}; {fix}")));
             }
             std::thread::sleep(Duration::from_micros(200));

@@ -96,10 +96,10 @@ pub fn examine() -> Result<Diagnosis, ToolError> {
     let mut rows = Vec::new();
     match Site::of_user() {
         Ok(site) => {
-            rows.push(DiagnosisRow::good("place", format!("{}, yours alone", site.root().display())));
+            rows.push(DiagnosisRow::good("place", format!("{}, writable only by you", site.root().display())));
             rows.push(left_over(&site));
             rows.push(match round(&site) {
-                Ok(t) => DiagnosisRow::good("memory", format!("{ROUNDS} frames there and back, p50 {:.1} us", t.p50)),
+                Ok(t) => DiagnosisRow::good("memory", format!("{ROUNDS} round trips of a frame, p50 {:.1} us", t.p50)),
                 Err(e) => DiagnosisRow::bad("memory", &e),
             });
             rows.extend(others(&site));
@@ -110,8 +110,9 @@ pub fn examine() -> Result<Diagnosis, ToolError> {
     let second = std::thread::Builder::new()
         .name("ca doctor".into())
         .spawn(second)
-        .map_err(|e| ToolError::Failed(format!("no thread: {e}")))?;
-    let (granted, late, over) = second.join().map_err(|_| ToolError::Failed("the timer thread ended".into()))?;
+        .map_err(|e| ToolError::Failed(format!("cannot start a thread: {e}")))?;
+    let stopped = |_| ToolError::Failed("the timer thread stopped unexpectedly".into());
+    let (granted, late, over) = second.join().map_err(stopped)?;
     rows.push(if granted.refused.is_empty() {
         DiagnosisRow::good("real time", granted.to_string())
     } else {
@@ -125,7 +126,7 @@ pub fn examine() -> Result<Diagnosis, ToolError> {
         DiagnosisRow::poor(
             "timer",
             reported,
-            "end what keeps the cores busy, or give the engine a core: `ca serve --cpu N`",
+            "close programs that keep the cores busy, or bind the engine to a core: `ca serve MODEL --cpu N`",
         )
     });
     Ok(Diagnosis { rows, late, late_by_a_frame: over })
@@ -142,17 +143,17 @@ fn left_over(site: &Site) -> DiagnosisRow {
     let dead: Vec<String> = groups
         .iter()
         .filter(|g| !g.ours && g.alive.is_empty())
-        .map(|g| format!("{} files of frames {} over iceoryx2 {}", g.files.len(), g.frames, g.iox))
+        .map(|g| format!("{} files (frame version {}, iceoryx2 {})", g.files.len(), g.frames, g.iox))
         .collect();
     let swept = site.sweep();
     if swept.left > 0 {
-        let found = format!("{} processes ended without leaving, and cannot be swept", swept.left);
-        return DiagnosisRow::poor("stale shared memory", found, "`ca shm clean`");
+        let found = format!("the files of {} ended processes cannot be removed", swept.left);
+        return DiagnosisRow::poor("stale shared memory", found, "run `ca shm clean`");
     }
     if dead.is_empty() {
         DiagnosisRow::good("stale shared memory", "none")
     } else {
-        DiagnosisRow::poor("stale shared memory", dead.join(", "), "`ca shm clean`")
+        DiagnosisRow::poor("stale shared memory", dead.join(", "), "run `ca shm clean`")
     }
 }
 
@@ -181,7 +182,7 @@ fn round(site: &Site) -> Result<Percentiles, HostError> {
             return Err(HostError {
                 kind: HostErrorKind::System,
                 what: format!("frame {n} of {ROUNDS} did not come back through shared memory"),
-                fix: "see whether /dev/shm is full: `df /dev/shm`".into(),
+                fix: "check if /dev/shm is full: `df /dev/shm`".into(),
             });
         }
         times.add(now_ns() - begin);
@@ -192,12 +193,14 @@ fn round(site: &Site) -> Result<Percentiles, HostError> {
 /// Looks for the server and the devices of this machine.
 fn others(site: &Site) -> Vec<DiagnosisRow> {
     let server = match ask(site, &Request::Status, Duration::from_millis(500)) {
-        Ok(r) => DiagnosisRow::good("server", format!("runs: {}", r.text.lines().next().unwrap_or_default())),
-        Err(e) if e.kind == HostErrorKind::Absent => DiagnosisRow::good("server", "none runs; `ca serve MODEL` is one"),
+        Ok(r) => DiagnosisRow::good("server", format!("running: {}", r.text.lines().next().unwrap_or_default())),
+        Err(e) if e.kind == HostErrorKind::Absent => {
+            DiagnosisRow::good("server", "none is running; `ca serve MODEL` starts one")
+        }
         Err(e) => DiagnosisRow::poor("server", e.what, e.fix),
     };
     let devices = match list_devices(site, Duration::from_millis(1500)) {
-        Ok(list) if list.is_empty() => DiagnosisRow::good("devices", "none speaks"),
+        Ok(list) if list.is_empty() => DiagnosisRow::good("devices", "none is running"),
         Ok(list) => {
             let names: Vec<_> = list.iter().map(|a| ca_haptic::frame::text(&a.device)).collect();
             DiagnosisRow::good("devices", names.join(", "))
@@ -216,7 +219,7 @@ fn limits() -> Vec<DiagnosisRow> {
         DiagnosisRow::poor(
             "cores",
             cores.to_string(),
-            "engine and gateway want a core each: expect frames that begin late",
+            "the engine and the gateway need one core each: expect late frames",
         )
     });
     let read = |path: &str| fs::read_to_string(path).ok().map(|t| t.trim().to_string());
@@ -229,18 +232,18 @@ fn limits() -> Vec<DiagnosisRow> {
         let [lock, priority, nice] = all.map(|v| v.unwrap_or_else(|| "?".into()));
         // the system reports 20 minus the lowest value
         let nice = nice.parse::<i32>().map_or(nice, |n| (20 - n).to_string());
-        let found = format!("memlock {lock} bytes, rtprio {priority}, nice {nice} (root needs none of them)");
+        let found = format!("memlock {lock} bytes, rtprio {priority}, nice {nice} (root does not need them)");
         rows.push(DiagnosisRow::good("limits", found));
     }
     let governor = read("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
     if let Some(governor) = governor.filter(|g| g != "performance") {
-        let fix = "`cpupower frequency-set -g performance` while you play";
-        rows.push(DiagnosisRow::poor("frequency", format!("governor `{governor}`: cores sleep and wake slowly"), fix));
+        let fix = "run `cpupower frequency-set -g performance` before you play";
+        rows.push(DiagnosisRow::poor("frequency", format!("governor `{governor}`: cores wake slowly"), fix));
     }
     if let Some(us) = read("/proc/sys/kernel/sched_rt_runtime_us") {
         rows.push(DiagnosisRow::good(
             "throttle",
-            format!("real-time threads get {us} us of each second; ours sleep, and stay below"),
+            format!("real-time threads may run {us} us of each second; `ca` stays below this limit"),
         ));
     }
     rows

@@ -42,7 +42,7 @@ pub fn profile(word: &str) -> Result<Profile, ToolError> {
     Profile::shipped(word).ok_or_else(|| {
         let hint = match nearest(word, SHIPPED.iter().map(|s| s.0)) {
             Some(m) => format!("did you mean `{m}`?"),
-            None => format!("there is {}, or a file of yours", listed(SHIPPED.iter().map(|s| s.0))),
+            None => format!("choose from {}, or give a file", listed(SHIPPED.iter().map(|s| s.0))),
         };
         ToolError::Usage(format!("no profile `{word}`; {hint}"))
     })
@@ -66,8 +66,8 @@ pub fn profile_of(device: &str, given: &[String], say: &mut dyn FnMut(Message)) 
     }
     let p = profile("unknown")?;
     say(Message::Warning(format!(
-        "nobody has described the device `{device}`: degrees of freedom as it says itself, at most {} N; \
-         say what it is with `--profile {device}=NAME`",
+        "no profile for device `{device}`: using the degrees of freedom it reports and a {} N limit; choose a profile \
+         with `--profile {device}=NAME` (`ca device list` shows them)",
         p.force
     )));
     Ok(p)
@@ -88,8 +88,8 @@ pub fn calibration_of(device: &str, given: &[String]) -> Result<Calibration, Too
     // a file without a device fits any
     if !read.device.is_empty() && read.device != device {
         return Err(ToolError::Failed(format!(
-            "{}: this is the calibration of `{}`, not of `{device}`: positions and forces would be wrong by its factors; \
-             give the one of `{device}`, or make it with `ca device calibrate`",
+            "{}: this calibration is for `{}`, not for `{device}`, so positions and forces would be wrong; give the \
+             calibration of `{device}`, or make one with `ca device calibrate {device}`",
             path.display(),
             read.device
         )));

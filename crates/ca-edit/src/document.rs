@@ -10,7 +10,7 @@ pub struct Unreadable(String);
 
 impl fmt::Display for Unreadable {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "it cannot be edited: {}", self.0)
+        write!(f, "cannot edit the text: {}", self.0)
     }
 }
 
@@ -200,6 +200,6 @@ mod tests {
             assert_eq!(changed(|t| t.set(&beyond, &Value::Number(1.0))), None);
             assert_eq!(changed(|t| t.clear(&beyond)), None);
         }
-        assert!(Document::read("a = ").unwrap_err().to_string().starts_with("it cannot be edited: "));
+        assert!(Document::read("a = ").unwrap_err().to_string().starts_with("cannot edit the text: "));
     }
 }

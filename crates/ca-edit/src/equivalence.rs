@@ -100,8 +100,8 @@ fn class(word: &str) -> Result<Class, Refused> {
     let words = || ["impedance"].into_iter().chain(settable().map(|r| r.name));
     Class::of(word).filter(|c| *c != Class::Time).ok_or_else(|| {
         Refused::Anchor(match nearest(word, words()) {
-            Some(near) => format!("there is no `{word}`; did you mean `{near}`?"),
-            None => format!("there is no `{word}`; it is one of {}", ticked(words())),
+            Some(near) => format!("unknown quantity `{word}`; did you mean `{near}`?"),
+            None => format!("unknown quantity `{word}`; choose one of {}", ticked(words())),
         })
     })
 }
@@ -117,23 +117,23 @@ fn asked(text: &(String, String)) -> Result<(&'static Quantity, Value), Refused>
     let Some(row) = row(name).filter(|r| r.class() != Class::Time) else {
         let all = || settable().map(|r| r.name);
         return Err(bad(match nearest(name, all()) {
-            Some(near) => format!("there is no `{name}`; did you mean `{near}`?"),
-            None if name == "time" => "time has no equivalence of its own: the clock decides".into(),
-            None => format!("there is no `{name}`; a row is one of {}", ticked(all())),
+            Some(near) => format!("unknown quantity `{name}`; did you mean `{near}`?"),
+            None if name == "time" => "`time` cannot be set: the clock determines it".into(),
+            None => format!("unknown quantity `{name}`; choose one of {}", ticked(all())),
         }));
     };
     let Some((real, sim)) = pair.split_once(':') else {
-        return Err(bad("write the real one and the simulated one, e.g. `mass=20g:1.0`".into()));
+        return Err(bad("write the real and the simulated value, e.g. `mass=20g:1.0`".into()));
     };
     let mut list = Vec::new();
     for side in [real.trim(), sim.trim()] {
         let q = quantity::parse(side).map_err(|e| bad(format!("`{side}`: {e}")))?;
         if q.has_unit && !q.dim.same(row.unit.dim) {
             let is = quantity::unit_of(q.dim);
-            return Err(bad(format!("`{side}` is in {is}, and `{name}` in {}", row.unit.symbol)));
+            return Err(bad(format!("`{side}` must be in {}, not in {is}", row.unit.symbol)));
         }
         if q.value <= 0.0 {
-            return Err(bad(format!("`{side}`: it must be above 0")));
+            return Err(bad(format!("`{side}` must be above 0")));
         }
         list.push(if q.has_unit { Value::Text(side.into()) } else { Value::Number(q.value) });
     }
@@ -153,17 +153,17 @@ fn rows(
             let class = row.class();
             let held = anchor.or(now.anchor.filter(|a| *a != class)).unwrap_or(anchor_for(class));
             if held == class {
-                let what = format!("`{}` and the anchor are one equivalence said twice", row.name);
-                return Err(Refused::Ask(format!("{what}; hold one of {}", beside(class))));
+                let what = format!("`{}` and the anchor are the same equivalence", row.name);
+                return Err(Refused::Ask(format!("{what}; choose another anchor: {}", beside(class))));
             }
             Some(held)
         }
         [(a, _), (b, _)] if a.class() == b.class() => {
-            let what = format!("`{}` and `{}` are one equivalence said twice", a.name, b.name);
-            return Err(Refused::Ask(format!("{what}; beside `{}`, set one of {}", a.name, beside(a.class()))));
+            let what = format!("`{}` and `{}` are the same equivalence", a.name, b.name);
+            return Err(Refused::Ask(format!("{what}; with `{}`, set one of {}", a.name, beside(a.class()))));
         }
         [_, _] => None,
-        _ => return Err(Refused::Ask("two equivalences settle the whole table: set one or two rows".into())),
+        _ => return Err(Refused::Ask("two equivalences determine the whole table: set one or two rows".into())),
     };
     if sets.is_empty() {
         // only the anchor moves: the table must stay the same, so the row that the old anchor implied is written

@@ -45,7 +45,8 @@ impl Place {
     /// Fails if several instances share the number, or if it is a number of a part.
     pub fn of(model: &Model, name: &str) -> Result<Place, NotOne> {
         if name.contains('[') {
-            let why = format!("`{name}` is of several instances, whose numbers stand in lists; write it by hand");
+            let why =
+                format!("`{name}` belongs to several instances, whose values are in lists; edit the file by hand");
             return Err(NotOne(why));
         }
         let param = model.params.iter().find(|e| e.key == name);
@@ -53,7 +54,7 @@ impl Place {
             if param.is_some() {
                 return Ok(Place::keys(["use", &u.name, "with", &name[u.name.len() + 1..]]));
             }
-            let why = format!("`{name}` is a number of a part; make it a parameter of the part, and vary that");
+            let why = format!("`{name}` is a number in a part; make it a parameter of the part, and vary this");
             return Err(NotOne(why));
         }
         if let Some(e) = param {

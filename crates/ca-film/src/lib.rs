@@ -30,13 +30,13 @@ pub fn picture(film: &Film) -> Result<Option<Picture>, Failure> {
     if film.frames() == 0 {
         return Ok(None);
     }
-    let (about, bytes) = film.json().map_err(|e| Failure::Failed(format!("the picture: {e}")))?;
+    let (about, bytes) = film.json().map_err(|e| Failure::Failed(format!("cannot compress the picture: {e}")))?;
     let masses = &about["drawing"]["decimated"];
     let fewer = masses.is_object().then(|| format!("{} of {} masses", masses["shown"], masses["of"]));
-    let slower = (film.rate() < 59.0).then(|| format!("{:.0} pictures a second", film.rate()));
+    let slower = (film.rate() < 59.0).then(|| format!("{:.0} pictures per second", film.rate()));
     let told: Vec<String> = fewer.into_iter().chain(slower).collect();
     let told =
-        if told.is_empty() { String::new() } else { format!("So that the page stays small: {}.", told.join(", ")) };
+        if told.is_empty() { String::new() } else { format!("Reduced to keep the page small: {}.", told.join(", ")) };
     Ok(Some(Picture { about, bytes, script: film_script(), told }))
 }
 
@@ -137,9 +137,9 @@ pub fn take(take: &Take, catalog: &Catalog) -> Result<String, Failure> {
 /// Fails if the replay differs from the record, or if it stops early because records are missing.
 pub fn judged(verdict: &ReplayVerdict) -> Result<(), FileError> {
     match (&verdict.difference, verdict.hole) {
-        (Some(d), _) => Err(FileError::content(format!("played again, it is not as it was: {d}"))),
+        (Some(d), _) => Err(FileError::content(format!("the replay differs from the take: {d}"))),
         (None, Some(t)) => {
-            let why = format!("it cannot be played again from {t:.3} s on: records are missing there");
+            let why = format!("the take cannot be replayed beyond {t:.3} s: records are missing there");
             Err(FileError::content(why))
         }
         (None, None) => Ok(()),

@@ -172,25 +172,28 @@ struct Shown {
 /// [`Failure::Failed`] where the recording or the model is silent; [`Failure::Stopped`] where `progress` returns false.
 pub fn fit(loaded: &Loaded, recording: &Recording, ask: &mut FitOptions) -> Result<Fit, Failure> {
     if ask.vary.is_empty() {
-        return Err(Failure::Usage("nothing is varied; name a number, such as `low.f`".into()));
+        return Err(Failure::Usage("no number to vary; name at least one, such as `low.f`".into()));
     }
     let mut varied: Vec<Varied> = Vec::new();
     for name in ask.vary {
         if varied.iter().any(|v| v.name == *name) {
-            return Err(Failure::Usage(format!("`{name}` is named twice")));
+            return Err(Failure::Usage(format!("`{name}` is named twice; remove one of them")));
         }
         varied.push(Varied::of(loaded, name, ask.ranges, ask.words)?);
     }
     if let Some(r) = ask.ranges.iter().find(|r| !ask.vary.contains(&r.name)) {
-        return Err(Failure::Usage(format!("`{}` has a range and is not varied", r.name)));
+        return Err(Failure::Usage(format!(
+            "`{}` has a range but is not varied; vary it, or remove its range",
+            r.name
+        )));
     }
     if ask.gain.is_some_and(|gain| gain == 0.0 || !gain.is_finite()) {
-        return Err(Failure::Usage("the gain is a number other than 0".into()));
+        return Err(Failure::Usage("the gain must be a finite number other than 0".into()));
     }
     let n = varied.len() as u32;
     if ask.renders < FEW + 2 * n {
         let what = format!("{} renders are too few for {n} number{}", ask.renders, if n == 1 { "" } else { "s" });
-        return Err(Failure::Usage(format!("{what}: {} or more", FEW + 2 * n)));
+        return Err(Failure::Usage(format!("{what}: allow {} or more", FEW + 2 * n)));
     }
     let options = Options { rate: Some(recording.rate), clouds: loaded.clouds.clone(), ..Options::default() };
     let scene = loaded.compile(&options)?;

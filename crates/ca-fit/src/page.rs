@@ -17,10 +17,10 @@ impl Fitted {
                 let unit = &self.varied.unit;
                 format!("± {} {unit}{part}", Plain(two(2.0 * d))).replace("  ", " ")
             }
-            (None, Some(Doubt::Unsettled)) => "not settled".into(),
-            (None, Some(Doubt::Unexplained)) => "of a model that does not explain this sound".into(),
-            (None, Some(Doubt::Elsewhere)) => "at another pitch than the recording".into(),
-            (None, Some(Doubt::Far)) => "from a start at another pitch".into(),
+            (None, Some(Doubt::Unsettled)) => "uncertainty unknown: the search did not converge".into(),
+            (None, Some(Doubt::Unexplained)) => "uncertainty unknown: the model does not explain this sound".into(),
+            (None, Some(Doubt::Elsewhere)) => "uncertainty unknown: the pitch differs from the recording".into(),
+            (None, Some(Doubt::Far)) => "uncertainty unknown: the model started at another pitch".into(),
             (None, Some(Doubt::Undetermined) | None) => "not determined by this sound".into(),
         }
     }
@@ -40,7 +40,7 @@ fn row(name: &str, d: &Distance) -> Vec<String> {
 
 /// Makes the report on a fit of the model `name` to the recording `target`.
 pub fn report(fit: &Fit, name: &str, target: &str) -> Report {
-    let mut report = Report::new(&format!("{name}, fitted"), &format!("to `{target}`, by {} renders", fit.renders));
+    let mut report = Report::new(&format!("{name}, fitted"), &format!("to `{target}`, with {} renders", fit.renders));
     report.notes.extend(fit.warnings().into_iter().map(|what| (Weight::Note, what)));
     let numbers = fit.fitted.iter().map(|f| {
         let v = &f.varied;
@@ -50,13 +50,13 @@ pub fn report(fit: &Fit, name: &str, target: &str) -> Report {
     let mut distances = vec![row("before", &fit.before), row("after", &fit.after)];
     let mut blocks = vec![Block::Table(numbers)];
     if let Some(b) = &fit.beyond {
-        distances.push(row(&format!("after, in the {:.2} s that were not fitted", b.seconds), &b.model));
-        distances.push(row(&format!("there, {} with as many numbers", b.named()), &b.sinusoids));
+        distances.push(row(&format!("after, over the {:.2} s that were not fitted", b.seconds), &b.model));
+        distances.push(row(&format!("over the same time, {} with as many free numbers", b.named()), &b.sinusoids));
     }
-    blocks.push(Block::Table(Table::new(&["distance", "levels", "what is left of the samples"], distances)));
+    blocks.push(Block::Table(Table::new(&["distance", "levels", "residual of the samples"], distances)));
     let how = match fit.stage {
-        Stage::Samples => format!("Samples decided, over {:.3} s", fit.phase),
-        Stage::Levels => "Levels decided: phases do not agree".into(),
+        Stage::Samples => format!("Fitted by samples, over {:.3} s", fit.phase),
+        Stage::Levels => "Fitted by levels, because phases do not agree".into(),
     };
     let ms = Plain(six(1e3 * fit.delay));
     blocks.push(Block::Text(format!("{how}. Gain {}, delay {ms} ms.", Plain(six(fit.gain)))));
@@ -95,15 +95,15 @@ pub fn report(fit: &Fit, name: &str, target: &str) -> Report {
     };
     let curves = vec![
         Curve::line("recording", level(&|i| recording[i])),
-        Curve::line("left before", level(&|i| recording[i] - before[i])),
-        Curve::line("left after", level(&|i| recording[i] - after[i])),
+        Curve::line("residual before", level(&|i| recording[i] - before[i])),
+        Curve::line("residual after", level(&|i| recording[i] - after[i])),
     ];
     let n = recording.len() / size;
     let step = size as f64 / shown.rate;
     let grid = Grid::Even { start: 0.5 * step, step, n };
-    let plot = Plot::over_time("What is left over time", Axis::linear("level", "dB"), grid, curves);
+    let plot = Plot::over_time("Residual over time", Axis::linear("level", "dB"), grid, curves);
     let until = shown.fitted as f64 / shown.rate;
-    let text = format!("Up to {until:.3} s it was fitted; what comes later was predicted.");
-    report.sections.push(Section::new("What is left", vec![Block::Plot(plot), Block::Text(text)]));
+    let text = format!("The sound was fitted up to {until:.3} s, and predicted after that.");
+    report.sections.push(Section::new("Residual", vec![Block::Plot(plot), Block::Text(text)]));
     report
 }

@@ -74,8 +74,8 @@ impl Target {
         let Recording { rate, channels: all } = recording;
         let samples = if all.len() == channels { all.clone() } else { mixed(all) };
         let Some(at) = onset(&samples, *rate) else {
-            let what = "the target is silent: no sample of it differs from 0";
-            return Err(Failure::Failed(format!("{what}; record it louder, or name another file")));
+            let what = "the target is silent: all compared samples are 0";
+            return Err(Failure::Failed(format!("{what}; use another recording")));
         };
         let begin = at.saturating_sub((BEFORE * rate) as usize);
         let silence = at.saturating_sub((QUIET * rate) as usize);
@@ -84,8 +84,9 @@ impl Target {
         let (onset, there) = (at - begin, samples.first().map_or(0, Vec::len));
         let sound = (there - onset) as f64 / rate;
         if sound < LEAST {
-            let what = format!("the target has {sound:.4} s of sound from its onset on; at least {LEAST} s are needed");
-            return Err(Failure::Failed(format!("{what}; record more of it")));
+            let what =
+                format!("the target has {sound:.4} s of sound after its onset, but at least {LEAST} s are needed");
+            return Err(Failure::Failed(format!("{what}; use a longer recording")));
         }
         let asked = seconds.unwrap_or(MOST).max(LEAST);
         let fitted = there.min(onset + (asked * rate) as usize);

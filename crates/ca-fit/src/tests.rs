@@ -221,9 +221,9 @@ fn a_search_that_has_not_settled_says_so() {
     assert!(found.renders <= 10 && found.fitted.iter().all(|f| f.deviation.is_none()), "{:?}", found.fitted);
     assert!(found.fitted.iter().all(|f| f.doubt != Some(Doubt::Undetermined)), "{:?}", found.fitted);
     let said = found.warnings().join("\n");
-    assert!(said.contains("did not settle within") && said.contains("`--renders`"), "{said}");
+    assert!(said.contains("did not converge within") && said.contains("`--renders`"), "{said}");
     let page = super::report(&found, "mine", "target.wav").html();
-    assert!(page.contains("did not settle within") && !page.contains("±"));
+    assert!(page.contains("did not converge within") && !page.contains("±"));
     let found = with(60);
     assert_eq!((found.halt, found.warnings().len()), (StopReason::Settled, 0), "{:?}", found.warnings());
     assert!(found.fitted.iter().all(|f| f.uncertainty().starts_with('±')), "{:?}", found.fitted);
@@ -277,8 +277,8 @@ fn ends_of_ranges_have_units() {
         super::Varied::of(&mine, name, &[Range { name: name.into(), ends }], &Words::COMMAND)
     };
     for (name, from, to, is) in [
-        ("low.f", "90 kg", "130 kg", "in kg, not in Hz"),
-        ("low.f", "90 Hz", "130 s", "in s, not in Hz"),
+        ("low.f", "90 kg", "130 kg", "in Hz, not in kg"),
+        ("low.f", "90 Hz", "130 s", "in Hz, not in s"),
         ("weight", "9 Hz", "0.1 kg", "Hz"),
     ] {
         let Err(Failure::Found(found)) = of(name, from, to) else { panic!("{name} {from} {to}") };
@@ -303,7 +303,7 @@ fn what_is_not_fitted_is_predicted() {
     assert!(b.model.samples < -60.0 && b.model.levels < 0.1, "{b:?}");
     assert!(b.sinusoids.samples > b.model.samples && b.sinusoids.levels > 3.0, "{b:?}");
     let page = super::report(&found, "mine", "target.wav").html();
-    assert!(page.contains("What is left") && page.contains("low.f"), "{page}");
+    assert!(page.contains("Residual over time") && page.contains("low.f"), "{page}");
     assert!(page.contains("1 damped sinusoid") && !page.contains("1 damped sinusoids"), "{page}");
 }
 
@@ -328,12 +328,12 @@ fn what_cannot_be_fitted_is_refused() {
     let mine = model(MINE, &[]);
     let recording = recorded(&mine, 0.1);
     for (vary, word) in [
-        (&[][..], "nothing is varied"),
+        (&[][..], "no number to vary"),
         (&["low.g"][..], "`low` has no parameter `g`"),
         (&["lwo.f"][..], "did you mean `low.f`?"),
         (&["low.f", "low.f"][..], "named twice"),
-        (&["low.n"][..], "no single number"),
-        (&["strike.between"][..], "no single number"),
+        (&["low.n"][..], "not a single number"),
+        (&["strike.between"][..], "not a single number"),
         (&["low.k"][..], "give it a start"),
     ] {
         let said = failure(&mine, &recording, vary);

@@ -66,10 +66,12 @@ impl Varied {
             range.ends.iter().try_for_each(|end| measured_so(loaded, &first, end))?;
             let end = |v: &Value| v.number().map(|n| if matches!(v, Value::Num(_)) { n * size } else { n });
             let [Some(from), Some(to)] = [end(&range.ends[0]), end(&range.ends[1])] else {
-                return Err(Failure::Usage(format!("the range of `{name}` goes from one number to another")));
+                return Err(Failure::Usage(format!("both ends of the range of `{name}` must be numbers")));
             };
             if from >= to || from.is_nan() || to.is_nan() {
-                return Err(Failure::Usage(format!("the range of `{name}` goes from {from} to {to}: upwards")));
+                return Err(Failure::Usage(format!(
+                    "the range of `{name}` is {from} to {to}; put the smaller end first"
+                )));
             }
             bounds = [bounds[0].max(from), bounds[1].min(to)];
         }
@@ -78,12 +80,15 @@ impl Varied {
         let found = Varied { name: name.to_owned(), unit, start, bounds, log };
         if !(bounds[0]..=bounds[1]).contains(&start) {
             let [from, to] = bounds.map(|v| found.shown(v));
-            let what = format!("`{name}` starts at {}, and may be {from} to {to}", found.shown(start));
-            return Err(Failure::Usage(format!("{what}; start it elsewhere with {}, or widen its range", words.set)));
+            let what = format!("`{name}` starts at {}, outside its range {from} to {to}", found.shown(start));
+            return Err(Failure::Usage(format!(
+                "{what}; start it at another value with {}, or widen its range",
+                words.set
+            )));
         }
         if start == 0.0 && !(bounds[1] - bounds[0]).is_finite() {
-            let what = format!("`{name}` starts at 0, from where no step has a size");
-            return Err(Failure::Usage(format!("{what}; give it a start with {}, or a range", words.set)));
+            let what = format!("`{name}` starts at 0 without a finite range, so the size of a step is unknown");
+            return Err(Failure::Usage(format!("{what}; give it another start with {}, or a range", words.set)));
         }
         Ok(found)
     }
@@ -137,7 +142,7 @@ fn plain(name: &str, value: &Value, params: &[Entry]) -> Result<Written, Failure
         Value::Text(t) => {
             let follows = quantity::product(t).map_or(t.trim(), |(_, of)| of);
             if params.iter().any(|e| e.key == follows) {
-                return no(format!("follows the parameter `{follows}`; vary `{follows}`"));
+                return no(format!("follows the parameter `{follows}`; vary `{follows}` instead"));
             }
             if let Some(f) = quantity::note(t) {
                 return Ok(Written { value: f, unit: "Hz".into() });
@@ -147,7 +152,7 @@ fn plain(name: &str, value: &Value, params: &[Entry]) -> Result<Written, Failure
                 Err(_) => no(format!("is `{}`, which is not a number", t.trim())),
             }
         }
-        _ => no("is no single number".into()),
+        _ => no("is not a single number".into()),
     }
 }
 
@@ -174,7 +179,10 @@ fn param(e: &Entry) -> Result<(Written, [f64; 2], f64), Failure> {
     };
     let of = |key: &str| entries.iter().find(|x| x.key == key).map(|x| &x.value);
     if of("port").is_some() {
-        return Err(Failure::Usage(format!("`{}` is driven by a port; set it there", e.key)));
+        return Err(Failure::Usage(format!(
+            "`{}` is driven by a port, so it cannot be varied; set it with a gesture",
+            e.key
+        )));
     }
     // a bare number has the unit written beside it
     let unit = match of("unit") {
@@ -188,7 +196,9 @@ fn param(e: &Entry) -> Result<(Written, [f64; 2], f64), Failure> {
             _ => read,
         })
     };
-    let Some(value) = of("value") else { return Err(Failure::Usage(format!("`{}` has no value", e.key))) };
+    let Some(value) = of("value") else {
+        return Err(Failure::Usage(format!("the parameter `{}` has no `value`; add one", e.key)));
+    };
     let end = |key: &str, without: f64| of(key).map_or(Ok(without), |v| read(v).map(|w| w.value));
     Ok((read(value)?, [end("min", f64::MIN)?, end("max", f64::MAX)?], unit.as_ref().map_or(1.0, |q| q.value)))
 }
@@ -205,7 +215,7 @@ fn argument(model: &Model, name: &str, words: &Words) -> Result<(Written, [f64; 
         return Err(usage(format!("`{name}` is not a number of a module or `[param]`, so it cannot be varied")));
     };
     let Some((bounds, symbol)) = range(known) else {
-        return Err(usage(format!("`{name}` is no single number, so it cannot be varied")));
+        return Err(usage(format!("`{name}` is not a single number, so it cannot be varied")));
     };
     if let Some(e) = item.args.iter().find(|e| e.key == key) {
         let read = plain(name, &e.value, &model.params)?;
@@ -216,7 +226,7 @@ fn argument(model: &Model, name: &str, words: &Words) -> Result<(Written, [f64; 
     if let Need::Default(value) = known.need {
         return Ok((Written { value, unit: symbol.into() }, bounds));
     }
-    let what = format!("`{name}` is not written in the model, so it starts nowhere");
+    let what = format!("`{name}` has no value in the model to start from");
     Err(usage(format!("{what}; give it a start with {}", words.set)))
 }
 

@@ -103,34 +103,39 @@ impl Fit {
         for f in &self.fitted {
             let name = &f.varied.name;
             if f.at_end {
-                all.push(format!("`{name}` is at an end of its range; widen it with {range}, if it may go on"));
+                all.push(format!(
+                    "`{name}` is at an end of its range; if values beyond it are possible, widen it with {range}"
+                ));
             }
             if f.doubt == Some(Doubt::Undetermined) {
-                all.push(format!("`{name}` is not determined by this sound; its value says nothing"));
+                all.push(format!("`{name}` is not determined by this sound; do not rely on its value"));
             }
         }
         all.extend(self.of_pitch(set));
         if !self.explained {
             let Distance { levels, samples } = self.after;
-            let left = format!("levels {levels:.1} dB off, {samples:.1} dB of the samples left");
+            let left = format!("level difference {levels:.1} dB, sample residual {samples:.1} dB");
             let what = format!("the model does not explain this sound ({left}), so no deviations are given");
-            all.push(format!("{what}; vary other numbers, start nearer with {set}, or change the model"));
+            all.push(format!("{what}; vary other numbers, start from closer values with {set}, or change the model"));
         }
         match self.halt {
             StopReason::Settled => {}
             StopReason::Renders => {
                 let what =
-                    format!("the search did not settle within {} renders, so no deviations are given", self.renders);
-                all.push(format!("{what}; allow more with {renders}, or start nearer with {set}"));
+                    format!("the search did not converge within {} renders, so no deviations are given", self.renders);
+                all.push(format!("{what}; allow more with {renders}, or start from closer values with {set}"));
             }
             StopReason::Stuck => {
-                let what = "the search stopped where no step came nearer and the values had not settled, so no deviations are given";
-                all.push(format!("{what}; start elsewhere with {set}, or fit more of the sound with {seconds}"));
+                let what =
+                    "the search stopped without convergence: no step reduced the distance, so no deviations are given";
+                all.push(format!(
+                    "{what}; start from other values with {set}, or fit more of the sound with {seconds}"
+                ));
             }
         }
         if !self.is_nearer() {
-            let what = "the model came no nearer to the recording";
-            all.push(format!("{what}; vary other numbers, or start elsewhere with {set}"));
+            let what = "the fit did not bring the model closer to the recording";
+            all.push(format!("{what}; vary other numbers, or start from other values with {set}"));
         }
         all
     }
@@ -143,17 +148,18 @@ impl Fit {
         let far =
             format!("{:.1} semitones {way} the recording ({}, {})", far.abs() / 100.0, hertz(of), hertz(recording));
         if self.pitch.ends_elsewhere() {
-            let what =
-                format!("the search stopped in another minimum: the model ends {far}, so no deviations are given");
-            return Some(format!("{what}; start nearer with {set}"));
+            let what = format!(
+                "the search ended in another local minimum: the fitted model is {far}, so no deviations are given"
+            );
+            return Some(format!("{what}; start from closer values with {set}"));
         }
         let certain = self.stage == Stage::Samples;
         let what = if certain {
-            "the samples agree all the same"
+            "the samples agree nevertheless"
         } else {
-            "the search may have stopped in another minimum, so no deviations are given"
+            "the search may have ended in another local minimum, so no deviations are given"
         };
-        self.pitch.starts_far().then(|| format!("the model starts {far}: {what}; start nearer with {set}"))
+        self.pitch.starts_far().then(|| format!("the model starts {far}: {what}; start from closer values with {set}"))
     }
 }
 

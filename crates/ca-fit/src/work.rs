@@ -64,7 +64,9 @@ impl Work<'_> {
         player.frames = (fitted + (LATE * rate) as usize) as u64;
         let levels = Spectral::of(&self.target, 0, fitted, self.gain);
         let Some(first) = self.point(player, &start)? else {
-            return Err(Failure::Failed("the model makes no sound, or diverges, at the values it starts with".into()));
+            return Err(Failure::Failed(
+                "the model makes no sound or diverges at its start values; change them".into(),
+            ));
         };
         player.frames = self.frames(fitted, first.free.delay);
         let point = Point { free: levels.settle(&first.heard, first.free), ..first };
@@ -108,7 +110,7 @@ impl Work<'_> {
             }
         }
         let Some((_, found)) = best else {
-            return Err(Failure::Failed("the search has no start".into()));
+            return Err(Failure::Failed("no start values for the search".into()));
         };
         let (found, known) = self.to_the_end(player, found, &mut slopes)?;
         self.summary(player, &before, &found, known)

@@ -151,17 +151,21 @@ pub fn derivatives(
     }
     let name = &parameter.name;
     Err(Error::refused(match obstacle {
-        Obstacle::Model(what) => format!("`{name}` cannot be moved either way from its value: {what}"),
+        Obstacle::Model(what) => {
+            format!("no derivative by `{name}`: the model has errors on both sides of its value: {what}")
+        }
         Obstacle::Built => {
             format!(
-                "`{name}` changes what is built, and not only its numbers, so that there is no derivative by it; a number that is 0 may be left out of what is built: write a small one"
+                "no derivative by `{name}`: it changes the structure of the scene, not only its numbers; the compiler may leave \
+                 out what is 0, so write a small value instead of 0"
             )
         }
         Obstacle::Gesture => {
-            format!("`{name}` moves a gesture of the model, and what ports are given is not differentiated")
+            format!("no derivative by `{name}`: it changes a gesture of the model, and gestures are not differentiated")
         }
         Obstacle::Rough => format!(
-            "what the scene begins with has no derivative by `{name}` at its value: a corner, a jump, or nothing but rounding"
+            "no derivative by `{name}` at its value: the coefficients or the initial state of the scene have a corner or a jump \
+             there, or change only by rounding"
         ),
     }))
 }

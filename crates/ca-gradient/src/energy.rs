@@ -104,9 +104,7 @@ impl Energy {
         let played = Played::new(&forward.plain, seconds, gesture, goes_on)?;
         let (frames, n) = (played.frames, forward.parameters().len());
         if instants == 0 || instants > frames {
-            return Err(Error::refused(format!(
-                "{instants} instants of {frames} samples: from 1 to as many as samples"
-            )));
+            return Err(Error::refused(format!("{instants} instants for {frames} samples: use 1 to {frames}")));
         }
         let mut to = EnergyTangents {
             seconds: zeros(instants, 1, 1)?,

@@ -149,7 +149,7 @@ impl Forward {
         };
         let scene = forward.compiled(&forward.model).map_err(Error::Refused)?;
         if scene.rates.slow.is_some() {
-            let what = "no derivatives of this scene: groups at the gesture rate are not differentiated; leave out `rate = \"gesture\"` of the group";
+            let what = "no derivatives of this scene: groups at the gesture rate are not differentiated; remove `rate = \"gesture\"` from the group";
             return Err(Error::refused(what));
         }
         Ok((forward, scene))

@@ -30,15 +30,18 @@ impl Parameter {
             (None, value) => value,
             (Some(i), Value::List(list)) => {
                 let Some(e) = list.get(i) else {
-                    return Err(Error::refused(format!("`{name}`: there are {} numbers in this list", list.len())));
+                    return Err(Error::refused(format!(
+                        "`{name}` does not exist: the list has {} numbers, counted from 0",
+                        list.len()
+                    )));
                 };
                 &e.value
             }
-            (Some(_), _) => return Err(Error::refused(format!("`{name}`: `{whole}` is no list"))),
+            (Some(_), _) => return Err(Error::refused(format!("`{name}`: `{whole}` is not a list"))),
         };
         if matches!(value, Value::List(_)) && index.is_some() {
             return Err(Error::refused(format!(
-                "`{name}` is a list in a list, by whose numbers there are no derivatives"
+                "`{name}` is a list inside a list; there are no derivatives by its numbers"
             )));
         }
         if matches!(value, Value::List(_)) {
@@ -118,9 +121,9 @@ fn place<'m>(
     let Some(param) = of_kind else {
         let near = nearest(whole.rsplit('.').next().unwrap_or(whole), kind.params.iter().map(|p| p.name));
         let hint = near.map_or(String::new(), |n| format!("; did you mean `{n}`?"));
-        return Err(Error::refused(format!("`{name}`: {} has no such parameter{hint}", kind.code)));
+        return Err(Error::refused(format!("`{name}`: `{}` has no such parameter{hint}", kind.code)));
     };
-    let no = |what: &str| Err(Error::refused(format!("`{name}` is {what}, by which there is no derivative")));
+    let no = |what: &str| Err(Error::refused(format!("no derivative by `{name}`: it is {what}")));
     let exponent = |p: &Param| matches!(p.ty, Type::PowerStiffness { exponent } if exponent == param.name);
     let unit = match param.ty {
         Type::Number { .. } if kind.params.iter().any(exponent) => return no("an exponent, a multiple of 1/4"),
@@ -145,7 +148,7 @@ fn absent(model: &Model, catalog: &Catalog, name: &str, whole: &str) -> Result<P
             (Need::Default(value), Some(unit)) if whole == name => {
                 Ok(Parameter { name: name.into(), value, unit: unit.symbol.into() })
             }
-            _ => Err(Error::refused(format!("`{name}` is not written in the model; write the value to start from"))),
+            _ => Err(Error::refused(format!("`{name}` has no value in the model; give it one"))),
         };
     }
     let items = model.items.iter().flat_map(|i| {

@@ -49,13 +49,15 @@ pub(crate) fn zeros(frames: usize, outputs: usize, each: usize) -> Result<Vec<f6
             Ok(all)
         }
         None => Err(Error::refused(format!(
-            "{frames} samples with {each} numbers for each of {outputs} outputs do not fit into memory; play less, or ask for a gradient"
+            "{frames} samples with {each} numbers for each of {outputs} outputs do not fit into memory; play fewer seconds, or compute a gradient"
         ))),
     }
 }
 
 pub(crate) fn diverged() -> Error {
-    Error::refused("the scene diverges, and so do its derivatives; play fewer seconds, or a softer or heavier model")
+    Error::refused(
+        "the scene diverges, and so do its derivatives; play fewer seconds, reduce stiffness or increase mass",
+    )
 }
 
 pub(crate) fn output(
@@ -80,14 +82,17 @@ pub(crate) fn output(
 /// Returns the number of samples of a cotangent, or an error where it is empty, not finite or has a part of a row.
 pub(crate) fn frames_of(cotangent: &[f64], outputs: usize) -> Result<usize, Error> {
     if let Some(at) = cotangent.iter().position(|v| !v.is_finite()) {
-        let what = format!("the cotangent of sample {} is {}, and not a number to go by", at / outputs, cotangent[at]);
+        let what = format!("the cotangent of sample {} is {}; it must be finite", at / outputs, cotangent[at]);
         return Err(Error::refused(what));
     }
     if cotangent.is_empty() {
-        return Err(Error::refused("the cotangent is empty: the scene has no outputs, or it is played for no time"));
+        return Err(Error::refused("the cotangent is empty: the scene lacks outputs, or 0 samples are played"));
     }
     if !cotangent.len().is_multiple_of(outputs) {
-        let what = format!("a cotangent has a number for each of {outputs} outputs, not {} in all", cotangent.len());
+        let what = format!(
+            "the cotangent needs {outputs} numbers per sample, one for each output, but has {} in total",
+            cotangent.len()
+        );
         return Err(Error::refused(what));
     }
     Ok(cotangent.len() / outputs)
@@ -96,9 +101,9 @@ pub(crate) fn frames_of(cotangent: &[f64], outputs: usize) -> Result<usize, Erro
 /// Refuses a gesture that moves a live parameter.
 pub(crate) fn known(scene: &ca_core::Scene, p: &Performance) -> Result<(), Error> {
     match p.driven().into_iter().find(|name| scene.input(name).is_none()) {
-        Some(name) => {
-            Err(Error::refused(format!("a gesture moves the live parameter `{name}`, which is not differentiated")))
-        }
+        Some(name) => Err(Error::refused(format!(
+            "a gesture drives the live parameter `{name}`, which is not differentiated; drive only ports"
+        ))),
         None => Ok(()),
     }
 }

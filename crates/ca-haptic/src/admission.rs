@@ -35,14 +35,17 @@ impl fmt::Display for NotAdmitted {
         match self {
             NotAdmitted::Profile(fault) => fault.fmt(f),
             NotAdmitted::Freedom { has, wanted } => {
-                write!(f, "the model uses {wanted} of its degrees of freedom and it has {has}: it is not played")
+                write!(
+                    f,
+                    "the model needs {wanted} degrees of freedom, but the device has {has}; the device is not used"
+                )
             }
             NotAdmitted::Stiff { key, stiffness } => {
                 let k = show(six(*stiffness), Unit::STIFFNESS);
                 write!(
                     f,
-                    "`{key}` is {k} stiff in the hand, more than it holds by what it says: it is not played; describe it in \
-                     a profile (`--profile`)"
+                    "`{key}` has a stiffness of {k} in the hand, more than the limit that the device reports; the \
+                     device is not used; describe it in a profile (`--profile`)"
                 )
             }
         }
@@ -84,13 +87,16 @@ impl Undescribed {
         *setup = said;
         let p = &setup.profile;
         let others = if p.dof < self.wanted {
-            format!("; the model has keys for {}, of which MIDI and gestures play the others", self.wanted)
+            format!(
+                "; the model has keys for {} degrees of freedom; only MIDI and gestures play the others",
+                self.wanted
+            )
         } else {
             String::new()
         };
-        let vector = if p.axes > 1 { format!(", {} to a force", p.axes) } else { String::new() };
+        let vector = if p.axes > 1 { format!(", {} per force vector", p.axes) } else { String::new() };
         Ok(Some(format!(
-            "it says: {}, {} degrees of freedom{vector}, {} frames a second; at most {} N, since nobody has described it{others}",
+            "it reports: {}, {} degrees of freedom{vector}, {} frames a second; at most {} N without a profile{others}",
             p.title, p.dof, p.rate, p.force
         )))
     }
@@ -103,15 +109,15 @@ pub fn differences(p: &Profile, a: &About) -> Vec<String> {
     let mut list = Vec::new();
     if u32::from(a.n) < p.dof {
         list.push(format!(
-            "has {} degrees of freedom, its profile `{}` {}: its frames are not used; give it a profile with `dof = {}`",
+            "has {} degrees of freedom, but its profile `{}` has {}: its frames are ignored; use one with `dof = {}`",
             a.n, p.name, p.dof, a.n
         ));
     }
     if f64::from(least) < p.force * (1.0 - 1e-6) && least > 0.0 {
-        list.push(format!("gives at most {least} N, its profile `{}` {}", p.name, p.force));
+        list.push(format!("gives at most {least} N, but its profile `{}` has {} N", p.name, p.force));
     }
     if (f64::from(a.rate) / p.rate - 1.0).abs() > 0.05 {
-        list.push(format!("sends {} frames a second, its profile `{}` {}", a.rate, p.name, p.rate));
+        list.push(format!("sends {} frames a second, but its profile `{}` has {}", a.rate, p.name, p.rate));
     }
     list
 }

@@ -53,15 +53,19 @@ impl Calibration {
         let bad = |what: String| FileError::new(FileErrorKind::Content, format!("{file}: {what}"));
         let c: Calibration = toml::from_str(text).map_err(|e| bad(e.to_string().trim_end().into()))?;
         if c.axis.len() > DOF {
-            return Err(bad(format!("at most {DOF} axes")));
+            return Err(bad(format!("{} axes; at most {DOF} are allowed", c.axis.len())));
         }
         for (k, a) in c.axis.iter().enumerate() {
             let numbers =
                 [("scale", a.scale, 1.0 / LARGEST), ("force", a.force, 1.0 / LARGEST), ("offset", a.offset, 0.0)];
             for (name, v, least) in numbers {
                 if !(v.abs() >= least && v.abs() <= LARGEST) {
-                    let from = if least > 0.0 { "of a size from 1e-9 to 1e9" } else { "from -1e9 to 1e9" };
-                    return Err(bad(format!("axis {k}: `{name}` must be {from}, it is {v}")));
+                    let from = if least > 0.0 {
+                        "its absolute value must be from 1e-9 to 1e9"
+                    } else {
+                        "it must be from -1e9 to 1e9"
+                    };
+                    return Err(bad(format!("axis {k}: `{name}` is {v}; {from}")));
                 }
             }
         }

@@ -169,14 +169,14 @@ impl fmt::Display for Softened {
         let Softened { device, presents, rigid, felt, coupling } = self;
         let [presents, felt] = [presents, felt].map(|k| show(six(*k), ca_core::Unit::STIFFNESS));
         let is = if *rigid {
-            "is held by friction that sticks or by a strong damper".into()
+            "is held by sticking friction or a strong damper".into()
         } else {
-            format!("is up to {presents} stiff")
+            format!("has a stiffness of up to {presents}")
         };
         write!(
             f,
-            "`{}` {is}, more than `{device}` holds: a virtual coupling softens it to {felt} in the hand; the model stays as it \
-             is (`ca check --device`)",
+            "`{}` {is}, which `{device}` cannot render: a virtual coupling softens it to {felt} in the hand; the model \
+             does not change (see `ca check --device`)",
             coupling.port
         )
     }
@@ -321,8 +321,8 @@ impl Met {
     pub fn said(&self) -> Vec<String> {
         let hard = |t: &TooStiff| {
             format!(
-                "`{}` is stiffer than `{}` holds, and no coupling fits the model: the device gives no force \
-                 (`ca check --device`); make it softer",
+                "`{}` is stiffer than `{}` can render, and no coupling fits the model: the device gives no force; make \
+                 the key softer (see `ca check --device`)",
                 t.port, t.device
             )
         };

@@ -300,7 +300,7 @@ mod system {
     /// Grants nothing.
     pub fn ask(request: RtRequest) -> Granted {
         let asked = request.lock || request.cpu.is_some() || request.priority.is_some() || request.nice.is_some();
-        let refused = if asked { vec!["real time is asked for on Linux only".into()] } else { Vec::new() };
+        let refused = if asked { vec!["real-time scheduling is supported on Linux only".into()] } else { Vec::new() };
         Granted { policy: "OTHER".into(), refused, ..Granted::default() }
     }
 }

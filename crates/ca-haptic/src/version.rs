@@ -49,7 +49,7 @@ mod text {
         /// Parses the model without its changes, and returns it with its findings.
         pub fn read(&self, catalog: &Catalog) -> (Model, Diags) {
             read::read_with(&self.text, &self.file, catalog, &mut |name| {
-                let missing = || Unread { what: format!("`{name}` is not attached to it"), help: String::new() };
+                let missing = || Unread { what: format!("the attachment `{name}` is missing"), help: String::new() };
                 self.parts.get(name).cloned().ok_or_else(missing)
             })
         }

@@ -106,7 +106,8 @@ pub fn write_new_private(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
 }
 
 fn fill_new(path: &Path, bytes: &[u8], mode: u32) -> Result<(), FileError> {
-    let there = || FileError::new(FileErrorKind::Io, "it exists").file(path.display()).fix("choose another name");
+    let there =
+        || FileError::new(FileErrorKind::Io, "the file already exists").file(path.display()).fix("choose another name");
     if path.symlink_metadata().is_ok() {
         return Err(there());
     }
@@ -150,8 +151,8 @@ impl AtomicFile {
         };
         let through = |pipe: File| {
             let file = tempfile::tempfile().map_err(|e| {
-                let e = FileError::io(path, "no temporary file can be made for it", &e);
-                e.fix("name a folder with room by `TMPDIR`")
+                let e = FileError::io(path, "a temporary file cannot be created for it", &e);
+                e.fix("set `TMPDIR` to a folder with free space")
             })?;
             Ok(AtomicFile { target: path.to_owned(), part: None, pipe: Some(pipe), file })
         };
@@ -175,7 +176,7 @@ impl AtomicFile {
         }
         let rights = fs::metadata(&target).ok().map(|m| kept(&m));
         let Some(name) = target.file_name() else {
-            return Err(FileError::usage("it has no name").file(path.display()));
+            return Err(FileError::usage("the path does not end in a file name").file(path.display()));
         };
         // random, because process ids repeat, and are the same on other machines
         let random = RandomState::new().build_hasher().finish();
@@ -235,7 +236,8 @@ impl AtomicFile {
         if let Some(mut pipe) = self.pipe.take() {
             self.send(&mut pipe).map_err(|e| match e.kind() {
                 std::io::ErrorKind::BrokenPipe => {
-                    FileError::new(FileErrorKind::Left, "its reader went away").file(self.target.display())
+                    FileError::new(FileErrorKind::Left, "the program that reads it closed the pipe")
+                        .file(self.target.display())
                 }
                 _ => self.fail(&e),
             })?;
@@ -244,7 +246,7 @@ impl AtomicFile {
             let done = self.file.sync_all().and_then(|()| fs::rename(&part, &self.target));
             if let Err(e) = done {
                 self.part = Some(part);
-                return Err(FileError::io(&self.target, "it cannot be put in its place", &e));
+                return Err(FileError::io(&self.target, "the finished file cannot be moved into place", &e));
             }
         }
         Ok(())
@@ -274,7 +276,7 @@ fn followed(path: &Path) -> std::io::Result<PathBuf> {
         target.pop();
         target.push(to);
     }
-    Err(std::io::Error::other("its symbolic links lead in a circle"))
+    Err(std::io::Error::other("its symbolic links form a loop"))
 }
 
 impl Drop for AtomicFile {
@@ -317,7 +319,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.toml");
         write_new(&path, b"mine").unwrap();
-        assert_eq!(write_new(&path, b"yours").unwrap_err().what, "it exists");
+        assert_eq!(write_new(&path, b"yours").unwrap_err().what, "the file already exists");
         assert_eq!(fs::read(&path).unwrap(), b"mine");
         write(&path, b"yours").unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"yours");
@@ -375,7 +377,7 @@ mod tests {
         let circle = dir.path().join("circle");
         std::os::unix::fs::symlink("circle", &circle).unwrap();
         let e = AtomicFile::create(&circle).unwrap_err().to_string();
-        assert!(e.contains("it cannot be written: its symbolic links lead in a circle"), "{e}");
+        assert!(e.contains("it cannot be written: its symbolic links form a loop"), "{e}");
         assert!(fs::symlink_metadata(&circle).unwrap().is_symlink());
         let null = dir.path().join("null");
         std::os::unix::fs::symlink("/dev/null", &null).unwrap();

@@ -25,7 +25,7 @@ pub fn refuses(channels: usize, rate: f64) -> Option<String> {
     (!fits).then(|| {
         let most = Plain(MAX_RATE);
         format!(
-            "FLAC holds 1 to {MAX_CHANNELS} channels at whole rates up to {most} Hz, not {channels} at {}",
+            "FLAC supports 1 to {MAX_CHANNELS} channels at whole rates up to {most} Hz, not {channels} at {} Hz",
             Plain(rate)
         )
     })
@@ -39,7 +39,7 @@ pub fn encode(samples: &[f32], channels: usize, rate: f64, format: Format) -> Re
     if let Some(why) = refuses(channels, rate) {
         return Err(FileError::usage(why));
     }
-    let failed = |e: Error| FileError::format(format!("a sound cannot be encoded: {e}"));
+    let failed = |e: Error| FileError::format(format!("the sound cannot be encoded: {e}"));
     let mut bytes = Vec::new();
     let mut encoder = encoder(Cursor::new(&mut bytes), rate, channels, format).map_err(failed)?;
     let full = full_scale(format);
@@ -80,10 +80,14 @@ impl FlacOut {
         format: Format,
     ) -> Result<FlacOut, FileError> {
         if format == Format::F32 {
-            return Err(FileError::usage("FLAC holds no floats").file(path.display()).fix("choose 24 or 16 bits"));
+            return Err(FileError::usage("FLAC does not support floats")
+                .file(path.display())
+                .fix("choose 24 or 16 bits"));
         }
         if let Some(why) = refuses(channels, rate) {
-            return Err(FileError::usage(why).file(path.display()).fix("a WAV file holds more channels and rates"));
+            return Err(FileError::usage(why)
+                .file(path.display())
+                .fix("write a `.wav` file, which supports more channels and rates"));
         }
         let encoder = encoder(staged.handle()?, rate, channels, format).map_err(|e| unwritten(path, e))?;
         let written = Written { path: path.to_owned(), frames: 0, rate: rate as u32, level: Level::new(channels) };
@@ -173,7 +177,7 @@ mod tests {
             (48e3, 9, Format::I24, "1 to 8 channels"),
             (700e3, 1, Format::I24, "655350 Hz"),
             (44_100.5, 1, Format::I16, "whole rates"),
-            (48e3, 1, Format::F32, "no floats"),
+            (48e3, 1, Format::F32, "not support floats"),
         ] {
             let staged = AtomicFile::create(&path).unwrap();
             let refused = FlacOut::over(staged, &path, rate, channels, format).err().unwrap();

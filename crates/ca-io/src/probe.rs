@@ -48,12 +48,15 @@ impl ProbeOut {
             Some("npy") => Kind::Npy,
             Some("csv") => Kind::Csv,
             _ => {
-                let e = FileError::new(FileErrorKind::Unsupported, "the extension says no format of probes");
+                let e = FileError::new(
+                    FileErrorKind::Unsupported,
+                    "probes cannot be written to a file with this extension",
+                );
                 return Err(e.file(path.display()).fix("use `.npy` or `.csv`"));
             }
         };
         if names.is_empty() {
-            return Err(FileError::usage("there is nothing to probe").file(path.display()).fix("name a module"));
+            return Err(FileError::usage("the list of probes is empty").file(path.display()).fix("name a module"));
         }
         crate::gesture::check_rate(rate).map_err(|e| e.file(path.display()))?;
         let staged = AtomicFile::create(path)?;
@@ -73,7 +76,7 @@ impl ProbeOut {
     /// If the disk is full.
     pub fn write(&mut self, frames: &[f64]) -> Result<(), FileError> {
         if !frames.len().is_multiple_of(self.columns) {
-            let what = format!("{} values are no whole frames of {}", frames.len(), self.columns);
+            let what = format!("{} values are not whole frames of {}", frames.len(), self.columns);
             return Err(FileError::usage(what).file(self.path.display()));
         }
         for frame in frames.chunks_exact(self.columns) {

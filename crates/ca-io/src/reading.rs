@@ -28,11 +28,11 @@ impl Limit {
 
 /// Limit of models and of other files written by hand: plans, profiles, calibrations.
 pub const MODEL: Limit =
-    Limit { megabytes: 256, fix: "name a model; what repeats in it is better made by `STRING`, `MESH` and the like" };
+    Limit { megabytes: 256, fix: "name a model file; use generators such as `STRING` and `MESH` for repeated modules" };
 /// Limit of gestures.
 pub const GESTURE: Limit = Limit { megabytes: 1000, fix: "cut it into parts, or lower its rate" };
 /// Limit of bodies from drawing programs.
-pub const CLOUD: Limit = Limit { megabytes: 1000, fix: "simplify it" };
+pub const CLOUD: Limit = Limit { megabytes: 1000, fix: "reduce its number of points" };
 
 /// Reads a text file without decoding it.
 ///
@@ -59,7 +59,7 @@ pub fn text_from(from: &mut dyn Read, name: &Path, limit: Limit) -> Result<Vec<u
 }
 
 fn too_large(path: &Path, limit: Limit) -> FileError {
-    let what = format!("it is larger than the {} MB that are read of such a file", limit.megabytes);
+    let what = format!("it is larger than {} MB, the limit for such a file", limit.megabytes);
     FileError::content(what).file(path.display()).fix(limit.fix)
 }
 
@@ -81,7 +81,7 @@ fn drain(from: &mut dyn Read, path: &Path, limit: Limit, text: bool) -> Result<V
             return Ok(all);
         }
         if let Some(at) = all[before..].iter().position(|b| text && *b == 0) {
-            let e = FileError::format(format!("it is no text: byte {} is NUL", before + at));
+            let e = FileError::format(format!("it is not text: byte {} is NUL", before + at));
             return Err(e.file(path.display()).fix("name a text file, saved as UTF-8"));
         }
         if all.len() as u64 > limit.bytes() {
@@ -103,7 +103,7 @@ mod tests {
         assert_eq!(text(&path, SMALL).unwrap().len(), 3_000_000);
         std::fs::write(&path, vec![b'7'; 3_000_001]).unwrap();
         let e = bytes(&path, SMALL).unwrap_err().to_string();
-        assert!(e.contains("larger than the 3 MB") && e.ends_with("; use less"), "{e}");
+        assert!(e.contains("larger than 3 MB") && e.ends_with("; use less"), "{e}");
         // a file of the size it reports, all of it zeros
         File::create(&path).unwrap().set_len(2_000_000).unwrap();
         let e = text(&path, SMALL).unwrap_err().to_string();
@@ -115,7 +115,7 @@ mod tests {
     #[test]
     fn what_has_no_end_is_left_at_the_limit() {
         let zero = Path::new("/dev/zero");
-        assert!(bytes(zero, Limit { megabytes: 3, fix: "" }).unwrap_err().what.contains("larger than the 3 MB"));
+        assert!(bytes(zero, Limit { megabytes: 3, fix: "" }).unwrap_err().what.contains("larger than 3 MB"));
         assert!(text(zero, MODEL).unwrap_err().what.contains("NUL"));
     }
 }

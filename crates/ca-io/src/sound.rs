@@ -193,7 +193,7 @@ impl WavOut {
             return Err(e.fix("render at a whole number of Hz, up to 1 MHz"));
         }
         if !(1..=MAX_CHANNELS).contains(&channels) {
-            let e = FileError::usage(format!("{channels} channels")).file(path.display());
+            let e = FileError::usage(format!("a WAV file cannot have {channels} channels")).file(path.display());
             return Err(e.fix(format!("choose 1 to {MAX_CHANNELS} outputs")));
         }
         let header = wav_header::open(format, rate as u32, channels as u16);
@@ -216,7 +216,7 @@ impl WavOut {
     pub fn write(&mut self, frames: &[f64]) -> Result<(), FileError> {
         let n = self.written.level.peak.len();
         if !frames.len().is_multiple_of(n) {
-            let what = format!("{} samples are no whole frames of {n} channels", frames.len());
+            let what = format!("{} samples are not whole frames of {n} channels", frames.len());
             return Err(FileError::usage(what).file(self.written.path.display()));
         }
         let from = self.bytes.len();
@@ -270,7 +270,7 @@ impl WavOut {
         // an even number of bytes, because a full disk cannot take a pad byte
         let frames = frames - frames * frame % 2;
         if frames == 0 {
-            return Err(FileError::content("nothing of it is on the disk").file(self.written.path.display()));
+            return Err(FileError::content("no frame was written to the disk").file(self.written.path.display()));
         }
         self.file.set_len(header + frames * frame).map_err(|e| failed(&e))?;
         self.written.frames = frames;

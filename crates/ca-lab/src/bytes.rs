@@ -76,7 +76,7 @@ pub fn named(loaded: &Loaded, rate: f64) -> Result<blake3::Hash, Failure> {
 /// # Errors
 /// [`Failure::Failed`] where the bytes are not a model.
 pub fn from_bytes(bytes: &[u8], name: &str) -> Result<Loaded, Failure> {
-    parse(bytes, name).ok_or_else(|| Failure::Failed("these bytes are no model of this version".into()))
+    parse(bytes, name).ok_or_else(|| Failure::Failed("the bytes are not a model saved by this version of ca".into()))
 }
 
 fn parse(bytes: &[u8], name: &str) -> Option<Loaded> {

@@ -71,7 +71,7 @@ pub fn part_files(model: &Model) -> Vec<String> {
 fn read_other(model: &Model, text: &str) -> Loaded {
     Loaded::read_with(text, &model.file, &mut |name| {
         let known = model.files.iter().find(|f| f.name == name);
-        let missing = || Unread { what: format!("`{name}` is not at hand"), help: "read the model anew".into() };
+        let missing = || Unread { what: format!("no stored text of `{name}`"), help: "read the model again".into() };
         known.map(|f| f.text.clone()).ok_or_else(missing)
     })
 }
@@ -87,7 +87,7 @@ fn no_model(word: &str) -> String {
     let path = Path::new(word);
     if path.is_symlink() {
         return format!(
-            "`{word}`: it is a symbolic link that leads to no file; name the file itself, or make the link anew"
+            "`{word}` is a symbolic link that does not lead to a file; give the path of the file, or recreate the link"
         );
     }
     let like_a_file = word.contains(['/', '\\']) || path.extension().is_some();
@@ -108,10 +108,10 @@ fn no_model(word: &str) -> String {
     } else {
         nearest(word, files.iter().map(String::as_str)).or_else(|| nearest(&stem(path), names))
     };
-    let what = if like_a_file { "no such file" } else { "no file and no bundled model of that name" };
+    let what = if like_a_file { "no such file" } else { "no file or bundled model has this name" };
     match meant {
         Some(m) => format!("`{word}`: {what}; did you mean `{m}`?"),
-        None => format!("`{word}`: {what}; `ca list models` (in Python `examples.names()`) shows the bundled ones"),
+        None => format!("`{word}`: {what}; `ca list models` (in Python `examples.names()`) lists the bundled models"),
     }
 }
 
@@ -150,10 +150,10 @@ pub fn set(loaded: &mut Loaded, name: &str, value: Value) -> Result<(), Failure>
         let names = || model.presets.iter().map(|p| p.key.as_str());
         let hint = match nearest(&word, names()) {
             Some(near) => format!("did you mean `{near}`?"),
-            None if model.presets.is_empty() => "it has none; write one below `[preset.NAME]`".into(),
-            None => format!("it has {}", ticked(names())),
+            None if model.presets.is_empty() => "the model has no presets; add one below `[preset.NAME]`".into(),
+            None => format!("the presets are {}", ticked(names())),
         };
-        return Err(Failure::Usage(format!("`{word}` is not a preset of the model; {hint}")));
+        return Err(Failure::Usage(format!("`{word}` is not a preset of this model; {hint}")));
     }
     if let Some(what) = of_group(model, name).or_else(|| of_member(model, name)) {
         return Err(Failure::Usage(what));
@@ -186,7 +186,7 @@ fn of_member(model: &Model, name: &str) -> Option<String> {
     let key = rest.split_once("].").map_or("", |(_, key)| key);
     let whole = keys(item).is_some_and(|all| all.contains(&key));
     let fix = if whole { format!("; `{line}.{key}` sets it for all of them") } else { String::new() };
-    Some(format!("`{name}`: the modules of `{line}` come from one line and have no numbers of their own to set{fix}"))
+    Some(format!("`{name}`: the modules of `{line}` share one line and cannot be set separately{fix}"))
 }
 
 /// Message for an attempt to set a property of a group, which is not a parameter.
@@ -195,9 +195,9 @@ fn of_group(model: &Model, name: &str) -> Option<String> {
     let group = model.groups.iter().find(|g| g.name == owner && read::GROUP.contains(&key))?;
     let what = format!("`{key}` of the group `{owner}` can only be changed in the file");
     Some(match group.props.iter().find(|e| e.key == key).and_then(|e| place(model, e.key_span)) {
-        Some(at) => format!("{what}; it stands in {at}"),
+        Some(at) => format!("{what}; it is at {at}"),
         None => match place(model, group.span) {
-            Some(at) => format!("{what}; write it below `[{owner}]`, {at}"),
+            Some(at) => format!("{what}; add it below `[{owner}]`, {at}"),
             None => what,
         },
     })
@@ -220,7 +220,7 @@ pub fn set_typed(loaded: &mut Loaded, name: &str, text: &str) -> Result<(), Fail
         let written = args.iter().find(|e| e.key == key).map(|e| e.key_span).or(item.map(|i| i.name_span));
         if let Some(span) = written {
             let at = place(model, span).map(|at| format!(", {at}")).unwrap_or_default();
-            let what = format!("`{name}`: a list such as `{}` cannot be set from here", text.trim());
+            let what = format!("`{name}`: a list such as `{}` cannot be set this way", text.trim());
             return Err(Failure::Usage(format!("{what}; write it in the file{at}")));
         }
     }

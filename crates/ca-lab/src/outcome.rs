@@ -11,7 +11,7 @@ use ca_io::gesture::Gesture;
 use ca_io::sound::Level;
 use ca_model::diag::Diags;
 
-const MUTE: &str = "nothing is heard: the model lacks an output, `[SOX]`";
+const MUTE: &str = "the model has no output; add one with `[SOX]`";
 
 /// Outcome of a play.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,16 +62,16 @@ impl Outcome {
             let (clipped, none) = (level.clipped, level.non_finite);
             let most = level.peak.iter().copied().fold(0.0, f64::max);
             let above = if clipped > 0 {
-                format!(", the loudest by {:.1} dB: lower `gain`", 20.0 * most.log10())
+                format!("; the loudest is {:.1} dB too loud: lower `gain`", 20.0 * most.log10())
             } else {
                 String::new()
             };
-            return ended("clipped", format!("{clipped} samples beyond full scale, {none} without a value{above}"));
+            return ended("clipped", format!("{clipped} samples beyond full scale, {none} not finite{above}"));
         }
         match refused {
             0 if listened => ended("ok", String::new()),
             0 => ended("mute", MUTE.into()),
-            refused => ended("refused", format!("{refused} inputs had no value")),
+            refused => ended("refused", format!("{refused} input values were not finite")),
         }
     }
 }

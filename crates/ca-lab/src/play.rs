@@ -101,9 +101,9 @@ pub fn clamped(p: &Performance) -> Vec<String> {
     let one = |(param, v): (&LiveParam, f64)| {
         let show = |v: f64| quantity::show(v, param.unit).trim_end().to_owned();
         let (least, bound) = if v > param.max { (false, param.max) } else { (true, param.min) };
-        let (name, most) = (&param.name, if least { "least" } else { "most" });
-        let what = format!("the gesture of `{name}` asks for {}, it is {} at {most}", show(v), show(bound));
-        format!("{what} and stayed there; numbers of a gesture are in SI units")
+        let (name, most) = (&param.name, if least { "minimum" } else { "maximum" });
+        let what = format!("the gesture sets `{name}` to {}, but its {most} is {}", show(v), show(bound));
+        format!("{what}, which was used instead; numbers in a gesture are in SI units")
     };
     p.clamped().map(one).collect()
 }
@@ -137,8 +137,11 @@ pub fn made(b: &Balance) -> Option<f64> {
 /// Returns a message if the scheme made more energy than it received.
 pub fn gained(b: &Balance) -> Option<String> {
     let made = made(b)?;
-    let mend = "use `method = \"stable\"` for its contacts, or raise the sound rate";
-    Some(format!("its scheme made {made:.3e} J, more than the {:.3e} J that it received: {mend}", b.received))
+    let mend = "use `method = \"stable\"` for the contacts, or raise the sound rate";
+    Some(format!(
+        "the numerical scheme created {made:.3e} J, more than the {:.3e} J that the model received: {mend}",
+        b.received
+    ))
 }
 
 /// Largest gain at which the sound fits, rounded down to three digits.

@@ -58,7 +58,7 @@ impl Maker for Compiler {
             let _ = tell.send((read, made));
         };
         let thread = std::thread::Builder::new().name("ca model".into()).spawn(start);
-        thread.map_err(|e| format!("no thread to make the model: {e}"))?;
+        thread.map_err(|e| format!("cannot start a thread to compile the model: {e}"))?;
         self.making = Some(making);
         Ok(())
     }
@@ -74,7 +74,8 @@ impl Maker for Compiler {
                 session::Making::Done(made)
             }
             Some(Err(TryRecvError::Disconnected)) => {
-                session::Making::Done(Err("the model could not be made: its thread ended".into()))
+                let why = "the model was not compiled: the compiler thread stopped unexpectedly";
+                session::Making::Done(Err(why.into()))
             }
             None => session::Making::Idle,
         };
@@ -88,7 +89,7 @@ impl Maker for Compiler {
 
     fn gone(&mut self) -> Option<String> {
         let gone = self.file.as_mut().is_some_and(Watch::is_gone);
-        gone.then(|| format!("`{}` is not there any more, or is no file; save it again", self.source.word))
+        gone.then(|| format!("`{}` no longer exists or is not a file; save it again", self.source.word))
     }
 }
 

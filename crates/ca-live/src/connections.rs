@@ -82,7 +82,7 @@ impl Connections {
                 } else {
                     "`ca set`, `ca stop`, `ca arm` and `ca disarm`"
                 };
-                listener.note(&format!("{verbs} do not reach this one, its page does: {}", e.what));
+                listener.note(&format!("{verbs} cannot control this performance; use its page: {}", e.what));
             }
             Err(e) => return Err(host_failure(&e)),
         }
@@ -129,14 +129,14 @@ impl Connections {
         while let Ok((k, event)) = self.events.try_recv() {
             let name = self.names.get(k as usize).map_or("?", String::as_str);
             match event {
-                Event::Here { session } => recorder.say(false, format!("{name}: here (session {session:x})")),
-                Event::Gone => recorder.say(true, format!("{name}: gone")),
+                Event::Here { session } => recorder.say(false, format!("{name}: connected (session {session:x})")),
+                Event::Gone => recorder.say(true, format!("{name}: disconnected")),
                 Event::Taken(who) => {
                     recorder.say(true, format!("{who}; that process keeps the device until it ends"));
                 }
                 Event::Foreign(why) => {
                     let fix = why.fix();
-                    recorder.say(true, format!("{name}: frames came that {why}, and are not used; {fix}"));
+                    recorder.say(true, format!("{name}: ignored frames that {why}; {fix}"));
                 }
                 Event::About(about) => {
                     let Some(setup) = self.setups.get_mut(k as usize) else { continue };

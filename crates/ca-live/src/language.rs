@@ -13,7 +13,8 @@ impl Language for ModelLanguage {
         let name = &param.name;
         let q = quantity::parse(text.trim()).map_err(|e| format!("`{name}`: {e}"))?;
         if q.has_unit && !q.dim.same(param.unit.dim) {
-            return Err(format!("`{name}` is a quantity in {}", param.unit.symbol).into());
+            let is = quantity::unit_of(q.dim);
+            return Err(format!("`{name}` must be in {}, not in {is}", param.unit.symbol).into());
         }
         Ok(q.value)
     }

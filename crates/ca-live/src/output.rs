@@ -24,8 +24,8 @@ const TERMINAL: Duration = Duration::from_secs(1);
 /// Returns [`Failure::Usage`] with the reason.
 pub fn check_wav_path(path: &Path) -> Result<(), Failure> {
     if atomic_file::is_stdout(path) {
-        let what = format!("`{}`: the summary goes to standard output", path.display());
-        return Err(Failure::Usage(format!("{what}; name a file `.wav` or a FIFO")));
+        let what = format!("`{}`: standard output is used for the summary", path.display());
+        return Err(Failure::Usage(format!("{what}; give a `.wav` file or a FIFO")));
     }
     // a device such as /dev/null does not need an extension
     let plain = !path.exists() || path.is_file();
@@ -164,7 +164,8 @@ impl Output {
         let finished = self.take.take().map(|t| t.end().and_then(|t| t.map(|t| t.finish(lost)).transpose()));
         let finished = finished.and_then(|t| t.map_err(&mut broken).ok().flatten());
         if let Some(lost) = finished.as_ref().map(|t| t.lost).filter(|n| *n > 0) {
-            listener.warning(&format!("the take has holes: {lost} records or samples found no room"));
+            let what = format!("{lost} records or samples were lost because a buffer was full");
+            listener.warning(&format!("the take is incomplete: {what}"));
         }
         (written, finished)
     }

@@ -54,7 +54,7 @@ impl Desk {
                     sinks.push(Box::new(line));
                     kept = Some(begun);
                 }
-                Err(e) => listener.warning(&format!("what is played cannot be saved as a take afterwards: {e}")),
+                Err(e) => listener.warning(&format!("this performance cannot be saved as a take later: {e}")),
             }
         }
         let tape = TapeSink::default();
@@ -65,9 +65,11 @@ impl Desk {
         let page = |port| Page::open(port, &greeting, options.framed);
         let page = match options.port {
             Some(port) => page(port).map_err(|e| {
-                Failure::Failed(format!("no page at port {port}: {e}; leave out --port for a free one"))
+                Failure::Failed(format!("cannot open the page at port {port}: {e}; leave out `--port` for a free one"))
             })?,
-            None => page(PORT).or_else(|_| page(0)).map_err(|e| Failure::Failed(format!("no page: {e}")))?,
+            None => {
+                page(PORT).or_else(|_| page(0)).map_err(|e| Failure::Failed(format!("cannot open the page: {e}")))?
+            }
         };
         let sink = PageSink::new(Box::new(page.feed()), drawing.clone(), scene);
         let parts = Parts {

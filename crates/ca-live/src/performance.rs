@@ -77,8 +77,7 @@ pub fn play(request: Request, listener: &Arc<dyn Listener>) -> Result<Report, Fa
         return Err(Failure::Usage("--clock device: the model has no device".into()));
     }
     if names.is_empty() && request.page.is_none() {
-        listener
-            .note("the model has no device: nobody can play it from one; `ca play` lets you touch it in the browser");
+        listener.note("the model does not use a device; to play it in the browser, use `ca play` instead");
     }
     let session = ca_haptic::host::session();
     let engine = setup::engine(scene.clone(), &played, session);
@@ -170,7 +169,7 @@ pub fn play(request: Request, listener: &Arc<dyn Listener>) -> Result<Report, Fa
     let files = parts.desk.map(Desk::close);
     parts.sound.end(scene.rate);
     let traffic = parts.connections.end();
-    let engine = engine.map_err(|_| Failure::Failed("the engine thread ended by itself".into()))?;
+    let engine = engine.map_err(|_| Failure::Failed("the engine thread stopped unexpectedly".into()))?;
     parts.recorder.poll();
     output.leave_terminal();
     let mut summary = parts.recorder.summary(&engine, threads);
@@ -219,7 +218,7 @@ fn engine_thread(live: Live, request: RtRequest, frames: Option<u64>) -> Result<
             let _ = tell.send(rt::ask(request).to_string());
             live.run(frames)
         })
-        .map_err(|e| Failure::Failed(format!("no thread for the engine: {e}")))?;
+        .map_err(|e| Failure::Failed(format!("cannot start the engine thread: {e}")))?;
     Ok((thread, reported.recv().unwrap_or_default()))
 }
 
@@ -227,9 +226,9 @@ impl Parts {
     /// Reports the output that plays the sound.
     fn say_sound(&mut self, channels: usize) {
         match self.recorder.heard() {
-            Some((device, ms)) => self.recorder.say(false, format!("sound: {device}, {ms:.1} ms after the model")),
+            Some((device, ms)) => self.recorder.say(false, format!("sound: {device}, {ms:.1} ms latency")),
             None if self.desk.is_some() && channels > 0 => {
-                self.recorder.say(false, "sound: by the page, which says how late".into());
+                self.recorder.say(false, "sound: by the page, which shows its latency".into());
             }
             None => {}
         }

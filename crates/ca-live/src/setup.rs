@@ -22,8 +22,13 @@ pub(crate) fn setups(
     for given in options.profiles.iter().chain(&options.calibrations) {
         if let Some((device, _)) = given.split_once('=') {
             if !names.iter().any(|n| n == device) {
+                if names.is_empty() {
+                    let what = format!("`{given}`: the model does not use devices; leave out this option");
+                    return Err(Failure::Usage(what));
+                }
                 let all = ticked(names.iter().map(String::as_str));
-                return Err(Failure::Usage(format!("`{given}`: the model has no device `{device}`; it has {all}")));
+                let what = format!("`{given}`: the model does not use a device `{device}`");
+                return Err(Failure::Usage(format!("{what}; it uses {all}")));
             }
         }
     }
@@ -41,7 +46,7 @@ pub(crate) fn setups(
             let keys =
                 if far.len() == 1 { format!("`{first}`") } else { format!("{} ports from `{first}` on", far.len()) };
             listener.note(&format!(
-                "`{device}`: a device has at most {DOF} degrees of freedom; MIDI and gestures alone move {keys}"
+                "`{device}`: a device has at most {DOF} degrees of freedom; only MIDI and gestures move {keys}"
             ));
         }
         unknown.push(profile.is_unknown().then(|| profile.clone()));
@@ -50,12 +55,13 @@ pub(crate) fn setups(
             profile = profile.undescribed(wanted);
         } else if wanted > profile.dof {
             if profile.axes > 1 {
-                let what = format!("the model uses dof {} of `{device}`", wanted - 1);
-                return Err(Failure::Failed(format!("{what}, a {} has {}", profile.title, profile.dof)));
+                let what = format!("the model uses degree of freedom {} (counted from 0) of `{device}`", wanted - 1);
+                let fix = format!("choose another profile with `--profile {device}=NAME`");
+                return Err(Failure::Failed(format!("{what}, but a {} has {}; {fix}", profile.title, profile.dof)));
             }
-            let what = format!("the model uses {wanted} keys of `{device}`, its profile has {}", profile.dof);
+            let what = format!("the model uses {wanted} keys of `{device}`, but its profile has {}", profile.dof);
             let more =
-                "MIDI and gestures alone move the others; a device with more keys needs a profile with more `dof`";
+                "only MIDI and gestures move the others; if the device has more keys, increase `dof` in its profile";
             listener.note(&format!("{what}: {more}"));
         }
         let gains = ca_haptic::equivalence::gains(scene, &device);

@@ -45,7 +45,7 @@ fn first(
     let page = request.page.is_some();
     match request.sound.device.as_deref() {
         Some(PAGE) if page => Ok(None),
-        Some(PAGE) => Err(Failure::Usage("--audio page: `ca serve` does not have a page; `ca play` does".into())),
+        Some(PAGE) => Err(Failure::Usage("--audio page: `ca serve` does not have a page; use `ca play`".into())),
         Some(wanted) => {
             let name = if wanted.is_empty() { DEFAULT } else { wanted };
             let opened = ca_audio::open(name, wants).map_err(|e| Failure::Failed(format!("--audio {name}: {e}")))?;

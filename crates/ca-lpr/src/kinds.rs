@@ -89,8 +89,9 @@ kind!(
     REF,
     phi::ref_::KIND,
     "spring and damper across two worlds",
-    "An edge of a body in space that sounds in a world on a line: the link of the rattle. The world it sounds in must \
-     itself hold the two ends together, by springs or to the ground; the edge is softer by as much as that world gives.",
+    "An edge of a body in space that makes a world on a line sound: the link of the rattle. Springs in the world on a \
+     line must hold the two ends, to each other or to the ground. The compliance of that world adds to the compliance \
+     of the edge.",
     edge!("LPR", "\"60 mm/s\", \"80 mm/s\", 0", "k = \"5 kN/m\", z = \"0.1 N s/m\"", "3000")
 );
 kind!(
@@ -99,7 +100,7 @@ kind!(
     RES,
     phi::res::KIND,
     "spring across two worlds",
-    "An edge without losses of its own.",
+    "An edge without losses.",
     edge!("LPR_RES", "\"60 mm/s\", \"80 mm/s\", 0", "k = \"5 kN/m\"", "3000")
 );
 kind!(
@@ -108,7 +109,7 @@ kind!(
     FRO,
     phi::fro::KIND,
     "damper across two worlds",
-    "What resists in one world moves the other.",
+    "A damper whose force acts in both worlds.",
     edge!("LPR_FRO", "\"0.6 m/s\", \"0.8 m/s\", 0", "z = \"0.3 N s/m\"", "3000")
 );
 kind!(
@@ -117,7 +118,7 @@ kind!(
     BUT,
     phi::but::KIND,
     "buffer across two worlds",
-    "A blow in space that is heard on a line.",
+    "A contact in space that makes a world on a line sound.",
     edge!("LPR_BUT", "\"-0.6 m/s\", \"-0.8 m/s\", 0", "k = \"20 kN/m\", z = \"0.5 N s/m\", d = \"10 mm\"", "1000")
 );
 kind!(
@@ -126,7 +127,7 @@ kind!(
     CUB,
     phi::cub::KIND,
     "hardening spring across two worlds",
-    "An edge that stiffens as it is drawn out.",
+    "An edge that becomes stiffer as it is stretched.",
     edge!("LPR_CUB", "\"60 mm/s\", \"80 mm/s\", 0", "k = \"2 kN/m\", k3 = \"1e10 N/m^3\", z = \"0.1 N s/m\"", "3000")
 );
 kind!(
@@ -135,7 +136,7 @@ kind!(
     HRZ,
     phi::hrz::KIND,
     "Hertz contact across two worlds",
-    "A blow of round bodies in space that is heard on a line.",
+    "A contact of rounded bodies in space that makes a world on a line sound.",
     edge!("LPR_HRZ", "\"-0.6 m/s\", \"-0.8 m/s\", 0", "k = \"1e6 N/m^1.5\", h = \"0.2 s/m\", d = \"10 mm\"", "1000")
 );
 kind!(
@@ -144,7 +145,7 @@ kind!(
     LNL,
     phi::lnl::KIND,
     "interaction by table across two worlds",
-    "A law you draw.",
+    "A law given by points.",
     edge!(
         "LPR_LNL",
         "\"60 mm/s\", \"80 mm/s\", 0",
@@ -159,7 +160,7 @@ kind!(
     PLK,
     phi::plk::KIND,
     "pluck across two worlds",
-    "One plectrum for two.",
+    "One plectrum that plucks in two worlds.",
     drawn!(
         "LPR_PLK",
         "k = \"2 kN/m\", z = \"0.05 N s/m\", d = \"1 mm\"",
@@ -173,7 +174,7 @@ kind!(
     ATT,
     phi::att::KIND,
     "attractor across two worlds",
-    "One detent for two.",
+    "One detent that acts in two worlds.",
     drawn!("LPR_ATT", "k = \"2 kN/m\", d = \"2 mm\", z = \"0.02 N s/m\"", "500", "[[0, 0], [0.3, \"8 mm\"]]")
 );
 kind!(
@@ -182,7 +183,7 @@ kind!(
     BOW,
     phi::bow::KIND,
     "bow friction across two worlds",
-    "One bow for two: what it draws is the sum of their speeds.",
+    "One bow that acts in two worlds: the friction depends on the sum of their relative speeds.",
     drawn!("LPR_BOW", "f = \"0.3 N\", v0 = \"50 mm/s\"", "2000", "[[0, 0], [1, \"0.2 m\"]]"),
     BOW
 );

@@ -9,16 +9,17 @@ use ca_core::internal::phi;
 use ca_core::{Kind, Need, Param, Type};
 
 /// End of each page: what all LPR have in common.
-pub const PAGE: &str = " Its elongation `e` is the sum of those of two pairs of ends, `between` and `onto`, each a distance \
-                        in space or a difference on a line; the same force pulls at both, so energy crosses and none is made. \
-                        The second port, or the one on a line where only one is in space, is slack at rest. For the law itself \
-                        see the kind without `LPR_`.";
+pub const PAGE: &str = " Its elongation `e` is the sum of the elongations of two pairs of ends, `between` and `onto`, \
+                        each a distance in space or a difference on a line. The same force acts on both pairs, so \
+                        energy crosses and none is created. The elongation of the second pair, or of the pair on a \
+                        line if only one is in space, is 0 at rest. The kind without `LPR_` describes the law.";
 
 const ONTO: Param = Param::new(
     "onto",
     Type::Between,
     Need::Required,
-    "the two ends of the second port, in the other world; each side one end, or as many as `between` makes links",
+    "the two ends of the second pair, in the other world; each side is one end, or as many ends as `between` makes \
+     links",
 );
 
 const fn is_kept(p: &Param) -> bool {
@@ -64,7 +65,7 @@ const DRY: Param = Param::new(
     "method",
     Type::Choice(&["ca", "set-valued"]),
     Need::Default(0.0),
-    "ca: explicit; set-valued, of the curve coulomb: what sticks stands still in the sum of both",
+    "ca: explicit; set-valued, for the curve coulomb: while it sticks, the sum of both elongations does not change",
 );
 
 /// Parameters of LPR_BOW.

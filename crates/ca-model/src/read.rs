@@ -28,8 +28,8 @@ use ca_core::internal::kind::cloud::Unread;
 /// ```
 pub fn read(text: &str, file: &str, catalog: &Catalog) -> (Model, Diags) {
     read_with(text, file, catalog, &mut |name| {
-        let help = "save the model in a file beside it; a program that reads hands over what files hold";
-        Err(Unread { what: format!("`{name}` is not at hand"), help: help.into() })
+        let help = "save the model in the same folder and read it from there; a program must pass the text of the file";
+        Err(Unread { what: format!("the file `{name}` is not available"), help: help.into() })
     })
 }
 

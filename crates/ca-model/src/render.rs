@@ -54,7 +54,7 @@ pub fn summary(diags: &Diags) -> String {
     let parts = [(Severity::Error, "error"), (Severity::Warning, "warning"), (Severity::Note, "note")];
     let parts: Vec<String> = parts.into_iter().filter_map(|(s, w)| count(s, w)).collect();
     if diags.is_full() {
-        return format!("more than {KEPT} errors: the search for others ended there");
+        return format!("more than {KEPT} errors: the search stopped there");
     }
     if parts.is_empty() { "no findings".into() } else { parts.join(", ") }
 }
@@ -96,7 +96,7 @@ fn groups<'a>(d: &'a Diag, model: &'a Model) -> Vec<Group<'a>> {
         }
         return alloc::vec![main];
     };
-    let help = d.help.as_deref().unwrap_or("write it so");
+    let help = d.help.as_deref().unwrap_or("change it to");
     let view = view(d, model, file);
     let range = range.start - view.start..range.end - view.start;
     let fix =

@@ -23,7 +23,7 @@ const GRAVITY: Param = Param::new(
     "gravity",
     Type::Position { unit: Unit::ACCELERATION },
     Need::Optional,
-    "acceleration of free masses: how much along the last axis, downwards, or a number for each axis",
+    "acceleration of free masses: a number, downwards along the last axis, or a number for each axis",
 );
 
 /// Returns the schema of the models that this catalog can read.
@@ -31,11 +31,11 @@ pub fn schema(catalog: &Catalog) -> Json {
     let mut defs = Map::new();
     defs.insert(
         "quantity".into(),
-        json!({"type": "string", "pattern": QUANTITY, "description": "a number and its unit"}),
+        json!({"type": "string", "pattern": QUANTITY, "description": "a number with its unit"}),
     );
     defs.insert(
         "name".into(),
-        json!({"type": "string", "pattern": r"^[A-Za-z_][A-Za-z0-9_.#♯♭+ −-]*$", "description": "a `[param]`, or a note"}),
+        json!({"type": "string", "pattern": r"^[A-Za-z_][A-Za-z0-9_.#♯♭+ −-]*$", "description": "name of a `[param]`, or a musical note"}),
     );
     defs.insert(
         "number".into(),
@@ -55,28 +55,28 @@ pub fn schema(catalog: &Catalog) -> Json {
     }
     defs.insert(
         "group".into(),
-        json!({"type": "object", "description": "modules that share a medium", "properties": group, "additionalProperties": false}),
+        json!({"type": "object", "description": "group of modules with common properties", "properties": group, "additionalProperties": false}),
     );
     let section = |doc: &str, keys: &[&str]| {
         let keys: Map<String, Json> = keys.iter().map(|k| ((*k).to_string(), known(k, &OF_MODEL))).collect();
         json!({"type": "object", "description": doc, "properties": keys, "additionalProperties": false})
     };
     let mut properties = kinds;
-    properties.insert("model".into(), section("what the model is", META));
-    properties.insert("rate".into(), section("the two rates", RATES));
+    properties.insert("model".into(), section("title, units, method and other settings of the model", META));
+    properties.insert("rate".into(), section("sound rate, gesture rate and settings of devices and outputs", RATES));
     properties.insert("param".into(), params(true));
     defs.insert("use".into(), uses());
     properties.insert("use".into(), json!({"$ref": "#/$defs/use"}));
     properties.insert("part".into(), parts(&of_part));
     properties.insert(
         "gesture".into(),
-        json!({"type": "object", "description": "a port or a live parameter, and its breakpoints [time, value]"}),
+        json!({"type": "object", "description": "breakpoints [time, value] of each port or live parameter"}),
     );
     properties.insert(
         "preset".into(),
         json!({
-            "type": "object", "description": "presets, each under its name", "propertyNames": {"pattern": WORD},
-            "additionalProperties": {"type": "object", "description": "a live parameter, and its value"},
+            "type": "object", "description": "named sets of values of live parameters", "propertyNames": {"pattern": WORD},
+            "additionalProperties": {"type": "object", "description": "values of live parameters"},
         }),
     );
     properties.insert("equivalence".into(), equivalence());
@@ -95,7 +95,9 @@ fn of_group(key: &str) -> Json {
     match key {
         "border" => json!({
             "enum": ["exact", "compensated"], "default": "exact",
-            "description": "how a group at the gesture rate is tied to the sound: by what is known of a frame as it begins; or by anything, what is not known being expected from the frames before, which is not proven"
+            "description": "links between a group at the gesture rate and the sound; exact: only links whose force in a \
+                            frame is known at its start; compensated: any link, with the unknown part of the force \
+                            predicted from the frames before, and stability is not proven"
         }),
         _ => known(key, &OF_GROUP),
     }
@@ -106,37 +108,39 @@ fn known(key: &str, method: &Param) -> Json {
     let number = |doc: &str| json!({"$ref": "#/$defs/number", "description": doc});
     match key {
         "units" => json!({"enum": ["si", "alg"], "default": "si", "description": "units of bare numbers"}),
-        "start" => json!({"enum": ["centred", "mi.lib"], "default": "centred", "description": "how it starts"}),
-        "rate" => {
-            json!({"enum": ["sound", "gesture"], "default": "sound", "description": "how often a group is computed"})
+        "start" => {
+            json!({"enum": ["centred", "mi.lib"], "default": "centred", "description": "initial state: displacement and speed at the start, or as in mi.lib"})
         }
-        "dim" => json!({"enum": [1, 2, 3], "description": "dimensions of space"}),
-        "reference_rate" => number("rate whose sample is the unit of time of `alg` units [Hz]"),
+        "rate" => {
+            json!({"enum": ["sound", "gesture"], "default": "sound", "description": "rate at which the group is computed"})
+        }
+        "dim" => json!({"enum": [1, 2, 3], "description": "number of dimensions of space"}),
+        "reference_rate" => number("rate whose sampling period is the unit of time for `alg` units [Hz]"),
         "gravity" => param(&GRAVITY),
         "method" => param(method),
         "theta" => param(&THETA),
-        "seconds" => number("how long it sounds, if nobody says otherwise [s]"),
+        "seconds" => number("default duration of a render [s]"),
         "friction" => number("viscosity of the medium on every free mass [N s/m]"),
         "sound" => number("samples per second [Hz]"),
         "oversample" => {
-            json!({"type": "integer", "minimum": 1, "maximum": 64, "default": 1, "description": "ticks in a sample"})
+            json!({"type": "integer", "minimum": 1, "maximum": 64, "default": 1, "description": "ticks per sample"})
         }
         "gesture" => number("device frames per second; sound / gesture is a whole number [Hz]"),
         "border" => {
-            json!({"enum": ["linear", "hold"], "default": "linear", "description": "position of a device within a frame"})
+            json!({"enum": ["linear", "hold"], "default": "linear", "description": "position of a device between two frames: interpolated or held"})
         }
         "latency" => {
-            json!({"type": "integer", "minimum": 0, "default": 0, "description": "frames added to the position of each device"})
+            json!({"type": "integer", "minimum": 0, "default": 0, "description": "delay added to the position of each device [frames]"})
         }
-        "feedback" => json!({"type": "boolean", "default": true, "description": "whether the hand gets a force"}),
-        "filter" => number("edge of the pass band of the low-pass on all outputs [Hz]"),
+        "feedback" => json!({"type": "boolean", "default": true, "description": "true if devices receive forces"}),
+        "filter" => number("pass-band edge of the low-pass filter on all outputs [Hz]"),
         "format" => {
-            json!({"enum": [1, 2], "default": 1, "description": "version of the language; 2: the default method is auto"})
+            json!({"enum": [1, 2], "default": 1, "description": "version of the model format; in 2 the default method is `auto`"})
         }
-        "title" => json!({"type": "string", "description": "what it is, in a few words"}),
-        "author" => json!({"type": "string", "description": "who made it"}),
-        "source" => json!({"type": "string", "description": "where it comes from"}),
-        "doc" => json!({"type": "string", "description": "more about it"}),
+        "title" => json!({"type": "string", "description": "short title"}),
+        "author" => json!({"type": "string", "description": "author of the model"}),
+        "source" => json!({"type": "string", "description": "origin of the model, e.g. a publication"}),
+        "doc" => json!({"type": "string", "description": "description of the model"}),
         // every listed key has a type, which tests check
         _ => json!(false),
     }
@@ -147,14 +151,14 @@ fn parts(group: &Map<String, Json>) -> Json {
     let mut part = group.clone();
     part.insert("param".into(), params(false));
     part.insert("use".into(), json!({"$ref": "#/$defs/use"}));
-    part.insert("gesture".into(), json!({"type": "object", "description": "what it plays by itself"}));
-    part.insert("doc".into(), json!({"type": "string", "description": "what it is"}));
+    part.insert("gesture".into(), json!({"type": "object", "description": "built-in gestures of the part"}));
+    part.insert("doc".into(), json!({"type": "string", "description": "description of the part in one line"}));
     let part = json!({
         "type": "object", "properties": part, "propertyNames": {"pattern": WORD},
         "additionalProperties": {"$ref": "#/$defs/group"},
     });
     json!({
-        "type": "object", "description": "pieces that `[use]` makes instances of", "propertyNames": {"pattern": WORD},
+        "type": "object", "description": "reusable parts; `[use]` makes instances of them", "propertyNames": {"pattern": WORD},
         "additionalProperties": part,
     })
 }
@@ -164,12 +168,12 @@ fn uses() -> Json {
         "type": "object",
         "properties": {
             "part": {"type": "string", "description": "name of the part"},
-            "file": {"type": "string", "description": "the file it stands in, from the folder of this one"},
+            "file": {"type": "string", "description": "file that contains the part, relative to the folder of this file"},
             "n": {
                 "anyOf": [{"type": "integer", "minimum": 1}, {"$ref": "#/$defs/name"}],
-                "description": "how many instances; without it one, which has no index",
+                "description": "number of instances; without it there is one, named without an index",
             },
-            "with": {"type": "object", "description": "its parameters; of many instances a list has one value for each"},
+            "with": {"type": "object", "description": "values of its parameters; for several instances a list has one value for each"},
         },
         "additionalProperties": false,
         "anyOf": [{"required": ["part"]}, {"required": ["file"]}],
@@ -189,11 +193,11 @@ fn params(valued: bool) -> Json {
         "properties": {
             "value": value, "min": number, "max": number,
             "unit": {"type": "string"}, "doc": {"type": "string"},
-            "live": {"type": "boolean", "description": "may be changed while it sounds"},
-            "port": {"type": "string", "description": "the port that drives it, from `min` to `max`"},
+            "live": {"type": "boolean", "description": "can be changed while the model plays"},
+            "port": {"type": "string", "description": "port that drives the parameter from `min` to `max`"},
             "span": {
                 "type": "array", "minItems": 2, "maxItems": 2, "items": number,
-                "description": "where the port is at `min` and at `max`",
+                "description": "positions of the port at `min` and at `max`",
             },
         },
     });
@@ -213,20 +217,23 @@ fn equivalence() -> Json {
     let number = json!({"$ref": "#/$defs/number"});
     let rows = ROWS.iter().filter(|r| r.class() != Class::Time);
     let pair = |r: &Quantity| {
-        let doc = format!("[real, simulated]; the real one in {} where no unit is written", r.unit.symbol);
+        let doc = format!("[real, simulated]; a real value without a unit is in {}", r.unit.symbol);
         json!({"type": "array", "minItems": 2, "maxItems": 2, "items": number, "description": doc})
     };
     let mut known: Map<String, Json> = rows.clone().map(|r| (r.name.to_string(), pair(r))).collect();
     let anchors: Vec<&str> = ["impedance"].into_iter().chain(rows.map(|r| r.name)).collect();
-    known.insert("anchor".into(), json!({"enum": anchors, "description": "what stays where one row is given"}));
-    let factor = json!({"$ref": "#/$defs/number", "description": "factor beside the scale of the whole"});
+    known.insert(
+        "anchor".into(),
+        json!({"enum": anchors, "description": "quantity that is kept if only one row is given"}),
+    );
+    let factor = json!({"$ref": "#/$defs/number", "description": "factor in addition to the scale of the model"});
     let key = json!({
-        "type": "object", "description": "how this device key differs from the others",
+        "type": "object", "description": "scale of this device key relative to the others",
         "properties": {"lever": factor, "position": factor, "force": factor}, "additionalProperties": {"type": "object"},
         "allOf": [{"not": {"required": ["lever", "position"]}}, {"not": {"required": ["lever", "force"]}}],
     });
     json!({
-        "type": "object", "description": "how large and how heavy the model is in the hand: a quantity = [real, simulated]",
+        "type": "object", "description": "scale between the device and the model: quantity = [real, simulated]",
         "properties": known, "additionalProperties": key,
     })
 }

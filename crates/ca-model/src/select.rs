@@ -154,7 +154,7 @@ pub fn parse(text: &str) -> Result<Selector, SelectError> {
     }
     let at = match place {
         Some((start, _)) if index != Index::None => {
-            return fault(start - 1, "a moving point has no index: write the place alone, as in `low@0.31`");
+            return fault(start - 1, "a moving point cannot have an index: write only the place, as in `low@0.31`");
         }
         Some((start, r)) => Some(coords(r, start)?),
         None => None,
@@ -181,10 +181,10 @@ fn odd_name(name: &str) -> String {
     }
     match name[first_odd(name)..].chars().next() {
         Some(']') => "`]` without `[`".into(),
-        Some('[') => "before a dot stands the index of an instance, as in `key[3].hammer`".into(),
-        Some(c) if c.is_ascii_digit() => "a name starts with a letter".into(),
+        Some('[') => "brackets before a dot must contain the index of an instance, as in `key[3].hammer`".into(),
+        Some(c) if c.is_ascii_digit() => "a name must start with a letter or `_`".into(),
         Some(c) => format!("`{}` is not part of a name", c.escape_debug()),
-        None => "a name does not end with a dot".into(),
+        None => "a name must not end with a dot".into(),
     }
 }
 
@@ -194,7 +194,7 @@ fn brackets(inner: &str, start: usize) -> Result<Index, SelectError> {
     };
     let after = &inner[close + 1..];
     if !after.is_empty() {
-        return fault(start + close + 1, "nothing follows `]`");
+        return fault(start + close + 1, "unexpected text after `]`");
     }
     let inner = &inner[..close];
     let two = |sep: &str| inner.split_once(sep).map(|(a, b)| (a, b, start + a.len() + sep.len()));
@@ -230,7 +230,7 @@ fn coords(text: &str, start: usize) -> Result<At, SelectError> {
         at += piece.len() + 1;
         let word = piece.trim();
         if list.len() == 2 {
-            return fault(here, "a moving point has one or two coordinates");
+            return fault(here, "a moving point must have one or two coordinates");
         }
         if word.is_empty() {
             return fault(here, "a place is missing after `@`: a number from 0 to 1 or a name");

@@ -47,7 +47,7 @@ impl EnergyOverTime {
             None => Some((end.balance(), f64::INFINITY)),
             Some(_) => sums.last().map(|s| (s.0, self.times[sums.len() - 1])),
         }) else {
-            let early = format!("{blown}. That is too early for its energy to be shown.");
+            let early = format!("{blown}. This is too early to show the energy.");
             return Some(Section::new("Energy", vec![Block::Text(early)]));
         };
         let grid = || Grid::Points(self.times[..sums.len()].to_vec());
@@ -58,7 +58,7 @@ impl EnergyOverTime {
         };
         let accounts = [
             curve("stored", |s| s.0.h),
-            curve("of it in motion", |s| s.1),
+            curve("stored, kinetic", |s| s.1),
             curve("lost", |s| s.0.lost),
             curve("received from ports", |s| s.0.work),
             curve("received by changes", |s| s.0.changed),
@@ -69,7 +69,8 @@ impl EnergyOverTime {
         let balance = match relative(&b) {
             _ if self.diverged_at.is_some() => {
                 format!(
-                    "{blown}. The ledger is that up to {last:.4} s, while there was energy of the size of what it was given."
+                    "{blown}. The ledger covers the time up to {last:.4} s, while the energy was comparable to the energy \
+                     supplied."
                 )
             }
             _ if b.peak == 0.0 => "Nothing moved, so there is no energy.".into(),
@@ -87,7 +88,10 @@ impl EnergyOverTime {
         ];
         // per-link ledgers exist only for the end
         let makers = if self.diverged_at.is_none() { makers(scene, end, 5) } else { Vec::new() };
-        rows.extend(makers.iter().map(|(name, made)| ("most of it by", format!("`{name}`: {}", joule(scale * made)))));
+        let row = |(name, made): &(String, f64)| {
+            ("largest error of the scheme", format!("`{name}`: {}", joule(scale * made)))
+        };
+        rows.extend(makers.iter().map(row));
         let mut blocks = vec![Block::Text(balance)];
         if !curves.is_empty() {
             blocks.push(Block::Plot(Plot::over_time("Energy", Axis::linear("energy", "J"), grid(), curves)));

@@ -54,27 +54,27 @@ impl Loops {
     pub(crate) fn section(self, rate: f64, gesture: f64) -> Option<Section> {
         let mut blocks = Vec::new();
         blocks.extend(histogram("Time between device frames", &self.apart).map(Block::Plot));
-        blocks.extend(histogram("Time from hand to force to hand", &self.around).map(Block::Plot));
+        blocks.extend(histogram("Loop time from hand to force to hand", &self.around).map(Block::Plot));
         if let Some(last) = self.seconds.last() {
             let curve = |name: &str, of: fn(&Rt) -> f64| Curve::line(name, self.seconds.iter().map(of).collect());
             let times = Grid::Points(self.seconds.iter().map(|s| s.tick as f64 / rate).collect());
             let curves =
                 vec![curve("median", |s| s.late_p50), curve("99 %", |s| s.late_p99), curve("largest", |s| s.late_max)];
             blocks.push(Block::Plot(Plot::over_time(
-                "How late frames began, of each second",
-                Axis::log("late", "µs"),
+                "Lateness of gesture frames, per second",
+                Axis::log("lateness", "µs"),
                 times,
                 curves,
             )));
             blocks.push(Block::Table(Table::pairs([
-                ("gesture frames", format!("{}, {} a second", last.frames, short(gesture))),
-                ("missed", last.missed.to_string()),
-                ("without news of a device", last.stale.to_string()),
+                ("gesture frames", format!("{}, {} per second", last.frames, short(gesture))),
+                ("missed frames", last.missed.to_string()),
+                ("frames without new device data", last.stale.to_string()),
                 ("device frames refused", last.dropped.to_string()),
                 ("faults", last.faults.to_string()),
                 ("sound samples at the peak limit", last.clipped.to_string()),
                 ("underruns of the sound device", last.underruns.to_string()),
-                ("busy, in the last second", format!("{:.1} %", 100.0 * last.busy)),
+                ("load in the last second", format!("{:.1} %", 100.0 * last.busy)),
             ])));
         }
         let rows: Vec<Vec<String>> =

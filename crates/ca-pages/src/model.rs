@@ -147,7 +147,7 @@ impl<'a> ModelPage<'a> {
         }
         let refused = played.performance.state.ports.refused;
         if refused > 0 {
-            let what = format!("{refused} inputs had no value; the last good one was held instead");
+            let what = format!("{refused} input values were not finite; the last valid value was used instead");
             report.notes.push((Weight::Warning, what));
         }
         for what in play::clamped(&played.performance) {
@@ -263,7 +263,9 @@ fn moved(loaded: &Loaded, scene: &Scene, motion: &Envelope, probes: &[String]) -
             blocks.push(Block::Plot(Plot::over_time(title, Axis::linear(quantity, unit), motion.grid(), curves)));
         }
         if more > 0 {
-            blocks.push(Block::Text(format!("{more} more are not drawn; `ca render --probe` writes all of them.")));
+            blocks.push(Block::Text(format!(
+                "{more} more curves are not drawn; `ca render --probe` writes all of them."
+            )));
         }
     }
     (!blocks.is_empty()).then(|| Section::new("Motion", blocks))

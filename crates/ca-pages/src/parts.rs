@@ -34,12 +34,15 @@ pub(crate) fn notes(sound: &Sound, diverged: bool) -> Vec<(Weight, String)> {
     let peak = sound.peak().iter().copied().fold(0.0, f64::max);
     let mut list = Vec::new();
     if sound.names().is_empty() {
-        list.push((Weight::Note, "the model has no output, so nothing is heard".into()));
+        list.push((Weight::Note, "the model has no output, so there is no sound; add an output with `[SOX]`".into()));
     } else if peak == 0.0 {
-        list.push((Weight::Note, "nothing sounds".into()));
+        list.push((Weight::Note, "all outputs are silent".into()));
     }
     if sound.broken() > 0 && !diverged {
-        list.push((Weight::Warning, format!("{} samples had no value and became silence", sound.broken())));
+        list.push((
+            Weight::Warning,
+            format!("{} samples were not finite and were replaced by silence", sound.broken()),
+        ));
     }
     if sound.clipped() > 0 {
         let help = if diverged { String::new() } else { fitting(peak) };
@@ -85,7 +88,7 @@ pub(crate) fn sound(sound: Sound, marks: Vec<Mark>, diverged: bool) -> Option<Se
     let mut blocks = vec![Block::Text(format!("Peak: {}.", peaks.join(", "))), Block::Plot(sound.waveform())];
     blocks.extend(spectrogram(&sound).map(Block::Plot));
     if let Some(plot) = Spectrum::of(&sound).and_then(|s| s.plot(sound.names(), marks)) {
-        let marked = if plot.marks.is_empty() { "" } else { " Numbers are those of the modes below." };
+        let marked = if plot.marks.is_empty() { "" } else { " The numbers refer to the modes below." };
         blocks.push(Block::Plot(plot));
         blocks.push(Block::Text(format!("A sine at full scale reads 0 dBFS; Hann window.{marked}")));
     }
@@ -98,13 +101,18 @@ pub(crate) struct ModesPart(Result<(Network, Modes), String>);
 
 pub(crate) fn modes(model: &Model, options: &Options) -> ModesPart {
     let Ok(network) = ca_compile::linear(model, &catalog(), options) else {
-        return ModesPart(Err("The model has no linear part that could be looked at by itself.".into()));
+        return ModesPart(Err("The modes of the linear part cannot be computed.".into()));
     };
     let n = network.linear.dofs.len();
     ModesPart(match n {
-        0 => Err("Nothing in this model moves by itself.".into()),
-        _ if n > PLACES => Err(format!("{n} places move; `ca modes` tells of up to {}.", modes::LARGEST)),
-        _ => modes::modes(&network).map(|m| (network, m)).ok_or_else(|| "Its numbers are beyond computing.".into()),
+        0 => Err("The linear part has no moving masses, so it has no modes.".into()),
+        _ if n > PLACES => Err(format!(
+            "The linear part has {n} degrees of freedom, too many for this page; `ca modes` takes up to {}.",
+            modes::LARGEST
+        )),
+        _ => modes::modes(&network)
+            .map(|m| (network, m))
+            .ok_or_else(|| "The modes cannot be computed: values are out of range.".into()),
     })
 }
 
@@ -149,26 +157,29 @@ impl ModesPart {
             let more = names.len().saturating_sub(12);
             let more = if more > 0 { format!(" and {more} more") } else { String::new() };
             let names = names[..names.len().min(12)].join(", ");
-            blocks.push(Block::Text(format!("Of the linear part, at load. Not linear, so not in it: {names}{more}.")));
+            blocks.push(Block::Text(format!(
+                "Modes of the linear part, at load. Left out because they are not linear: {names}{more}."
+            )));
         }
         if found.list.iter().any(|m| m.grows) {
             blocks.push(Block::Text("A mode grows: the model is unstable at this sound rate.".into()));
         }
         if found.approximate {
-            blocks.push(Block::Text("Damping couples the modes; T60 is that of each by itself.".into()));
+            blocks.push(Block::Text("Damping couples the modes; T60 is given for each mode alone.".into()));
         }
         let forces = self.by_force();
         let places = network.ports.iter().any(|p| p.role == "hears");
         if !forces.is_empty() {
             let names = ticked(forces.iter().map(String::as_str));
-            let rest = if places { "; the levels are of the others" } else { "" };
-            let note = format!("These outputs hear other than displacements, and may hear any mode: {names}{rest}.");
+            let rest = if places { "; levels are given for the other outputs" } else { "" };
+            let note =
+                format!("These outputs do not measure displacement, so they may contain any mode: {names}{rest}.");
             blocks.push(Block::Text(note));
         }
         // the level of a mode at a force output is unknown, which is not the same as silent
         let (rest, silent, outputs) = match (forces.is_empty(), places) {
-            (true, _) => ("not heard", "silent", "at the outputs [dB]"),
-            (false, true) => ("if heard, as a force", "-", "at the displacement outputs [dB]"),
+            (true, _) => ("not audible", "silent", "at the outputs [dB]"),
+            (false, true) => ("audible only as a force, if at all", "-", "at the displacement outputs [dB]"),
             (false, false) => ("modes", "-", ""),
         };
         let points = swinging.iter().filter(|(_, m, _)| m.t60.is_finite() && m.t60 > 0.0).map(|(i, m, level)| Point {
@@ -180,7 +191,7 @@ impl ModesPart {
         let points: Vec<Point> = points.collect();
         if points.len() > 1 {
             let (x, y) = (Axis::log("frequency", "Hz"), Axis::log("T60", "s"));
-            let mut plot = Plot::scatter("How long each mode rings", x, y, "heard", rest, &points);
+            let mut plot = Plot::scatter("Decay time of each mode", x, y, "audible", rest, &points);
             plot.curves.retain(|c| c.y.iter().any(|v| v.is_finite()));
             blocks.push(Block::Plot(plot));
         }
@@ -207,12 +218,12 @@ impl ModesPart {
         });
         let rows: Vec<Vec<String>> = rows.collect();
         if rows.is_empty() {
-            blocks.push(Block::Text("None of them swings.".into()));
+            blocks.push(Block::Text("None of the modes oscillates.".into()));
         } else {
             blocks.push(Block::Table(Table::new(&head, rows)));
         }
         if swinging.len() > MODES {
-            blocks.push(Block::Text(format!("{} more: `ca modes` has them all.", swinging.len() - MODES)));
+            blocks.push(Block::Text(format!("{} more modes; `ca modes` lists all of them.", swinging.len() - MODES)));
         }
         Section::new("Modes", blocks)
     }
@@ -226,9 +237,9 @@ pub(crate) fn stability(scene: &Compiled) -> Section {
         Level::Linearised => "proven for small motions about the pose at load",
         Level::RuleOfThumb => "the linear links are proven; rules of thumb judge contacts and non-linear links",
         Level::NotProven if scene.rates.slow.as_ref().is_some_and(|g| g.compensated) => {
-            "a compensated border may make energy, and its account says how much"
+            "a compensated border may add energy; the energy ledger shows how much"
         }
-        Level::NotProven => "the bounds do not settle it",
+        Level::NotProven => "the bounds do not decide it",
         Level::Unstable => "above the limit",
     };
     let mut rows = vec![
@@ -237,14 +248,14 @@ pub(crate) fn stability(scene: &Compiled) -> Section {
         (
             "margin",
             match c.margin() {
-                m if m.is_finite() => format!("{}: so many times stiffer everything could be", short(m)),
-                _ => "nothing here has a limit".into(),
+                m if m.is_finite() => format!("{}: factor by which everything could be stiffer", short(m)),
+                _ => "no part of the model has a limit".into(),
             },
         ),
     ];
     if !c.not_judged.is_empty() {
         let names = ticked(c.not_judged.iter().map(String::as_str));
-        rows.push(("not judged", format!("{names}: nothing hears it, so it is left out")));
+        rows.push(("not judged", format!("{names}: no output depends on it, so it is left out")));
     }
     if c.exact {
         rows.push(("decided by", "a sparse factorisation".into()));
@@ -265,7 +276,8 @@ pub(crate) fn stability(scene: &Compiled) -> Section {
     let keys = border::asked(scene).into_iter().map(|(name, k, b)| vec![name.into(), short(k), short(b)]);
     let keys: Vec<Vec<String>> = keys.collect();
     if !keys.is_empty() {
-        blocks.push(Block::Text("What the springs at each key ask of a device, to stay passive:".into()));
+        blocks
+            .push(Block::Text("Friction that a device needs at each key to stay passive against the springs:".into()));
         blocks.push(Block::Table(Table::new(&["key", "stiffness [N/m]", "friction needed [N s/m]"], keys)));
     }
     let findings = scene.findings.list.iter().map(|d| {

@@ -49,14 +49,14 @@ pub fn take(file: &Path) -> Result<(String, Report), Failure> {
     }
     let [records, samples, views] = summary.lost;
     if records + samples + views > 0 {
-        note(format!("lost on the way to the file: {records} records, {samples} sound samples, {views} views"));
+        note(format!("lost while recording: {records} records, {samples} sound samples, {views} views"));
     }
     if let Err(why) = &again {
         note(why.clone());
     }
     // a fault is a note, because the guard worked as intended
     let faults = summary.faults.iter();
-    let faults = faults.map(|f| format!("`{}`: forces ended at {:.3} s: {}", f.device, f.time, f.cause.name()));
+    let faults = faults.map(|f| format!("`{}`: forces turned off at {:.3} s: {}", f.device, f.time, f.cause.name()));
     report.notes.extend(faults.map(|text| (Weight::Note, text)));
 
     let mut facts = scene.as_ref().map_or_else(|_| Facts::default(), |scene| Facts::of(scene));
@@ -70,7 +70,7 @@ pub fn take(file: &Path) -> Result<(String, Report), Failure> {
         facts.add("changed", format!("{name} = {value}"));
     }
     if let Ok((verdict, ..)) = &again {
-        facts.add("played again", verdict.clone());
+        facts.add("replay", verdict.clone());
     }
     report.sections.push(facts.section());
     let modes = h.model(&catalog()).ok().map(|(model, _)| parts::modes(&model, &h.options));
@@ -85,10 +85,10 @@ pub fn take(file: &Path) -> Result<(String, Report), Failure> {
     let events = shortened(events);
     if !events.is_empty() {
         let more = events.len().saturating_sub(EVENTS);
-        let mut blocks = vec![Block::Table(Table::new(&["time [s]", "of", "what"], events))];
+        let mut blocks = vec![Block::Table(Table::new(&["time [s]", "source", "event"], events))];
         if let (Block::Table(t), true) = (&mut blocks[0], more > 0) {
             t.rows.truncate(EVENTS);
-            blocks.push(Block::Text(format!("{more} more: `ca log export` has them all.")));
+            blocks.push(Block::Text(format!("{more} more events; `ca log export` writes all of them.")));
         }
         report.sections.push(Section::new("Events", blocks));
     }
@@ -100,8 +100,8 @@ pub fn take(file: &Path) -> Result<(String, Report), Failure> {
         report.sections.extend(ledger.section(scene, scene.hand.equivalence.of("").energy()));
     }
     if matches!(&again, Ok((.., versions)) if *versions > 1) {
-        let text = "The model was changed while it played, so its energy is not one account; the picture follows the masses that \
-                    were there from the start.";
+        let text = "The model was changed while it played. An energy ledger covers one version only, so it is left out. \
+                    The picture shows only the masses of the first version.";
         report.notes.push((Weight::Note, text.into()));
     }
     report.sections.extend(modes.map(|m| m.section()));
@@ -161,9 +161,9 @@ fn again(
     ledger.end = replay.engine.state.ledger.as_deref().filter(|_| verdict.versions == 1).cloned();
     judged(&verdict).map_err(|e| e.to_string())?;
     let alike = if verdict.tolerance > 0.0 {
-        format!("of an older arithmetic, and alike to {:e} of the peak", verdict.tolerance)
+        format!("recorded with an older arithmetic, equal to within {:e} of the peak", verdict.tolerance)
     } else {
-        "identical to the bit".into()
+        "bit-identical".into()
     };
     let words = format!("{alike}: {} force frames, {} sound samples", verdict.forces, verdict.samples);
     Ok((words, ledger, film.film, verdict.versions))
@@ -267,7 +267,7 @@ impl Recorded {
                     let set = next.model.changes.iter().map(|(name, value)| format!("{name} = {value}"));
                     let set: Vec<_> = set.collect();
                     let with = if set.is_empty() { String::new() } else { format!(", with {}", set.join(", ")) };
-                    reported(tick, "model".into(), format!("another version of it plays{with}"));
+                    reported(tick, "model".into(), format!("new version{with}"));
                     params = h.version(&next).scene(&catalog()).as_deref().map(names).unwrap_or_default();
                 }
                 Event::Order(tick, port, order) => {
@@ -283,10 +283,10 @@ impl Recorded {
                 }
                 Event::Profile(tick, k, p) => {
                     let of = h.setups.get(k).map_or_else(String::new, |s| s.device.clone());
-                    let what = format!("says: {}, {} degrees of freedom; at most {} N", p.title, p.dof, p.force);
+                    let what = format!("reports: {}, {} degrees of freedom, at most {} N", p.title, p.dof, p.force);
                     reported(tick, of, what);
                 }
-                Event::Reload(l) => reported(l.tick, "model".into(), "loaded again".into()),
+                Event::Reload(l) => reported(l.tick, "model".into(), "reset to the state at load".into()),
                 Event::Lost(l) => reported(l.tick, "take".into(), format!("{} records lost", l.records)),
                 Event::Rt(rt) => r.loops.seconds.push(rt),
                 Event::Hash(_) | Event::Energy(_) | Event::View => {}

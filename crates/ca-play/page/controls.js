@@ -36,7 +36,7 @@ export class Slider {
     const id = "s" + serial++;
     this.range = element("input", { type: "range", id, min: 0, max: STEPS, step: 1, "aria-describedby": spec.doc ? id + "d" : null });
     this.field = element("input", { type: "text", class: "value", "aria-label": spec.name + ", value", inputmode: "text", autocomplete: "off", spellcheck: "false" });
-    this.back = element("button", { class: "back", type: "button", title: "Back to the value at load", "aria-label": `${spec.name}: back to the value at load`, hidden: "", text: "↺" });
+    this.back = element("button", { class: "back", type: "button", title: "Reset to the value at load", "aria-label": `${spec.name}: reset to the value at load`, hidden: "", text: "↺" });
     this.error = element("p", { class: "error", role: "status", hidden: "" });
     const label = element("label", { for: id, text: spec.label || spec.name });
     this.row = element("div", { class: "slider" }, element("div", { class: "head" }, label, this.back, this.field), this.range);
@@ -102,7 +102,7 @@ export class Slider {
         this.wanted = null;
         const reply = await this.set(next);
         if (this.wanted !== null) continue;
-        if (reply && reply.ok === false) { this.busy = 0; this.say(reply.text || "refused"); }
+        if (reply && reply.ok === false) { this.busy = 0; this.say(reply.text || "request refused"); }
         else { this.say(""); if (typeof next === "string") this.busy = 0; }
       }
       this.sending = false;
@@ -151,16 +151,16 @@ export class Parameters {
     const first = new Map(this.sliders);
     this.sliders.clear();
     this.box.replaceChildren();
-    if (specs.length === 0) this.box.append(element("p", { class: "doc", text: "This model declares no parameter that changes while it plays." }));
+    if (specs.length === 0) this.box.append(element("p", { class: "doc", text: "This model has no live parameters. A parameter in [param] with live = true can change while the model plays." }));
     for (const spec of specs) {
       const slider = new Slider(spec, value => this.connection.ask({ type: "set", values: { [spec.name]: value } }));
       const old = first.get(spec.name);
       if (old && old.spec.unit === spec.unit) slider.first = old.first;
       slider.write(true);
-      slider.learn = element("button", { class: "learn", type: "button", title: "Then move a knob of a MIDI device: it turns this parameter from then on", text: "MIDI knob" });
+      slider.learn = element("button", { class: "learn", type: "button", title: "Click, then move a knob of a MIDI device to bind it to this parameter", text: "MIDI knob" });
       slider.learn.addEventListener("click", async () => {
         const reply = await this.connection.ask({ type: "learn", name: this.learning === spec.name ? null : spec.name });
-        slider.say(reply.ok === false ? reply.text || "refused" : "");
+        slider.say(reply.ok === false ? reply.text || "request refused" : "");
       });
       slider.back.before(slider.learn);
       this.sliders.set(spec.name, slider);
@@ -224,7 +224,7 @@ export function ports(box, list, connection) {
     const spec = {
       name: p.name, value: force ? 0 : rest, unit: force ? "N" : "m",
       min: force ? -5 : rest - 0.02, max: force ? 5 : rest + 0.02,
-      doc: force ? "Force; none when it is let go" : p.role === "device" ? "Key of a device. It moves from here as long as no device is connected" : "Position", ended: null,
+      doc: force ? "Force; zero after release" : p.role === "device" ? "Key of a device; this slider moves it while no device is connected" : "Position", ended: null,
     };
     const slider = new Slider(spec, value => connection.ask({ type: "port", name: p.name, value }));
     if (force) {

@@ -132,12 +132,12 @@ export class Keyboard {
     try {
       access = await navigator.requestMIDIAccess();
     } catch (error) {
-      return this.say("No MIDI in this browser: " + error.message, true);
+      return this.say("MIDI is not available in this browser: " + error.message, true);
     }
     const listen = () => {
       const inputs = [...access.inputs.values()];
       for (const input of inputs) input.onmidimessage = e => { if (e.data[0] < 0xf0) this.send([...e.data]); };
-      this.browser.textContent = inputs.length ? "MIDI: " + inputs.map(i => i.name).join(", ") : "MIDI: no device is connected";
+      this.browser.textContent = inputs.length ? "MIDI: " + inputs.map(i => i.name).join(", ") : "MIDI: no device connected";
     };
     access.onstatechange = listen;
     listen();

@@ -267,7 +267,7 @@ function frame(at) {
 }
 
 if (!picture.gl) {
-  find("stage").append(element("p", { class: "none", text: "This browser gives no WebGL2, so there is no picture. Sound, parameters and meters work." }));
+  find("stage").append(element("p", { class: "none", text: "WebGL2 is not available in this browser, so the picture is missing. Sound, parameters and meters work." }));
 }
 showSound(sound);
 connection.connect();

@@ -115,7 +115,7 @@ export class Meters {
       }
       c.stroke();
     });
-    const text = `± ${+this.size.toPrecision(2)}, 10 ms a line`;
+    const text = `± ${+this.size.toPrecision(2)}, 10 ms per line`;
     if (this.scale.textContent !== text) this.scale.textContent = text;
   }
 

@@ -9,10 +9,10 @@ export {};
  * @typedef {object} Param
  * @property {string} name its name
  * @property {number} value its value at load (SI)
- * @property {number|null} min its least value (SI); `null` without a bound
- * @property {number|null} max its largest value (SI); `null` without a bound
+ * @property {number|null} min its minimum (SI); `null` without a bound
+ * @property {number|null} max its maximum (SI); `null` without a bound
  * @property {string} unit its unit; empty for a plain number
- * @property {string} doc what it is
+ * @property {string} doc its description
  */
 
 /**
@@ -26,9 +26,9 @@ export {};
  * A port.
  * @typedef {object} PortInfo
  * @property {string} name its name
- * @property {"position"|"force"|"device"} role what it takes
+ * @property {"position"|"force"|"device"} role quantity that it receives
  * @property {number|null} mass number of the mass that it moves, in the drawing
- * @property {number} rest where it rests [m]
+ * @property {number} rest its rest position [m]
  */
 
 /**
@@ -48,11 +48,11 @@ export {};
  */
 
 /**
- * The outputs of the sound among which a page chooses.
+ * The sound outputs from which a page can choose.
  * @typedef {object} Choices
- * @property {Array<string>} choices names that can be asked for; empty where nothing can be chosen
- * @property {string} wanted the name that is to play
- * @property {boolean} busy whether what was asked for last is being opened
+ * @property {Array<string>} choices names of the outputs; empty if there is no choice
+ * @property {string} wanted name of the requested output
+ * @property {boolean} busy whether the requested output is being opened
  */
 
 /**
@@ -64,14 +64,14 @@ export {};
  */
 
 /**
- * Sound is sent to this page, or no longer. The server of the page answers it.
+ * Starts or stops the sound for this page. The server of the page handles it.
  * @typedef {object} SoundRequest
  * @property {"sound"} type
- * @property {boolean} on `true` to be sent sound
+ * @property {boolean} on `true` to receive sound
  */
 
 /**
- * Holds a mass where it is. One page at a time holds a mass.
+ * Holds a mass where it is. Only one page at a time can hold a mass.
  * @typedef {object} GrabRequest
  * @property {"grab"} type
  * @property {number} mass number of the mass in the drawing
@@ -81,24 +81,24 @@ export {};
  * Pulls the mass that this page holds.
  * @typedef {object} DragRequest
  * @property {"drag"} type
- * @property {Array<number>} by the place, from where the mass rests [m]: `[u]`, or `[x, y, z]` in space
+ * @property {Array<number>} by displacement from rest [m]: `[u]`, or `[x, y, z]` in space
  */
 
 /**
- * Lets go of the mass that this page holds.
+ * Releases the mass that this page holds.
  * @typedef {object} ReleaseRequest
  * @property {"release"} type
  */
 
 /**
- * Begins the model's own gesture from its start, or ends it.
+ * Starts the gesture of the model from its beginning, or stops it.
  * @typedef {object} GestureRequest
  * @property {"gesture"} type
- * @property {boolean} play `true` to begin
+ * @property {boolean} play `true` to start
  */
 
 /**
- * Sends a port to a position or a force, in 17 ms.
+ * Moves a port to a position or a force, in 17 ms.
  * @typedef {object} PortRequest
  * @property {"port"} type
  * @property {string} name name of the port
@@ -113,21 +113,21 @@ export {};
  */
 
 /**
- * Changes a number of the model that is not live, as by `--set`. The model is compiled again and plays on.
+ * Changes a value of the model that is not live, as `--set` does. The model is compiled again and keeps playing.
  * @typedef {object} ChangeRequest
  * @property {"change"} type
- * @property {string} name name of the number, such as `string.t60`
- * @property {string} value its value as text, with a unit where it needs one
+ * @property {string} name name of the value, such as `string.t60`
+ * @property {string} value the new value as text, with a unit if it needs one
  */
 
 /**
- * Begins again as at load, with the numbers as they are.
+ * Restarts from the state at load, with the present values.
  * @typedef {object} RestartRequest
  * @property {"restart"} type
  */
 
 /**
- * As `restart`; then the model's own gesture plays, if there is one.
+ * As `restart`, then plays the gesture of the model, if there is one.
  * @typedef {object} PlayRequest
  * @property {"play"} type
  */
@@ -147,37 +147,37 @@ export {};
  */
 
 /**
- * Chooses what plays the sound.
+ * Chooses the sound output.
  * @typedef {object} AudioRequest
  * @property {"audio"} type
  * @property {string} device one of the `choices` of `state`
  */
 
 /**
- * Records sound into a WAV file from now on, or ends that.
+ * Starts or stops recording sound to a WAV file.
  * @typedef {object} RecordRequest
  * @property {"record"} type
- * @property {boolean} on `true` to begin
+ * @property {boolean} on `true` to start
  */
 
 /**
- * Saves everything that was done since the start as a take.
+ * Saves everything done since the start as a take.
  * @typedef {object} SaveRequest
  * @property {"save"} type
  */
 
 /**
- * Says which mass this is.
+ * Returns the name and kind of a mass.
  * @typedef {object} PickRequest
  * @property {"pick"} type
  * @property {number} mass number of the mass in the drawing
  */
 
 /**
- * Forces of all devices on, where the command line allows it, or off.
+ * Arms the forces of all devices, if the command line allows it, or turns them off.
  * @typedef {object} ArmRequest
  * @property {"arm"} type
- * @property {boolean} on `true` for on
+ * @property {boolean} on `true` to arm
  */
 
 /**
@@ -198,46 +198,46 @@ export {};
  * @property {number} rate ticks a second [Hz]
  * @property {number} frame ticks of a gesture frame
  * @property {Array<string>} channels names of the outputs
- * @property {any} drawing what is drawn, as `ca-view` writes it
+ * @property {any} drawing drawing of the scene, as `ca-view` writes it
  * @property {Array<Param>} params live parameters
  * @property {Array<PortInfo>} ports ports of position and force, and keys of devices
- * @property {boolean} gesture whether the model brings a gesture
- * @property {Array<Preset>} presets presets of the model; `set` with the name `preset` and the name of one of them chooses it
+ * @property {boolean} gesture whether the model has a gesture
+ * @property {Array<Preset>} presets presets of the model; `set` with the name `preset` and the name of a preset chooses it
  * @property {Array<number>|null} notes MIDI keys that play, lowest first; `null` without any
- * @property {number|null} seconds how long its author plays it [s]
- * @property {Array<string>} energy names of the parts whose energy of motion `energy` has
- * @property {string} stability what is proven of its stability, in words
+ * @property {number|null} seconds duration given in the model [s]
+ * @property {Array<string>} energy names of the parts whose kinetic energy the message `energy` has
+ * @property {string} stability proven stability, in words
  */
 
 /**
- * The present state, four times a second.
+ * The present state, four times per second.
  * @typedef {object} StateMessage
  * @property {"state"} type
- * @property {number} tick sound sample that was computed last
- * @property {number} seconds the same [s]
+ * @property {number} tick sound sample computed last
+ * @property {number} seconds time of that sample [s]
  * @property {number|null} load computing time as a share of real time; `null` in the first second
- * @property {number} late periods that were left out
- * @property {number} lost records, samples, pictures, forces and times that were lost
+ * @property {number} late missed periods
+ * @property {number} lost records, samples, pictures, forces and times lost
  * @property {number} clipped samples at the peak limit
- * @property {boolean} diverged whether the numbers of the model left every range
- * @property {boolean} playing whether the model's own gesture plays
+ * @property {boolean} diverged whether the model diverged: its values are out of range
+ * @property {boolean} playing whether the gesture of the model plays
  * @property {number} pointer number of the mass that a pointer holds, in the drawing; −1 without one
  * @property {Array<DeviceState>} devices devices
  * @property {Object<string, number>} params values of the live parameters, by name (SI)
- * @property {number} clients pages that are open
+ * @property {number} clients number of open pages
  * @property {string|null} learning the parameter that the next MIDI controller is bound to
  * @property {Array<Bound>} bound MIDI controllers that are bound to parameters
- * @property {string} sound what plays the sound: `page`, or the name of a sound server or device
+ * @property {string} sound sound output: `page`, or the name of a sound server or device
  * @property {Choices} outputs the outputs of the sound
- * @property {number|null} latency time from the model to the ear, where something other than the page plays [ms]
- * @property {number|null} underruns times the sound device had nothing to play; `null` in the first second
+ * @property {number|null} latency latency from the model to the ear, if a sound output other than the page plays [ms]
+ * @property {number|null} underruns number of times the sound device ran out of samples; `null` in the first second
  * @property {boolean} arms whether a page may arm forces
  * @property {boolean} keeps whether a take can be saved
- * @property {string|null} recording the file into which sound is recorded
+ * @property {string|null} recording the file to which sound is recorded
  */
 
 /**
- * Energy of motion, some twenty times a second.
+ * Kinetic energy, about twenty times per second.
  * @typedef {object} EnergyMessage
  * @property {"energy"} type
  * @property {number} seconds time of the model [s]
@@ -245,15 +245,15 @@ export {};
  */
 
 /**
- * News.
+ * A message for the user.
  * @typedef {object} SaidMessage
  * @property {"said"} type
  * @property {boolean} bad whether something went wrong
- * @property {string} text the news
+ * @property {string} text the message
  */
 
 /**
- * An edited model was compiled, or refused.
+ * A new version of the model was compiled, or has errors.
  * @typedef {object} ReportMessage
  * @property {"report"} type
  * @property {boolean} ok whether it plays

@@ -117,7 +117,7 @@ export class Connection {
   refuseAll() {
     for (const { done, timer } of this.waiting.values()) {
       clearTimeout(timer);
-      done({ ok: false, lost: true, text: "the connection was lost" });
+      done({ ok: false, lost: true, text: "lost connection to `ca play`" });
     }
     this.waiting.clear();
   }
@@ -135,11 +135,11 @@ export class Connection {
    */
   ask(message) {
     const id = this.next++;
-    if (!this.send({ ...message, id })) return Promise.resolve({ ok: false, lost: true, text: "not connected" });
+    if (!this.send({ ...message, id })) return Promise.resolve({ ok: false, lost: true, text: "not connected to `ca play`" });
     return new Promise(done => {
       const timer = setTimeout(() => {
         this.waiting.delete(id);
-        done({ ok: false, lost: true, text: "no answer" });
+        done({ ok: false, lost: true, text: "no answer from `ca play`" });
       }, 4000);
       this.waiting.set(id, { done, timer });
     });

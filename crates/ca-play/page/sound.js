@@ -47,7 +47,7 @@ export class Sound {
         } catch {
           this.context = new AudioContext({ latencyHint: "interactive" });
         }
-        if (!this.context.audioWorklet) throw new Error("this browser plays no sound from an address that is not local");
+        if (!this.context.audioWorklet) throw new Error("the browser plays sound only at a local or HTTPS address");
         await this.context.audioWorklet.addModule("worklet.js");
         this.node = new AudioWorkletNode(this.context, "player", { numberOfInputs: 0, outputChannelCount: [2] });
         this.node.port.onmessage = ({ data }) => {

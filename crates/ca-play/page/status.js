@@ -3,7 +3,7 @@
 
 import { element } from "./controls.js";
 
-const LOAD = "Share of real time that computing takes";
+const LOAD = "Computing time as a share of real time";
 const count = (n, one, many = one + "s") => `${n} ${n === 1 ? one : many}`;
 
 export class Status {
@@ -20,7 +20,7 @@ export class Status {
     stop.addEventListener("click", () => {
       if (!stop.classList.contains("sure")) {
         stop.classList.add("sure");
-        stop.textContent = "Press again to end it";
+        stop.textContent = "Press again to end";
         setTimeout(() => { stop.classList.remove("sure"); stop.replaceChildren("End ", element("code", { text: "ca play" })); }, 3000);
       } else connection.ask({ type: "stop" });
     });
@@ -50,7 +50,7 @@ export class Status {
    */
   async ask(connection, request) {
     const reply = await connection.ask(request);
-    if (reply.ok === false) this.say(reply.text || "refused", true);
+    if (reply.ok === false) this.say(reply.text || "request refused", true);
   }
 
   // shows the state of the connection
@@ -61,12 +61,12 @@ export class Status {
     document.body.classList.toggle("away", name === "ended" || name === "lost" || (name === "connecting" && tries > 0));
     if (name === "open") banner.hidden = true;
     else if (name === "ended") {
-      text.textContent = "ca play has ended. The picture shows its last moment; to play on, start it in the terminal and open its new address.";
+      text.textContent = "`ca play` has ended. The picture shows its last moment. To continue, run `ca play` again and open the new address.";
       again.hidden = true;
       banner.hidden = false;
     } else if (name === "lost" || tries > 0) {
       text.textContent = tries > 3
-        ? "No answer from ca play. It may have ended: start it again, and open its new address."
+        ? "Lost connection to `ca play`. If it has stopped, run it again and open the new address."
         : "Connection lost. Trying again…";
       again.hidden = tries <= 3;
       banner.hidden = false;
@@ -94,12 +94,12 @@ export class Status {
     this.find("clock").textContent = `${minutes}:${String(Math.floor(seconds % 60)).padStart(2, "0")}`;
     const facts = [
       ["Load", `${Math.round(100 * load)} % of real time`, load > 0.85],
-      ["Late", s.late ? count(s.late, "period") : "never", s.late > (this.before.late ?? s.late)],
+      ["Late", s.late ? count(s.late, "missed period") : "never", s.late > (this.before.late ?? s.late)],
       ["Lost", s.lost ? count(s.lost, "frame") : "none", s.lost > (this.before.lost ?? s.lost)],
       ["Clipped", s.clipped ? count(s.clipped, "sample") : "none", s.clipped > (this.before.clipped ?? s.clipped)],
-      ["Sound", s.sound === "page" ? "by this page" : s.sound ? `${s.sound}, ${(s.latency ?? 0).toFixed(1)} ms` : "–", false],
+      ["Sound", s.sound === "page" ? "this page" : s.sound ? `${s.sound}, ${(s.latency ?? 0).toFixed(1)} ms` : "–", false],
     ];
-    if (sound.state === "on") facts.push(["Here", `${Math.round(1000 * sound.latency)} ms behind, ${sound.gaps ? count(sound.gaps, "gap") : "no gaps"}`, false]);
+    if (sound.state === "on") facts.push(["This page", `latency ${Math.round(1000 * sound.latency)} ms, ${sound.gaps ? count(sound.gaps, "gap") : "no gaps"}`, false]);
     if (s.sound !== "page" && Number.isFinite(s.underruns)) facts.push(["Underruns", s.underruns ? String(s.underruns) : "none", s.underruns > (this.before.underruns ?? s.underruns)]);
     if (this.stability) facts.push(["Stability", this.stability, false]);
     const record = this.find("record");
@@ -107,20 +107,20 @@ export class Status {
     record.textContent = s.recording ? "Stop recording" : "Record sound";
     const arm = this.find("arm");
     arm.disabled = s.arms === false;
-    arm.title = arm.disabled ? "By `ca arm`, or start with --allow-arm" : "";
+    arm.title = arm.disabled ? "Run `ca arm`, or restart with --allow-arm" : "";
     const save = this.find("save");
     save.disabled = s.keeps === false;
-    if (save.disabled) save.title = "What devices do is kept only with --log TAKE, from the start";
-    if (s.recording) facts.push(["Records", s.recording, false]);
+    if (save.disabled) save.title = "With devices, a take is recorded only if ca is started with --log TAKE";
+    if (s.recording) facts.push(["Recording", s.recording, false]);
     if (s.clients > 1) facts.push(["Pages", `${s.clients} open`, false]);
-    if (s.diverged) facts.unshift(["Model", "diverged: numbers left every range", true]);
+    if (s.diverged) facts.unshift(["Model", "diverged: values out of range", true]);
     // lateness or loss colours the load for three seconds
     if (s.late > this.before.late || s.lost > this.before.lost) this.missed = performance.now();
     const missed = performance.now() - (this.missed ?? -1e9) < 3000, gauge = this.find("gauge");
     gauge.classList.toggle("bad", load > 0.95 || missed);
-    const why = missed ? `Red: the machine was busy, ${count(s.late || 0, "period")} began late so far. ` : "";
+    const why = missed ? `Red: the computer was too busy; ${count(s.late || 0, "period")} missed so far. ` : "";
     if (gauge.title !== why + LOAD) gauge.title = why + LOAD;
-    if (s.diverged && !this.before.diverged) this.say("The model diverged: its numbers left every range. Change a number of the model, or save it: it then begins as at load.", true);
+    if (s.diverged && !this.before.diverged) this.say("The model diverged: its values are out of range. To restart it from the state at load, change a value in the model or save its file.", true);
     this.before = { late: s.late, lost: s.lost, clipped: s.clipped, underruns: s.underruns, diverged: s.diverged };
     const list = this.find("facts");
     if (list.children.length !== 2 * facts.length) list.replaceChildren(...facts.flatMap(() => [element("dt"), element("dd")]));

@@ -58,7 +58,7 @@ export class View {
       const spec = { name: "exaggeration", label: "Exaggeration", value: 1, min: 0.1, max: 1e6, unit: "", noBack: true, plainText: times };
       this.line = new Slider(spec, value => {
         const factor = typeof value === "number" ? value : parseFloat(String(value).replace(/[^0-9.e+-]/gi, ""));
-        if (!(factor > 0)) return { ok: false, text: "a number above zero" };
+        if (!(factor > 0)) return { ok: false, text: "enter a number above zero" };
         motion.setLine(factor);
         this.auto.checked = false;
         return { ok: true };
@@ -75,7 +75,7 @@ export class View {
       const spec = { name: "exaggeration in space", label: scene.linear ? "Exaggeration in space" : "Exaggeration", value: 1, min: 0.1, max: 1000, unit: "", plainText: times };
       this.space = new Slider(spec, value => {
         const factor = typeof value === "number" ? value : parseFloat(String(value).replace(/[^0-9.e+-]/gi, ""));
-        if (!(factor > 0)) return { ok: false, text: "a number above zero" };
+        if (!(factor > 0)) return { ok: false, text: "enter a number above zero" };
         scene.true = factor;
         this.space.update(factor);
         return { ok: true };

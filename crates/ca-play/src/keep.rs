@@ -86,12 +86,12 @@ impl Keep {
     fn stop(&mut self) -> Option<String> {
         let Tape { path, sink } = self.tape.take()?;
         self.line.set(None);
-        let text = format!("{} is finished", path.display());
+        let text = format!("finishing {}", path.display());
         let end = aside(move || {
             let written = sink.end().and_then(|w| w.map(WavSink::finish).transpose());
             let told = |w: Option<Written>| match w {
                 Some(w) => format!("recorded {:.1} s into {}", w.frames as f64 / f64::from(w.rate), path.display()),
-                None => format!("{} could not be written to its end", path.display()),
+                None => format!("{} could not be completed", path.display()),
             };
             written.map(told)
         });
@@ -102,8 +102,10 @@ impl Keep {
     /// Returns a path that does not exist yet.
     fn free(&self, ending: &str) -> Result<PathBuf, ca_session::Refused> {
         let path = |n: u32| PathBuf::from(format!("{}-{n}.{ending}", self.stem));
-        let free = (1..TRIES).map(path).find(|p| !p.exists());
-        free.ok_or_else(|| format!("there are {TRIES} files {}-… here already", self.stem).into())
+        let free = (1..=TRIES).map(path).find(|p| !p.exists());
+        free.ok_or_else(|| {
+            format!("this folder already has {TRIES} files {}-….{ending}; move some of them away", self.stem).into()
+        })
     }
 }
 
@@ -119,7 +121,7 @@ impl Files for Keep {
     fn turn(&mut self, recorder: &mut Recorder) {
         let failed = self.line.end().failed.take();
         if let Some((e, tape)) = failed.and_then(|e| Some((e, self.tape.take()?))) {
-            recorder.say(true, format!("{} is not recorded any more: {e}", tape.path.display()));
+            recorder.say(true, format!("recording into {} stopped: {e}", tape.path.display()));
         }
         let mut waits = |end: &Receiver<Result<String, FileError>>| match end.try_recv() {
             Ok(came) => {
@@ -134,10 +136,10 @@ impl Files for Keep {
 
     fn record(&mut self, on: bool, scene: &Scene) -> Result<String, ca_session::Refused> {
         if !on {
-            return self.stop().ok_or_else(|| "nothing is recorded".into());
+            return self.stop().ok_or_else(|| "the sound is not being recorded".into());
         }
         if self.tape.is_some() {
-            return Err("it is recorded already".into());
+            return Err("the sound is already being recorded".into());
         }
         if scene.counts.channels == 0 {
             return Err("the model has no output, so there is no sound to record".into());
@@ -148,20 +150,20 @@ impl Files for Keep {
         let started = AsyncSink::start("ca record", wav, BufferLimits::of(scene), RtRequest::default());
         let (line, sink) = started.map_err(|e| e.to_string())?;
         self.line.set(Some(line));
-        let text = format!("records into {}", path.display());
+        let text = format!("recording into {}", path.display());
         self.tape = Some(Tape { path, sink });
         Ok(text)
     }
 
     fn save(&mut self, recorder: &mut Recorder) -> Result<String, ca_session::Refused> {
         let Some(kept) = &self.kept else {
-            return Err("what devices did is kept only with --log TAKE, from the start".into());
+            return Err("a take of a model with devices can be recorded only from the start, with `--log TAKE`".into());
         };
         if self.saves.is_some() {
-            return Err("a take is being saved; once that is done, save another".into());
+            return Err("a take is being saved; wait until it is finished".into());
         }
         let to = self.free("mcap")?;
-        let text = format!("saves {}", to.display());
+        let text = format!("saving {}", to.display());
         self.saves = Some(kept.save(to, recorder)?);
         Ok(text)
     }
@@ -175,7 +177,7 @@ fn aside(work: impl FnOnce() -> Result<String, FileError> + Send + 'static) -> R
         let _ = done.send(work());
     };
     if let Err(e) = thread::Builder::new().name("ca keep".into()).spawn(run) {
-        let _ = tell.send(Err(FileError::content(format!("no thread to write with: {e}"))));
+        let _ = tell.send(Err(FileError::content(format!("a thread for writing cannot be started: {e}"))));
     }
     end
 }

@@ -227,8 +227,8 @@ impl Hub {
         };
         let object = match serde_json::from_str::<Value>(message) {
             Ok(object) if object.is_object() => object,
-            Ok(_) => return reply(None, false, "a request is an object"),
-            Err(e) => return reply(None, false, &format!("no JSON: {e}")),
+            Ok(_) => return reply(None, false, "a request must be a JSON object"),
+            Err(e) => return reply(None, false, &format!("the request is not JSON: {e}")),
         };
         let asked = NumberedRequest::read(object);
         let id = asked.id.clone();
@@ -237,7 +237,7 @@ impl Hub {
             return reply(id, true, if on { "sound" } else { "silent" });
         }
         if self.asked.try_send(PageRequest { client: client.number, request: Some(asked) }).is_err() {
-            reply(id, false, "more is asked than can be answered; try again");
+            reply(id, false, "too many requests are waiting; try again");
         }
     }
 }

@@ -88,7 +88,7 @@ def main() -> None:
             "# Learning through renders",
             "",
             f"Written by `UPDATE=1 crates/ca-py/benches/learn`. {cpu}, {os.cpu_count()} cores, Python {platform.python_version()},",
-            f"PyTorch {torch.__version__.split('+')[0]}; shared with others, so that figures differ by a tenth and more from run to run.",
+            f"PyTorch {torch.__version__.split('+')[0]}; shared with others, so figures differ by a tenth and more from run to run.",
             "",
             f"Stiffness and viscosity of {INSTANCES} strings of {MASSES} masses, from starts up to 9 cents and a factor of 1.6 off, by {STEPS} steps of",
             f"Adam, each through {INSTANCES} renders of {SECONDS} s in double precision and back. The sound of both differs by",
@@ -99,7 +99,7 @@ def main() -> None:
             *(f"| {name} | {took:.0f} | {cents:.2g} | {percent:.2g} |" for name, took, cents, percent in rows),
             "",
             f"{rows[1][1] / rows[0][1]:.1f} times as fast. The tensors are written for this one string; the engine's function takes any scene, with",
-            "contacts and friction, and its memory grows with the root of the length of the sound.",
+            "contacts and friction, and its memory grows with the square root of the length of the sound.",
             "",
         ]
     )

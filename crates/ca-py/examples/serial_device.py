@@ -71,7 +71,7 @@ def real_time(priority: int = 75) -> None:
     try:
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
     except OSError as e:
-        print(f"no real-time priority ({e.strerror}): raise `rtprio` in limits.conf", file=sys.stderr)
+        print(f"no real-time priority ({e.strerror}); raise `rtprio` in /etc/security/limits.conf", file=sys.stderr)
 
 
 def main(path: str, name: str, periods: int) -> None:

@@ -34,7 +34,7 @@ impl Gesture {
             _ => None,
         };
         if let Some(name) = tracks.iter().find_map(narrow) {
-            return Err(usage(py, &format!("breakpoints of `{name}` are rows of a time and a value, (n, 2)")));
+            return Err(usage(py, &format!("breakpoints of `{name}` must be rows (n, 2) of a time and a value")));
         }
         let track = |(name, curve): (String, Curve)| match curve {
             Curve::Value(v) => Track::points(name, vec![(0.0, v)]),
@@ -119,7 +119,8 @@ impl Gesture {
         let Some(port) = port else { return Ok(Gesture { gesture }) };
         let what = format!("`{}` has {} tracks", named.display(), gesture.tracks().len());
         let one = gesture.named(&port);
-        let gesture = one.ok_or_else(|| usage(py, &format!("{what}; `{port}` gives a name to a single one")))?;
+        let gesture = one
+            .ok_or_else(|| usage(py, &format!("{what}, but `{port}` needs one; pass the file as the whole gesture")))?;
         Ok(Gesture { gesture })
     }
 }

@@ -74,12 +74,12 @@ fn sound(
 /// Converts a cotangent to a flat vector (frames x channels).
 fn rows(py: Python, cotangent: &PyReadonlyArray2<'_, f64>, channels: usize) -> PyResult<Vec<f64>> {
     if cotangent.shape()[1] != channels {
-        let what = format!("the cotangent has the shape {:?}: (frames, {channels})", cotangent.shape());
+        let what = format!("the cotangent has the shape {:?}; it must be (frames, {channels})", cotangent.shape());
         return Err(error::usage(py, &what));
     }
     let mut all: Vec<f64> = Vec::new();
     if all.try_reserve_exact(cotangent.len()).is_err() {
-        return Err(error::usage(py, "the cotangent does not fit into memory; play less"));
+        return Err(error::usage(py, "the cotangent does not fit into memory; play fewer seconds"));
     }
     match cotangent.as_slice() {
         Ok(whole) => all.extend_from_slice(whole),

@@ -34,7 +34,7 @@ pub fn quantity(py: Python, name: &str, text: &str, unit: &str) -> PyResult<f64>
     if fits(&read) {
         Ok(read.value)
     } else {
-        Err(refused(if unit.is_empty() { "that has a unit".into() } else { format!("that is not in {unit}") }))
+        Err(refused(if unit.is_empty() { "it must not have a unit".into() } else { format!("it is not in {unit}") }))
     }
 }
 
@@ -46,11 +46,11 @@ pub fn modes(py: Python<'_>, loaded: Loaded, rate: Option<f64>) -> PyResult<Boun
             .map_err(|diags| Failure::Found(Box::new(Found { model: loaded.model.clone(), diags })))?;
         let n = network.linear.dofs.len();
         if n == 0 {
-            return Err(Failure::Failed("nothing in this model moves".into()));
+            return Err(Failure::Failed("nothing in the linear part of this model moves, so it lacks modes".into()));
         }
         let all = modes::modes(&network).ok_or_else(|| {
             let most = modes::LARGEST;
-            Failure::Failed(format!("{n} places move, which is too much for a table of modes: at most {most}"))
+            Failure::Failed(format!("{n} moving places are too many for a table of modes; the limit is {most}"))
         })?;
         Ok((network, all))
     })?;
@@ -158,7 +158,7 @@ pub fn accuracy<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let probes = if asked.probes.is_empty() { ca_accuracy::heard(&loaded.model) } else { asked.probes };
     if probes.is_empty() {
-        return Err(usage(py, "the model has no output to compare; name what to listen to by `probes`"));
+        return Err(usage(py, "the model has no output to compare; name modules to compare with `probes`"));
     }
     let found = apart(py, progress, move |wanted| {
         let mut ask = AccuracyOptions {
@@ -167,7 +167,7 @@ pub fn accuracy<'py>(
             seconds: asked.seconds,
             times: &asked.times,
             reference: asked.reference,
-            remedy: "play longer, `seconds`, or listen elsewhere, `probes`",
+            remedy: "play longer with `seconds`, or compare other modules with `probes`",
             progress: &mut |done, of| wanted.goes_on(done, of),
         };
         ca_accuracy::measured(&loaded, &mut ask)

@@ -73,13 +73,13 @@ fn entries(args: Vec<(String, Given)>) -> Vec<Entry> {
 
 /// The exception for an invalid name.
 fn no_name(py: Python, name: &str) -> PyErr {
-    let of = "letters from a to z or A to Z, digits and `_`, and no digit first";
-    usage(py, &format!("`{}` cannot be a name: it is made of {of}; a dot stands behind a group", name.escape_debug()))
+    let of = "letters from a to z or A to Z, digits and `_`, and do not begin with a digit";
+    usage(py, &format!("`{}` is not a valid name: use {of}; a dot separates a group from a name", name.escape_debug()))
 }
 
 /// The exception for a name in use.
 fn taken(py: Python, name: &str, by: &str) -> PyErr {
-    usage(py, &format!("`{name}` is {by} already; names are unique in a model: rename one of the two"))
+    usage(py, &format!("`{name}` is already {by}; names must be unique in a model, so rename one of the two"))
 }
 
 #[pyfunction]
@@ -132,7 +132,7 @@ impl Model {
         }
         if !self.names.insert(name.to_owned()) {
             let first = model.items.iter().find(|i| i.name == name);
-            let what = first.map_or_else(|| "a group".into(), |i| format!("a module, `{}`", i.kind));
+            let what = first.map_or_else(|| "a group".into(), |i| format!("a `{}` module", i.kind));
             return Err(taken(py, name, &what));
         }
         Ok(())
@@ -158,7 +158,7 @@ impl Model {
             let names = || parts.iter().map(|p| p.name.as_str()).chain(LIBRARY.iter().map(|p| p.0));
             let hint = match nearest(name, names()) {
                 Some(near) => format!("did you mean `{near}`?"),
-                None => format!("there are {}, or give a model in its place", load::ticked(names())),
+                None => format!("use {}, or pass a model instead", load::ticked(names())),
             };
             usage(py, &format!("the model has no part `{name}`; {hint}"))
         })
@@ -242,8 +242,8 @@ impl Model {
         let meant = |meant: Option<&str>, all: String| meant.map_or(all, |m| format!("did you mean `{m}`?"));
         let catalog = ca_lab::catalog();
         let Some(known) = catalog.get(kind) else {
-            let hint = meant(nearest(kind, catalog.iter().map(|k| k.code)), "`kinds()` has them all".into());
-            return Err(usage(py, &format!("`{name}`: there is no kind `{kind}`; {hint}")));
+            let hint = meant(nearest(kind, catalog.iter().map(|k| k.code)), "`kinds()` lists all kinds".into());
+            return Err(usage(py, &format!("`{name}`: unknown kind `{kind}`; {hint}")));
         };
         let params = || known.params.iter().map(|p| p.name);
         if let Some((key, _)) = args.iter().find(|(key, _)| known.param(key).is_none()) {
@@ -259,7 +259,7 @@ impl Model {
         if self.loaded.model.groups.iter().any(|g| g.name == name) {
             return Err(usage(
                 py,
-                &format!("there is a group `{name}` already; give it all of its properties at once"),
+                &format!("the group `{name}` exists already; give all of its properties in one call"),
             ));
         }
         self.take(py, name)?;
@@ -298,7 +298,7 @@ impl Model {
         let found = match (&part, shipped) {
             (None, Some(name)) => part::add_shipped(&mut next, name, &u, &ca_lab::catalog()),
             (Some(part), _) => part::add(&mut next, part, &u, &ca_lab::catalog()),
-            (None, None) => return Err(usage(py, "no part is given")),
+            (None, None) => return Err(usage(py, "no part given; pass the name of a part, or a model")),
         };
         if let Some(first) = found.list.iter().find(|d| d.severity == Severity::Error) {
             self.names.remove(name);
@@ -323,7 +323,7 @@ impl Model {
         }
         let model = &mut self.loaded.model;
         if let Some(module) = model.items.iter().find(|i| section == "param" && i.name == key) {
-            return Err(taken(py, key, &format!("a module, `{}`", module.kind)));
+            return Err(taken(py, key, &format!("a `{}` module", module.kind)));
         }
         let list = match section {
             "model" => &mut model.meta,
@@ -332,7 +332,14 @@ impl Model {
             "gesture" => &mut model.gestures,
             "preset" => &mut model.presets,
             "equivalence" => &mut model.equivalence,
-            _ => return Err(usage(py, &format!("`{section}` is no section of a model"))),
+            _ => {
+                return Err(usage(
+                    py,
+                    &format!(
+                        "`{section}` is not a section; use `model`, `rate`, `param`, `gesture`, `preset` or `equivalence`"
+                    ),
+                ));
+            }
         };
         list.retain(|e| e.key != key);
         list.push(Entry::new(key, value.value()));

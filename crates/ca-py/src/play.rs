@@ -151,7 +151,10 @@ impl Performance {
         match answer {
             Some(Reply { ok: true, text, .. }) => Ok(text),
             Some(reply) => Err(error::usage(py, &reply.text)),
-            None => Err(error::failure(py, Failure::Failed("the scene does not play any more".into()))),
+            None => Err(error::failure(
+                py,
+                Failure::Failed("the scene does not answer; if it has stopped, play it again".into()),
+            )),
         }
     }
 

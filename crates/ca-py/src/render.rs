@@ -84,7 +84,9 @@ pub fn render<S: Sample + Element + 'static>(
     let heard = apart(py, progress, move |wanted| heard::<S>(&of, seconds, gesture.as_ref().map(Py::get), wanted));
     let heard = heard?.map_err(|e| match e {
         Unheard::Gesture(e) => error::gesture(py, &e),
-        Unheard::Room(n) => usage(py, &format!("{n} samples do not fit into memory; render less, or stream it")),
+        Unheard::Room(n) => {
+            usage(py, &format!("{n} samples do not fit into memory; render less, or play blocks with `Scene.open`"))
+        }
         Unheard::Failed(e) => failure(py, e),
     })?;
     let scene = &*model.scene;

@@ -103,7 +103,9 @@ fn events(take: &take::Take, wanted: &Wanted) -> Result<Columns, FileError> {
                 let there = all.sound.len() as u64;
                 let at = tick.checked_mul(take.header.channels.len() as u64);
                 let at = at.filter(|n| (there..=there + HOLE).contains(n)).ok_or_else(|| {
-                    let what = format!("sound at sample {tick}, after {there} of all channels");
+                    let what = format!(
+                        "the sound at sample {tick} does not follow the {there} samples (of all channels) before it"
+                    );
                     FileError::new(FileErrorKind::Content, what)
                 })?;
                 all.sound.resize(at as usize, 0.0);

@@ -89,12 +89,12 @@ fn page(report: &Report) -> String {
                         p.note.warning[*weight == Weight::Warning] role="note" { (words(text)) }
                     }
                     noscript {
-                        p.note { "Plots are drawn by a script, which is off here; all else is on the page." }
+                        p.note { "Plots need JavaScript, which is turned off: turn it on and reload the page. Everything else is shown." }
                     }
                     @for s in sections { (s) }
                 }
                 footer {
-                    p { "One file that needs no network. Drag in a plot to zoom, double-click to go back; a click in a plot over time goes to that time in the sound." }
+                    p { "This page is a single file and needs no network. Drag in a plot to zoom; double-click to reset. Click in a plot over time to move the sound to that time." }
                 }
                 script type="application/json" id="data" { (PreEscaped(data)) }
                 @for script in SCRIPTS { script { (PreEscaped(script)) } }
@@ -151,14 +151,14 @@ fn players(sound: &Sound) -> Markup {
             }
         }
         @if sound.held() < sound.seconds() {
-            p.note { "The players hold the first " (digits(sound.held())) " s of " (digits(sound.seconds())) " s." }
+            p.note { "The players contain the first " (digits(sound.held())) " s of " (digits(sound.seconds())) " s." }
         }
     }
 }
 
 fn figure(plot: &Plot, plots: &mut Vec<Json>) -> Markup {
     if plot.is_empty() {
-        return html! { p { (plot.title) ": nothing to draw." } };
+        return html! { p { (plot.title) ": no data." } };
     }
     let id = format!("p{}", plots.len());
     plots.push(plot.json(&id));
@@ -183,13 +183,13 @@ fn figure(plot: &Plot, plots: &mut Vec<Json>) -> Markup {
                     summary { "Numbers" }
                     div.scroll { table {
                         thead { tr {
-                            th { (plot.y.label) (unit) } th.number { "least" } th.number { "greatest" } th.number { "last" }
+                            th { (plot.y.label) (unit) } th.number { "minimum" } th.number { "maximum" } th.number { "last" }
                         } }
                         tbody { @for (name, extent) in ranges { tr {
                             td { (name) }
                             @match extent {
                                 Some(e) => { @for v in e { td.number { (digits(v)) } } }
-                                None => td.number colspan="3" { "nothing" },
+                                None => td.number colspan="3" { "no data" },
                             }
                         } } }
                     } }

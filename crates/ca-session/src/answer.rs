@@ -66,7 +66,7 @@ pub fn answer(
                         return Reply::refused(why);
                     }
                     names.push(format!(
-                        "{name} = {}: the model is made anew, or its terminal says why not",
+                        "{name} = {}: compiling the model again; errors appear in its terminal",
                         text.trim()
                     ));
                 }
@@ -77,7 +77,7 @@ pub fn answer(
             let who = device.as_deref().unwrap_or("all devices").to_string();
             done(
                 recorder.order(device.as_deref(), Order::Arm).map_err(Refused::from),
-                format!("{who}: armed; forces fade in once nothing pushes"),
+                format!("{who}: armed; forces fade in once the model's force is near zero"),
             )
         }
         Request::Disarm { device } => {
@@ -86,13 +86,13 @@ pub fn answer(
         }
         Request::Stop => {
             *leave = true;
-            Reply::done("ends")
+            Reply::done("ending")
         }
         Request::Audio { to: Some(name) } if name.len() > LONGEST => {
-            Reply::refused(format!("a name has {LONGEST} bytes at most"))
+            Reply::refused(format!("a name may have at most {LONGEST} bytes"))
         }
         Request::Audio { to: Some(name) } => {
-            done(recorder.outputs().ask(name.trim()).map_err(Refused::from), format!("{name} is asked for"))
+            done(recorder.outputs().ask(name.trim()).map_err(Refused::from), format!("requested sound output `{name}`"))
         }
         Request::Audio { to: None } => outputs(recorder),
         Request::Status => status(recorder),
@@ -106,13 +106,13 @@ pub fn answer(
 pub fn value(recorder: &Recorder, language: &dyn Language, name: &str, given: Given) -> Result<f64, Refused> {
     let params = recorder.controls().params();
     if name.len() > LONGEST {
-        return Err(format!("a name has {LONGEST} bytes at most").into());
+        return Err(format!("a name may have at most {LONGEST} bytes").into());
     }
     let Some(param) = params.iter().find(|p| p.name == name) else {
         let names: Vec<&str> = params.iter().map(|p| p.name.as_str()).collect();
         let hint = match language.nearest(name, &names) {
             Some(m) => format!("did you mean `{m}`?"),
-            None => "declare it in [param] with live = true".into(),
+            None => "declare it in `[param]` with `live = true`".into(),
         };
         return Err(format!("`{name}` is not a live parameter of this model; {hint}").into());
     };
@@ -131,8 +131,8 @@ fn param(p: &LiveParam) -> Value {
 fn outputs(recorder: &mut Recorder) -> Reply {
     let o = recorder.outputs();
     let choices: Vec<String> = o.choices.iter().map(|c| format!("`{c}`")).collect();
-    let choices = if choices.is_empty() { "none can be chosen".into() } else { format!("of {}", choices.join(", ")) };
-    let text = format!("sound: {}; {choices}", if o.plays.is_empty() { "by nothing" } else { &o.plays });
+    let choices = if choices.is_empty() { "no choices".into() } else { format!("choices: {}", choices.join(", ")) };
+    let text = format!("sound: {}; {choices}", if o.plays.is_empty() { "none" } else { &o.plays });
     let fields = match serde_json::to_value(&*o) {
         Ok(Value::Object(fields)) => fields,
         _ => Map::new(),
@@ -151,7 +151,7 @@ fn status(recorder: &Recorder) -> Reply {
         .collect();
     let mut text = format!("{frames} gesture frames, sample {tick}");
     if recorder.lost() > 0 {
-        let _ = write!(text, "; {} records, samples, pictures, forces or times lost so far", recorder.lost());
+        let _ = write!(text, "; lost so far: {} records, samples, pictures, forces or times", recorder.lost());
     }
     for (name, mode, cause, frames) in recorder.devices() {
         let _ = write!(text, "\n{name}: {} ({}), {frames} frames", mode.name(), cause.name());

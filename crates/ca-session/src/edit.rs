@@ -54,10 +54,10 @@ impl Edit {
     /// Changes a number of the model, as `--set` does.
     pub(crate) fn change(&mut self, name: &str, value: &str) -> Result<(), Refused> {
         if self.changes.len() >= MOST && !self.changes.iter().any(|c| c.0 == name) {
-            return Err(format!("{MOST} numbers are changed already; write them into the file of the model").into());
+            return Err(format!("{MOST} values are already changed; write them into the model file").into());
         }
         if name.len().max(value.len()) > LONGEST {
-            return Err(format!("`name` and `value` have {LONGEST} bytes at most").into());
+            return Err(format!("`name` and `value` may have at most {LONGEST} bytes each").into());
         }
         self.maker.check(name, value)?;
         put(&mut self.changes, (name.into(), value.into()));

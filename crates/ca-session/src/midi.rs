@@ -106,7 +106,9 @@ impl Midi {
         let Some((name, values)) = presets.get(usize::from(number)).cloned() else {
             let n = presets.len();
             if self.programs.insert((channel, number)) {
-                let text = format!("program {number} on channel {channel} chooses nothing: the model has {n} presets");
+                let text = format!(
+                    "program {number} on channel {channel} has no effect: the model has {n} presets, from program 0"
+                );
                 recorder.say(false, text);
             }
             return Ok(());
@@ -118,20 +120,21 @@ impl Midi {
 
     fn control(&mut self, recorder: &mut Recorder, at: Control, part: f64, used: bool) -> Result<(), Refused> {
         if let Some(name) = self.learning.take() {
-            recorder.say(false, format!("controller {} on channel {} sets `{name}`", at.1, at.0));
+            recorder.say(false, format!("controller {} on channel {} now sets `{name}`", at.1, at.0));
             // one controller for each parameter
             self.bound.retain(|_, n| *n != name);
             self.bound.insert(at, name);
         }
         let Some(name) = self.bound.get(&at) else {
             if !used && self.reported.insert(at) {
-                let text = format!("controller {} on channel {} moves nothing; bind it to a parameter", at.1, at.0);
+                let text =
+                    format!("controller {} on channel {} has no effect; bind it to a live parameter", at.1, at.0);
                 recorder.say(false, text);
             }
             return Ok(());
         };
         let range = recorder.controls().params().iter().find(|p| p.name == *name).map(|p| (p.min, p.max));
-        let (min, max) = range.ok_or_else(|| format!("`{name}` is no live parameter any more"))?;
+        let (min, max) = range.ok_or_else(|| format!("`{name}` is no longer a live parameter"))?;
         recorder.set(&[(name.clone(), if part >= 1.0 { max } else { min + part * (max - min) })])?;
         Ok(())
     }
@@ -148,7 +151,7 @@ impl Midi {
             let param = param.ok_or_else(|| format!("`{name}` is not a live parameter of this model"))?;
             if !(param.min.is_finite() && param.max.is_finite()) {
                 return Err(
-                    format!("`{name}` has no bounds to go between; give it `min` and `max` in the model").into()
+                    format!("`{name}` has no bounds, so no controller can set it; give it `min` and `max`").into()
                 );
             }
         }

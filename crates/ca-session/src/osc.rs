@@ -51,9 +51,9 @@ struct Outcome {
 /// packet with a refused address has no effect.
 pub fn play(packet: &[u8], admit: &dyn Fn(&str) -> Result<String, String>, target: &mut Target<'_>) -> Vec<Vec<u8>> {
     let decoded = match decoder::decode_udp(packet) {
-        _ if packet.len() > LARGEST => Err(format!("a packet has at most {LARGEST} bytes")),
+        _ if packet.len() > LARGEST => Err(format!("a packet may have at most {LARGEST} bytes")),
         Ok((_, packet)) => Ok(packet),
-        Err(e) => Err(format!("not OSC: {e}")),
+        Err(e) => Err(format!("not an OSC packet: {e}")),
     };
     let mut done = Outcome::default();
     match decoded.and_then(|mut packet| strip(&mut packet, admit).map(|()| packet)) {
@@ -112,7 +112,7 @@ fn message(m: &OscMessage, target: &mut Target<'_>, sets: &mut Vec<(String, f64)
     let args = &m.args[..];
     let Target { recorder, midi: inputs, language, now } = target;
     if let Some(name) = m.addr.strip_prefix("/param/") {
-        let [v] = args else { return Err("takes one value".into()) };
+        let [v] = args else { return Err("expects one value".into()) };
         sets.push((name.into(), value(recorder, *language, name, given(v)?)?));
         return Ok(());
     }
@@ -121,18 +121,18 @@ fn message(m: &OscMessage, target: &mut Target<'_>, sets: &mut Vec<(String, f64)
             sets.push((name.clone(), value(recorder, *language, name, given(v)?)?));
         }
         ("/preset", [OscType::String(name)]) => sets.extend(preset::values(recorder, *language, name)?),
-        ("/preset", _) => return Err("takes the name of a preset".into()),
-        ("/param", _) => return Err("takes the name of a live parameter and its value".into()),
+        ("/preset", _) => return Err("expects the name of a preset".into()),
+        ("/param", _) => return Err("expects the name of a live parameter and a value".into()),
         ("/port", [OscType::String(name), v]) => recorder.port(name, number(v)?, GLIDE)?,
         ("/port", [OscType::String(name), v, over]) => recorder.port(name, number(v)?, number(over)?)?,
-        ("/port", _) => return Err("takes the name of a port, its value and, if you like, seconds".into()),
+        ("/port", _) => return Err("expects the name of a port, a value and optionally a time in seconds".into()),
         ("/note", [key, velocity, rest @ ..]) => inputs.play(recorder, &midi(0x90, [key, velocity], rest)?, *now),
-        ("/note", _) => return Err("takes a key, a velocity (0 to let go) and, if you like, a channel".into()),
+        ("/note", _) => return Err("expects a key, a velocity (0 releases the key) and optionally a channel".into()),
         ("/control", [n, v, rest @ ..]) => inputs.play(recorder, &midi(0xb0, [n, v], rest)?, *now),
-        ("/control", _) => return Err("takes a controller, a value and, if you like, a channel".into()),
+        ("/control", _) => return Err("expects a controller, a value and optionally a channel".into()),
         ("/gesture", [v]) => recorder.gesture(truth(v)?)?,
-        ("/gesture", _) => return Err("takes 1 or 0".into()),
-        _ => return Err("there is /param, /preset, /port, /note, /control, /gesture and /state".into()),
+        ("/gesture", _) => return Err("expects 1 or 0".into()),
+        _ => return Err("unknown address; use /param, /preset, /port, /note, /control, /gesture or /state".into()),
     }
     Ok(())
 }
@@ -143,7 +143,7 @@ fn number(v: &OscType) -> Result<f64, Refused> {
         OscType::Double(v) => Ok(*v),
         OscType::Int(v) => Ok(f64::from(*v)),
         OscType::Long(v) => Ok(*v as f64),
-        _ => Err("a value is a number".into()),
+        _ => Err("the value must be a number".into()),
     }
 }
 
@@ -158,7 +158,7 @@ fn truth(v: &OscType) -> Result<bool, Refused> {
     match v {
         OscType::Bool(v) => Ok(*v),
         v => match number(v)? {
-            n if n.is_nan() => Err("takes 1 or 0".into()),
+            n if n.is_nan() => Err("expects 1 or 0".into()),
             n => Ok(n != 0.0),
         },
     }
@@ -171,13 +171,13 @@ fn midi(status: u8, data: [&OscType; 2], channel: &[OscType]) -> Result<[u8; 3],
         if range.contains(&n) {
             Ok(n as u8)
         } else {
-            Err(format!("{n} is not {} to {}", range.start(), range.end()).into())
+            Err(format!("{n} is outside {} to {}", range.start(), range.end()).into())
         }
     };
     let channel = match channel {
         [] => 1,
         [c] => byte(c, 1.0..=16.0)?,
-        _ => return Err("takes two values and a channel".into()),
+        _ => return Err("expects two values and optionally a channel".into()),
     };
     Ok([status | (channel - 1), byte(data[0], 0.0..=127.0)?, byte(data[1], 0.0..=127.0)?])
 }

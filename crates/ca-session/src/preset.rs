@@ -28,8 +28,8 @@ pub fn values(recorder: &Recorder, language: &dyn Language, preset: &str) -> Res
     let shown: String = preset.chars().take(80).collect();
     let hint = match language.nearest(&shown, &names) {
         Some(near) => format!("did you mean `{near}`?"),
-        None if names.is_empty() => "the model has none; write one below `[preset.NAME]`".into(),
-        None => format!("its presets are {}", names.join(", ")),
+        None if names.is_empty() => "the model has no presets; add one below `[preset.NAME]`".into(),
+        None => format!("the presets are {}", names.join(", ")),
     };
     Err(format!("`{shown}` is not a preset of this model; {hint}").into())
 }

@@ -196,12 +196,12 @@ impl Session {
             self.generation += 1;
             self.coming.put(self.generation, drawing.clone());
             self.next = Some((scene, drawing));
-            Ok((if anew { "begins anew" } else { "the model was read again" }, warnings))
+            Ok((if anew { "restarted" } else { "new version loaded" }, warnings))
         });
         let ok = made.is_ok();
         bad |= !ok;
         self.plays &= ok;
-        let (what, text) = made.unwrap_or_else(|why| ("the model as it was plays on", why.to_string()));
+        let (what, text) = made.unwrap_or_else(|why| ("the previous version keeps playing", why.to_string()));
         self.pages.tell_all(&Message::Report { ok, text: text.clone() });
         recorder.say(bad, format!("{}: {what}{}{text}", self.name, if text.is_empty() { "" } else { "\n" }));
     }
@@ -223,7 +223,7 @@ impl Session {
         match request {
             PageAsks::Grab { mass } => {
                 if self.holder.is_some_and(|h| h != client) {
-                    return Err("somebody else holds a mass".into());
+                    return Err("another page holds a mass; wait until it is released".into());
                 }
                 recorder.grab(self.mass(*mass)?.1)?;
                 self.holder = Some(client);
@@ -231,7 +231,7 @@ impl Session {
             }
             PageAsks::Drag { by } => {
                 if self.holder != Some(client) {
-                    return Err("no mass is held; grab one first".into());
+                    return Err("this page does not hold a mass; grab one first".into());
                 }
                 recorder.drag(vector(by.as_deref())?)?;
                 done("pulled")
@@ -241,39 +241,39 @@ impl Session {
                     self.holder = None;
                     recorder.release()?;
                 }
-                done("let go")
+                done("released")
             }
             PageAsks::Gesture { play } => {
                 recorder.gesture(*play)?;
-                done(if *play { "the model's own gesture plays" } else { "the gesture has stopped" })
+                done(if *play { "gesture started" } else { "gesture stopped" })
             }
             PageAsks::Port { name, value } => {
-                let name = name.as_deref().ok_or("`name`: which port?")?;
-                recorder.port(name, value.ok_or("`value` is a number [m or N]")?, GLIDE)?;
+                let name = name.as_deref().ok_or("`name` must be the name of a port")?;
+                recorder.port(name, value.ok_or("`value` must be a number, in m or N")?, GLIDE)?;
                 done(name)
             }
             PageAsks::Change { name, value } => {
                 let [name, value] = [name, value].map(|text| text.trim());
                 if name.is_empty() || value.is_empty() {
-                    return Err("`name` and `value`: which number of the model, and what it is to be".into());
+                    return Err("`name` must name a value in the model, and `value` its new value".into());
                 }
                 self.edit.change(name, value)?;
-                done("the model is made anew")
+                done("compiling the model again")
             }
             PageAsks::Restart => {
                 self.edit.restart();
-                done("all begins as at load")
+                done("restarting from the state at load")
             }
             PageAsks::Play => {
                 self.edit.restart();
                 self.plays = true;
-                done("all begins as at load, and plays")
+                done("restarting from the state at load, then playing the gesture, if any")
             }
             PageAsks::Midi { bytes } => {
                 let bytes = bytes.as_deref().filter(|b| b.len() <= MIDI);
                 midi.play(
                     recorder,
-                    bytes.ok_or_else(|| format!("`bytes` are up to {MIDI} numbers from 0 to 255"))?,
+                    bytes.ok_or_else(|| format!("`bytes` must be at most {MIDI} numbers from 0 to 255"))?,
                     now,
                 );
                 done("played")
@@ -281,24 +281,24 @@ impl Session {
             PageAsks::Learn { name } => {
                 let name = name.as_ref().and_then(Option::as_deref);
                 midi.learn(recorder, name)?;
-                done(if name.is_some() { "move a controller" } else { "no controller is bound" })
+                done(if name.is_some() { "move a MIDI controller to bind it" } else { "binding cancelled" })
             }
             PageAsks::Audio { device } => {
                 let name = device.trim();
                 if name.is_empty() || name.len() > NAME {
-                    return Err(format!("`device` is the name of what plays, of {NAME} bytes at most").into());
+                    return Err(format!("`device` must be the name of a sound output, of at most {NAME} bytes").into());
                 }
                 recorder.outputs().ask(name)?;
-                done("it is opened")
+                done("opening the sound output")
             }
             PageAsks::Record { on } => done(&self.files.record(*on, &self.scene)?),
             PageAsks::Save => done(&self.files.save(recorder)?),
             PageAsks::Set { values } => {
-                let values = values.clone().ok_or("`values` are names with numbers, or texts with units")?;
+                let values = values.clone().ok_or("`values` must map names to numbers or to texts with units")?;
                 control(recorder, Request::Set { values })
             }
             PageAsks::Arm { on: true } if !self.allow_arm => {
-                Err("forces are not armed from here: use `ca arm`, or start with --allow-arm".into())
+                Err("this page may not arm forces: run `ca arm`, or restart with `--allow-arm`".into())
             }
             PageAsks::Arm { on: true } => control(recorder, Request::Arm { device: None }),
             PageAsks::Arm { on: false } => control(recorder, Request::Disarm { device: None }),
@@ -311,14 +311,15 @@ impl Session {
 
     /// Returns the number in the drawing and the index of the MAT for a request.
     fn mass(&self, mass: Option<u64>) -> Result<(u64, usize), Refused> {
-        let drawn = mass.ok_or("`mass` is a number of the drawing")?;
+        let drawn = mass.ok_or("`mass` must be the number of a mass in the drawing")?;
         let mass = usize::try_from(drawn).ok().and_then(|n| self.drawing.scene_mass(n));
-        mass.map(|mass| (drawn, mass)).ok_or_else(|| format!("{drawn}: there is no such mass to touch").into())
+        mass.map(|mass| (drawn, mass))
+            .ok_or_else(|| format!("mass {drawn} of the drawing does not exist or cannot be held").into())
     }
 
     fn pick(&self, mass: Option<u64>) -> Answer {
         let (drawn, mass) = self.mass(mass)?;
-        let symbol = self.scene.symbols.get(mass).ok_or("no such mass")?;
+        let symbol = self.scene.symbols.get(mass).ok_or("the mass does not exist")?;
         let name = symbol.name.to_string();
         Ok((name.clone(), Some(Picked { mass: drawn, name, kind: symbol.code.into() })))
     }
@@ -365,6 +366,6 @@ fn vector(by: Option<&[f64]>) -> Result<[f64; 3], Refused> {
     match by {
         Some([u]) => Ok([*u, 0.0, 0.0]),
         Some([x, y, z]) => Ok([*x, *y, *z]),
-        _ => Err("`by` is where the mass is pulled to, from where it rests [m]: [u], or [x, y, z] in space".into()),
+        _ => Err("`by` must be the displacement from rest in m: [u], or [x, y, z] in space".into()),
     }
 }

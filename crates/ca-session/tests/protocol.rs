@@ -170,8 +170,8 @@ fn requests_are_read_as_ever() {
     let fly = NumberedRequest::read(json!({"type": "fly", "id": null}));
     assert_eq!(fly.id, Some(Value::Null));
     let why = |asked: NumberedRequest| asked.request.unwrap_err().to_string();
-    assert_eq!(why(fly), "`fly` is nothing a page can ask");
-    assert_eq!(why(NumberedRequest::read(json!({"type": 7}))), "`` is nothing a page can ask");
+    assert_eq!(why(fly), "`fly` is not a request that a page can send");
+    assert_eq!(why(NumberedRequest::read(json!({"type": 7}))), "`` is not a request that a page can send");
 }
 
 proptest! {

@@ -199,11 +199,11 @@ fn a_session_plays_and_answers_without_threads() {
     for (request, why) in [
         (json!({"type": "set", "values": {"kk": 1}}), "did you mean `k`?"),
         (json!({"type": "set", "values": {"k": 1e9}}), "between"),
-        (json!({"type": "drag", "by": [1]}), "no mass is held"),
-        (json!({"type": "midi", "bytes": [256]}), "`bytes` are up to 96 numbers from 0 to 255"),
+        (json!({"type": "drag", "by": [1]}), "does not hold a mass"),
+        (json!({"type": "midi", "bytes": [256]}), "`bytes` must be at most 96 numbers from 0 to 255"),
         (json!({"type": "arm", "on": true}), "--allow-arm"),
         (json!({"type": "save"}), "no files here"),
-        (json!({"type": "fly"}), "`fly` is nothing a page can ask"),
+        (json!({"type": "fly"}), "`fly` is not a request that a page can send"),
     ] {
         let (ok, text) = ask(&mut i, &pages, request);
         assert!(!ok && text.contains(why), "{text}");

@@ -35,12 +35,12 @@ impl Audio {
     pub fn refuses(self, channels: usize, rate: f64) -> Option<String> {
         match self {
             Audio::Flac => {
-                flac::refuses(channels, rate).map(|why| format!("{why}; \"wav\" holds more, \"none\" keeps rows only"))
+                flac::refuses(channels, rate).map(|why| format!("{why}; use \"wav\", or \"none\" for rows only"))
             }
             Audio::Wav => {
                 let fits = (1..=256).contains(&channels) && rate.fract() == 0.0 && (1.0..=1e6).contains(&rate);
-                let what = "WAV holds 1 to 256 channels at whole rates up to 1000000 Hz";
-                (!fits).then(|| format!("{what}, not {channels} at {rate}; \"none\" keeps rows only"))
+                let what = "WAV supports 1 to 256 channels at whole rates up to 1000000 Hz";
+                (!fits).then(|| format!("{what}, not {channels} at {rate} Hz; use \"none\" for rows only"))
             }
             Audio::None => None,
         }

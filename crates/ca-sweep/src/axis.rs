@@ -50,7 +50,7 @@ impl Axis {
     /// [`Failure::Usage`] where there are none, or too many.
     pub fn list(name: &str, values: Vec<Value>) -> Result<Axis, Failure> {
         if values.is_empty() || values.len() > MOST {
-            return Err(Failure::Usage(format!("`{name}` has {} values: 1 to {MOST}", values.len())));
+            return Err(Failure::Usage(format!("`{name}` has {} values; 1 to {MOST} are allowed", values.len())));
         }
         Ok(Axis { name: name.into(), space: Space::List(values), ends: None })
     }
@@ -62,19 +62,19 @@ impl Axis {
     pub fn range(name: &str, ends: [Value; 2], log: bool, steps: Option<u64>) -> Result<Axis, Failure> {
         let usage = |what: String| Err(Failure::Usage(format!("`{name}` {what}")));
         let [Some(from), Some(to)] = [ends[0].number(), ends[1].number()] else {
-            return usage("goes from one number or quantity to another".into());
+            return usage("needs a number or a quantity at both ends of its range".into());
         };
         if !(from.is_finite() && to.is_finite() && (to - from).is_finite()) {
-            return usage(format!("goes from {from} to {to}: numbers are wanted"));
+            return usage(format!("goes from {from} to {to}; both ends and their difference must be finite"));
         }
         if log && !(from * to > 0.0 && (to / from).is_finite()) {
-            return usage(format!("goes from {from} to {to} by ratios: both above 0, or both below"));
+            return usage(format!("goes from {from} to {to} with `log`; both ends must be above 0, or both below"));
         }
         let Some(steps) = steps else {
             return Ok(Axis { name: name.into(), space: Space::Range { from, to, log }, ends: Some(ends) });
         };
         if !(2..=MOST as u64).contains(&steps) {
-            return usage(format!("has {steps} steps: 2 to {MOST}"));
+            return usage(format!("has {steps} steps; 2 to {MOST} are allowed"));
         }
         let at = |k: u64| if k == steps - 1 { to } else { between(from, to, log, k as f64 / (steps - 1) as f64) };
         let values = (0..steps).map(|k| Value::Num(at(k))).collect();

@@ -41,7 +41,7 @@ pub struct Folder {
 }
 
 fn failed(path: &Path, what: &str, e: &std::io::Error) -> Failure {
-    Failure::Failed(format!("`{}`: {what}: {}", path.display(), reason(e)))
+    Failure::Failed(format!("`{}` {what}: {}", path.display(), reason(e)))
 }
 
 /// Returns a unique name beside `path`.
@@ -109,10 +109,10 @@ impl Folder {
     /// [`Failure::Failed`] where it cannot be written.
     pub fn open(path: &Path, sweep: &Sweep, audio: Audio, chunk: u64) -> Result<Folder, Failure> {
         if !(1..=1_000_000).contains(&chunk) {
-            return Err(Failure::Usage(format!("a chunk of {chunk} runs: 1 to 1000000 are written at once")));
+            return Err(Failure::Usage(format!("`chunk` is {chunk}; it must be 1 to 1000000 runs")));
         }
         if sweep.runs().div_ceil(chunk) > MOST {
-            let what = format!("{} runs in chunks of {chunk} are more than {MOST} folders", sweep.runs());
+            let what = format!("{} runs in chunks of {chunk} need more than {MOST} folders", sweep.runs());
             return Err(Failure::Usage(format!("{what}; make `chunk` larger")));
         }
         if let Some(why) = audio.refuses(sweep.channels(), sweep.rate()) {
@@ -123,20 +123,20 @@ impl Folder {
         match std::fs::read_to_string(&asked) {
             Ok(there) if there == text => return Ok(folder),
             Ok(_) => {
-                let what = format!("`{}` holds another sweep, see `{}`", path.display(), asked.display());
+                let what = format!("`{}` contains another sweep, see `{}`", path.display(), asked.display());
                 return Err(Failure::Usage(format!("{what}; choose another folder, or remove this one")));
             }
-            Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(failed(&asked, "it cannot be read", &e)),
+            Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(failed(&asked, "cannot be read", &e)),
             Err(_) => {}
         }
         // another worker may be creating the folder too
         let ours = |name: &str| name.contains(ASKED) || name.starts_with("runs-") || name.starts_with(".runs-");
         let mut files = std::fs::read_dir(path).into_iter().flatten().flatten();
         if files.any(|f| !ours(&f.file_name().to_string_lossy())) {
-            let what = format!("`{}` is not empty, and no sweep", path.display());
+            let what = format!("`{}` is not empty and does not contain a sweep", path.display());
             return Err(Failure::Usage(format!("{what}; choose another folder")));
         }
-        std::fs::create_dir_all(path).map_err(|e| failed(path, "it cannot be made", &e))?;
+        std::fs::create_dir_all(path).map_err(|e| failed(path, "cannot be created", &e))?;
         // workers that begin at the same time write the same text
         atomic_file::write(&asked, text.as_bytes())?;
         Ok(folder)
@@ -188,13 +188,13 @@ impl Folder {
         }
         let home = self.home(chunk);
         let part = aside(&home);
-        std::fs::create_dir(&part).map_err(|e| failed(&part, "it cannot be made", &e))?;
+        std::fs::create_dir(&part).map_err(|e| failed(&part, "cannot be created", &e))?;
         let done = self.play(sweep, chunk, &part, each).and_then(|()| {
             // a chunk without rows is incomplete
             if home.exists() && !self.has(chunk) {
                 let _ = std::fs::remove_dir_all(&home);
             }
-            std::fs::rename(&part, &home).map_err(|e| failed(&home, "it cannot be put in its place", &e))
+            std::fs::rename(&part, &home).map_err(|e| failed(&home, "cannot be moved into place", &e))
         });
         if done.is_err() {
             let _ = std::fs::remove_dir_all(&part);
@@ -221,7 +221,7 @@ impl Folder {
                 let file = part.join(format!("{}.{}", self.digits(index), self.audio.name()));
                 let bytes = self.audio.encode(&sound, sweep.channels(), sweep.rate())?;
                 let made = atomic_file::new_file(&file, 0o644).and_then(|mut f| f.write_all(&bytes));
-                made.map_err(|e| failed(&file, "it cannot be written", &e))?;
+                made.map_err(|e| failed(&file, "cannot be written", &e))?;
             }
             if !each(Some(row.status)) {
                 return Err(Failure::Stopped);

@@ -122,7 +122,7 @@ impl Sweep {
     pub fn new(loaded: Loaded, ask: SweepSpec, gesture: Option<Gesture>) -> Result<Sweep, Failure> {
         for (k, axis) in ask.axes.iter().enumerate() {
             if ask.axes[..k].iter().any(|a| a.name == axis.name) {
-                return Err(Failure::Usage(format!("`{}` is varied twice", axis.name)));
+                return Err(Failure::Usage(format!("`{}` is varied twice; remove one of them", axis.name)));
             }
             varied(axis)?;
             load::set(&mut loaded.clone(), &axis.name, axis.at(0.0))?;
@@ -135,7 +135,7 @@ impl Sweep {
             None => ask.axes.iter().try_fold(1u64, |n, a| Ok::<_, Failure>(n.saturating_mul(counted(a)?))).map(Some)?,
         };
         let runs = runs.filter(|n| (1..=MOST).contains(n));
-        let runs = runs.ok_or_else(|| Failure::Usage(format!("a sweep has 1 to {MOST} runs")))?;
+        let runs = runs.ok_or_else(|| Failure::Usage(format!("a sweep must have 1 to {MOST} runs")))?;
         let scene = loaded.compile(&Options { rate: ask.rate, ..Options::default() })?;
         // reports a gesture that does not fit before the first run
         Performance::new(&scene, gesture.as_ref())?;
@@ -232,9 +232,9 @@ impl Sweep {
         let scene = loaded.compile(&options)?;
         row.hash = bytes::named(&loaded, scene.rate)?.to_hex().to_string();
         if (scene.rate, scene.counts.channels) != (self.rate, self.channels) {
-            let what = format!("{} channels at {} Hz", scene.counts.channels, scene.rate);
+            let what = format!("this run has {} channels at {} Hz", scene.counts.channels, scene.rate);
             return Err(Failure::Failed(format!(
-                "{what}; all sounds of a sweep have {} at {} Hz",
+                "{what}, but all sounds of a sweep have {} at {} Hz",
                 self.channels, self.rate
             )));
         }
@@ -245,7 +245,7 @@ impl Sweep {
         let (mut sound, mut level) = (Vec::new(), Level::new(channels));
         let room = usize::try_from(frames).ok().and_then(|n| n.checked_mul(channels));
         if room.is_none_or(|n| sound.try_reserve_exact(n).is_err()) {
-            return Err(Failure::Failed(format!("{frames} samples do not fit into memory")));
+            return Err(Failure::Failed(format!("{frames} samples do not fit into memory; play fewer seconds")));
         }
         let played = play::play(performance, length, BLOCK, &mut |_, rows, _| {
             let first = sound.len();
@@ -314,14 +314,14 @@ fn varied(axis: &Axis) -> Result<(), Failure> {
         return Ok(());
     }
     let what = "`rate.sound` cannot be varied: all sounds of a sweep have one rate";
-    Err(Failure::Usage(format!("{what}; make a sweep of each rate")))
+    Err(Failure::Usage(format!("{what}; make one sweep for each rate")))
 }
 
 /// Returns the number of values of an axis, or an error if it is a range.
 fn counted(axis: &Axis) -> Result<u64, Failure> {
     axis.count().ok_or_else(|| {
-        let what = format!("`{}` may be anything between two values", axis.name);
-        Failure::Usage(format!("{what}; say how many `runs` are drawn, or how many `steps` it has"))
+        let what = format!("`{}` has a continuous range", axis.name);
+        Failure::Usage(format!("{what}; give the number of `runs` to draw, or of `steps` in the range"))
     })
 }
 

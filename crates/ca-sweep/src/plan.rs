@@ -103,7 +103,8 @@ impl Text<'_> {
         let Some(item) = table.get(key) else { return Ok(None) };
         let value = item.as_value().and_then(value);
         let value = value.filter(|v| !matches!(v, Value::Text(t) if !quantity::is_quantity(t)));
-        let value = value.ok_or_else(|| self.wrong(item.span(), &format!("`{key}` is a number of {what} above 0")))?;
+        let value =
+            value.ok_or_else(|| self.wrong(item.span(), &format!("`{key}` must be a number of {what} above 0")))?;
         let entry = Entry { span: span(item.span()), ..Entry::new(key, value) };
         let read = ca_compile::measured(&entry, unit, ABOVE_ZERO, &format!("`{key}`"));
         read.map(Some).map_err(|diags| self.found(diags))
@@ -116,10 +117,7 @@ impl Text<'_> {
             whole = format!("{whole}.{key}");
             inner = next;
         }
-        self.wrong(
-            item.span().or(inner.span()),
-            &format!("a name with a dot stands in quotes: write `\"{whole}\" = …`"),
-        )
+        self.wrong(item.span().or(inner.span()), &format!("a name with a dot needs quotes: write `\"{whole}\" = …`"))
     }
 
     fn one<T>(
@@ -130,17 +128,15 @@ impl Text<'_> {
         read: impl Fn(&Item) -> Option<T>,
     ) -> Result<Option<T>, Failure> {
         let Some(item) = table.get(key) else { return Ok(None) };
-        read(item).map(Some).ok_or_else(|| self.wrong(item.span(), &format!("`{key}` is {what}")))
+        read(item).map(Some).ok_or_else(|| self.wrong(item.span(), &format!("`{key}` must be {what}")))
     }
 
     fn known(&self, table: &dyn TableLike, keys: &[&str]) -> Result<(), Failure> {
         let Some((wrong, item)) = table.iter().find(|(k, _)| !keys.contains(k)) else { return Ok(()) };
         let at = table.key(wrong).and_then(toml_edit::Key::span).or(item.span());
-        let hint = nearest(wrong, keys.iter().copied()).map_or_else(
-            || format!("there are {}", load::ticked(keys.iter().copied())),
-            |m| format!("did you mean `{m}`?"),
-        );
-        Err(self.wrong(at, &format!("there is no `{wrong}`; {hint}")))
+        let hint = nearest(wrong, keys.iter().copied())
+            .map_or_else(|| format!("use {}", load::ticked(keys.iter().copied())), |m| format!("did you mean `{m}`?"));
+        Err(self.wrong(at, &format!("unknown key `{wrong}`; {hint}")))
     }
 }
 
@@ -182,13 +178,15 @@ pub fn read(path: &Path) -> Result<Plan, Failure> {
     let text_of = |item: &Item| item.as_str().map(str::to_owned);
 
     let model = t.one(top, "model", "the name of a model, in quotes", text_of)?;
-    let model = model.ok_or_else(|| t.wrong(None, "there is no `model`; say which one is swept"))?;
+    let model = model.ok_or_else(|| t.wrong(None, "`model` is missing; name the model to sweep"))?;
     let near = beside.join(&model);
     let word = if near.is_file() { near.display().to_string() } else { model };
     let mut loaded = t.at(&top["model"], load::load(&word))?;
     let table = |key: &str| -> Result<Option<&dyn TableLike>, Failure> {
         let Some(item) = top.get(key) else { return Ok(None) };
-        item.as_table_like().map(Some).ok_or_else(|| t.wrong(item.span(), &format!("`{key}` is a section, `[{key}]`")))
+        item.as_table_like()
+            .map(Some)
+            .ok_or_else(|| t.wrong(item.span(), &format!("`{key}` must be a section, `[{key}]`")))
     };
     let (set, vary) = (table("set")?, table("vary")?);
     let both = set
@@ -197,7 +195,7 @@ pub fn read(path: &Path) -> Result<Plan, Failure> {
         .find(|(name, item)| !item.is_table() && vary.is_some_and(|v| v.contains_key(name)));
     if let Some((name, item)) = both {
         let varied = vary.and_then(|v| t.line(v.get(name)?.span())).unwrap_or_default();
-        let what = format!("`{name}` is set here, and varied in line {varied}; leave out one of them");
+        let what = format!("`{name}` is set here and varied in line {varied}; remove one of them");
         return Err(t.wrong(item.span(), &what));
     }
     for (name, item) in set.map(TableLike::iter).into_iter().flatten() {
@@ -205,11 +203,13 @@ pub fn read(path: &Path) -> Result<Plan, Failure> {
             return Err(t.unquoted(name, item));
         }
         let value = item.as_value().and_then(value);
-        let value = value.ok_or_else(|| t.wrong(item.span(), &format!("`{name}` is no value")))?;
+        let value = value.ok_or_else(|| {
+            t.wrong(item.span(), &format!("`{name}` must be a number, text, a flag, a list or a table"))
+        })?;
         t.at(item, t.placed(Some(item), measured_so(&loaded, name, &value)))?;
         t.at(item, load::set(&mut loaded, name, value))?;
     }
-    let vary = vary.ok_or_else(|| t.wrong(None, "there is no `[vary]`; name the parameters that change"))?;
+    let vary = vary.ok_or_else(|| t.wrong(None, "`[vary]` is missing; name the parameters to vary there"))?;
     let runs = t.one(top, "runs", &format!("a whole number from 1 to {MOST}"), |i| {
         whole(i).filter(|n| (1..=MOST).contains(n))
     })?;
@@ -230,14 +230,14 @@ pub fn read(path: &Path) -> Result<Plan, Failure> {
     let ask = SweepSpec {
         axes,
         runs,
-        seed: t.one(top, "seed", "a whole number from 0 on", whole)?.unwrap_or(0),
+        seed: t.one(top, "seed", "a whole number of at least 0", whole)?.unwrap_or(0),
         seconds: t.number(top, "seconds", Unit::SECOND, "seconds")?,
         rate: t.number(top, "rate", Unit::HERTZ, "hertz")?,
         energy: yes("energy", false)?,
         measure: yes("measure", true)?,
     };
     let files =
-        t.one(top, "gesture", "a file, or a list of them, as in \"key=take.wav\"", |item| match item.as_array() {
+        t.one(top, "gesture", "a file, or a list of files, e.g. \"key=take.wav\"", |item| match item.as_array() {
             Some(list) => list.iter().map(|v| v.as_str().map(str::to_owned)).collect(),
             None => text_of(item).map(|f| vec![f]),
         })?;
@@ -250,7 +250,7 @@ pub fn read(path: &Path) -> Result<Plan, Failure> {
         None => None,
     };
     let audio = t.one(top, "audio", "\"flac\", \"wav\" or \"none\"", |i| i.as_str().and_then(Audio::named))?;
-    let chunk = t.one(top, "chunk", "a whole number from 1 on", |i| whole(i).filter(|n| *n > 0))?;
+    let chunk = t.one(top, "chunk", "a whole number of at least 1", |i| whole(i).filter(|n| *n > 0))?;
     let home = t.one(top, "folder", "the name of a folder, in quotes", text_of)?;
     let own = stem(path);
     let own = own.strip_suffix(".sweep").unwrap_or(&own);
@@ -266,10 +266,12 @@ pub fn read(path: &Path) -> Result<Plan, Failure> {
 fn axis(t: &Text, name: &str, item: &Item) -> Result<Axis, Failure> {
     if let Some(list) = item.as_array() {
         let values = list.iter().map(value).collect::<Option<Vec<_>>>();
-        let values = values.ok_or_else(|| t.wrong(item.span(), &format!("`{name}` has a date in it")))?;
+        let values = values.ok_or_else(|| {
+            t.wrong(item.span(), &format!("`{name}` contains a date; use numbers, quantities or text"))
+        })?;
         return t.at(item, Axis::list(name, values));
     }
-    let what = format!("`{name}` is a list of values, or `{{ from = …, to = … }}`");
+    let what = format!("`{name}` must be a list of values, or `{{ from = …, to = … }}`");
     let range = item.as_table_like().ok_or_else(|| t.wrong(item.span(), &what))?;
     if item.is_table() && range.get("from").or(range.get("to")).is_none() {
         return Err(t.unquoted(name, item));
@@ -278,6 +280,6 @@ fn axis(t: &Text, name: &str, item: &Item) -> Result<Axis, Failure> {
     let end = |key: &str| t.one(range, key, "a number or a quantity", |i| i.as_value().and_then(value));
     let (Some(from), Some(to)) = (end("from")?, end("to")?) else { return Err(t.wrong(item.span(), &what)) };
     let log = t.one(range, "log", "`true` or `false`", Item::as_bool)?.unwrap_or(false);
-    let steps = t.one(range, "steps", "a whole number from 2 on", whole)?;
+    let steps = t.one(range, "steps", "a whole number of at least 2", whole)?;
     t.at(item, Axis::range(name, [from, to], log, steps))
 }

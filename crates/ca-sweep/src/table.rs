@@ -69,7 +69,7 @@ impl RunTable {
         let names = |t: &RunTable| t.columns.iter().map(|c| c.0.clone()).collect::<Vec<_>>();
         let same = names(self) == names(&other);
         if !same || !self.columns.iter_mut().zip(other.columns).all(|(a, b)| a.1.extend(b.1)) {
-            return Err(Failure::Failed("tables of different columns".into()));
+            return Err(Failure::Failed("the tables have different columns".into()));
         }
         Ok(())
     }
@@ -85,7 +85,7 @@ impl RunTable {
     /// # Errors
     /// [`Failure::Failed`] with the file's name.
     pub fn write(&self, path: &Path, about: &[(&str, String)]) -> Result<(), Failure> {
-        let fail = |e: String| Failure::Failed(format!("`{}`: it cannot be written: {e}", path.display()));
+        let fail = |e: String| Failure::Failed(format!("`{}` cannot be written: {e}", path.display()));
         let bytes = self.bytes(about).map_err(|e| fail(e.to_string()))?;
         Ok(ca_io::atomic_file::write(path, &bytes)?)
     }
@@ -118,7 +118,7 @@ impl RunTable {
                     let there: Vec<ByteArray> = v.iter().flatten().map(|t| ByteArray::from(t.as_str())).collect();
                     w.write_batch(&there, Some(&levels(v)), None)?
                 }
-                _ => return Err(ParquetError::General("a column of another kind".into())),
+                _ => return Err(ParquetError::General("a column has another type".into())),
             };
             to.close()?;
         }
@@ -131,7 +131,7 @@ impl RunTable {
     /// # Errors
     /// [`Failure::Failed`] where the file does not exist or is damaged.
     pub fn read(path: &Path) -> Result<RunTable, Failure> {
-        let fail = |e: String| Failure::Failed(format!("`{}`: it cannot be read: {e}", path.display()));
+        let fail = |e: String| Failure::Failed(format!("`{}` cannot be read: {e}", path.display()));
         let file = std::fs::File::open(path).map_err(|e| fail(ca_lab::load::reason(&e)))?;
         RunTable::of(file).map_err(|e| fail(e.to_string()))
     }
@@ -163,7 +163,7 @@ impl RunTable {
                     let mut there = texts.into_iter();
                     Column::Text(levels.iter().map(|l| if *l > 0 { there.next() } else { None }).collect())
                 }
-                _ => return Err(ParquetError::General("a column of a kind that is not ours".into())),
+                _ => return Err(ParquetError::General("a column has an unsupported type".into())),
             };
             columns.push((field.name().to_owned(), column));
         }

@@ -125,9 +125,9 @@ impl<'a> DeviceDemands<'a> {
         if !self.feedback || !r.presented.is_rigid(b) {
             None
         } else if r.presented.sticks {
-            Some("held by friction that sticks".into())
+            Some("held by sticking friction".into())
         } else {
-            Some(format!("damped by {} N s/m, × {} of its friction", short(z), short(z / b)))
+            Some(format!("damped by {} N s/m, {} × its friction", short(z), short(z / b)))
         }
     }
 
@@ -153,12 +153,12 @@ impl<'a> DeviceDemands<'a> {
         let times = |limit: f64| short(r.k() / limit);
         let forces = match self.beyond(r) {
             [true, true] => format!(
-                "× {} what it renders, × {} what stays passive",
+                "{} × what it can render, {} × the passive limit",
                 times(self.profile.stiffness.unwrap_or(f64::INFINITY)),
                 times(self.held.passive)
             ),
-            [true, false] => format!("× {} what it renders", times(self.profile.stiffness.unwrap_or(f64::INFINITY))),
-            [false, true] => format!("× {} what stays passive", times(self.held.passive)),
+            [true, false] => format!("{} × what it can render", times(self.profile.stiffness.unwrap_or(f64::INFINITY))),
+            [false, true] => format!("{} × the passive limit", times(self.held.passive)),
             [false, false] if r.felt.is_some() || r.too_stiff => String::new(),
             [false, false] if self.outside(r) => return "beyond its travel".into(),
             [false, false] if r.saturates.is_some() => return format!("rendered up to {}", newton(self.profile.force)),
@@ -166,7 +166,7 @@ impl<'a> DeviceDemands<'a> {
         };
         let felt = match r.felt {
             Some(k) => format!("softened to {}", quantity(k)),
-            None if r.too_stiff => "no coupling fits: it gives no force".into(),
+            None if r.too_stiff => "no coupling fits, so it gives no force".into(),
             None => String::new(),
         };
         let outside = if self.outside(r) { "beyond its travel".into() } else { String::new() };

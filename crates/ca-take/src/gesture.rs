@@ -52,7 +52,7 @@ pub fn open(
         let names = ticked(gesture.tracks().iter().map(Track::name));
         let what = format!("`{}` has {} tracks, {names}", file.display(), gesture.tracks().len());
         let one = gesture.named(port);
-        all.push(one.ok_or(Failure::Usage(format!("--gesture: {what}; `{port}=` gives a name to a single one")))?);
+        all.push(one.ok_or(Failure::Usage(format!("--gesture: {what}; `{port}=` needs a file with one track")))?);
     }
     Ok(if files.is_empty() { None } else { Some(Gesture::together(all)?) })
 }
@@ -64,8 +64,9 @@ fn nameless(tracks: &[Track], scene: &Scene, file: &Path) -> Result<(), Failure>
     let first = scene.inputs.first().map(|i| &i.name).or(scene.live.params.first().map(|p| &p.name));
     match first {
         Some(first) if one.name() == "ch0" && !drives("ch0") => {
-            let what = format!("`{}`: nothing is driven by `ch0`, its only track", file.display());
-            Err(Failure::Usage(format!("{what}; give it to a port, as in `--gesture {first}=FILE`")))
+            let what =
+                format!("`{}`: its only track, `ch0`, is not a port or live parameter of the model", file.display());
+            Err(Failure::Usage(format!("{what}; name the port, as in `--gesture {first}=FILE`")))
         }
         _ => Ok(()),
     }

@@ -69,8 +69,8 @@ pub fn record(
     let given = gesture.map_or(&[][..], Gesture::tracks).iter().map(Track::name);
     let port = |name: &&str| scene.inputs.iter().any(|i| i.name == **name && i.role != InputRole::Device);
     if let Some(name) = given.into_iter().find(port) {
-        let what = format!("`{name}` is no device");
-        return Err(Failure::Usage(format!("{what}; a take holds what devices did and how live parameters changed")));
+        let what = format!("`{name}` is not a device port");
+        return Err(Failure::Usage(format!("{what}; a take records only devices and live parameters")));
     }
     let far = hands.hands(0).find_map(|(what, _)| {
         let Driven::Device(input) = what else { return None };
@@ -78,8 +78,8 @@ pub fn record(
         input.device.as_ref().filter(|d| d.1 as usize >= DOF).map(|d| (&input.name, d.1))
     });
     if let Some((name, dof)) = far {
-        let what = format!("`{name}` is degree of freedom {dof}");
-        return Err(Failure::Usage(format!("{what}; a take holds what devices did, which have {DOF} at most")));
+        let what = format!("`{name}` uses degree of freedom {dof}");
+        return Err(Failure::Usage(format!("{what}; a device in a take has at most {DOF}, counted from 0")));
     }
     let setups: Vec<Setup> = devices(&scene).iter().map(|name| setup(&scene, name)).collect();
     // no other session takes part in the recording
@@ -150,9 +150,11 @@ impl Stage<'_> {
                         for l in p.links.iter().filter(|l| l.input == input) {
                             let at = value / l.gains.alpha;
                             if moved.iter().any(|m| (m.0, m.1) == (k, l.dof) && m.2 != at) {
-                                let what = format!("`{}` is one hand", p.name);
-                                let why =
-                                    format!("{what} at its degree of freedom {}, and is to be in two places", l.dof);
+                                let what = format!("the gesture moves device `{}`", p.name);
+                                let why = format!(
+                                    "{what} to two positions at degree of freedom {}; give both ports the same values",
+                                    l.dof
+                                );
                                 return Err(Failure::Usage(why));
                             }
                             moved.push((k, l.dof, at));

@@ -74,7 +74,7 @@ fn main() -> Result<(), jack::Error> {
     for port in client.ports(Some("system:playback_.*"), None, jack::PortFlags::IS_INPUT) {
         client.connect_ports_by_name(&ours, &port)?;
     }
-    println!("it plays; type a frequency, or end the line with Ctrl-D");
+    println!("playing; type a frequency in Hz, or Ctrl-D to stop");
     let lines = std::io::stdin().lines().map_while(Result::ok);
     lines.filter_map(|line| line.trim().parse().ok()).for_each(|hertz| playing.pitch(hertz));
     Ok(())

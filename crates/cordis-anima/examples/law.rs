@@ -37,12 +37,12 @@ static KIND: Kind = Kind {
     code: "FIFTH",
     title: "spring with a fifth power",
     equation: "F = k e + q e^5",
-    doc: "A spring that is soft at rest and hard when it is drawn out.",
+    doc: "A spring that is soft at rest and stiff when it is stretched.",
     source: &[],
     params: &[
         BETWEEN,
         Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Required, "stiffness at rest"),
-        Param::number("q", FIFTH, POSITIVE, Need::Required, "how it hardens"),
+        Param::number("q", FIFTH, POSITIVE, Need::Required, "stiffness of the fifth power"),
     ],
     one_of: &[],
     example: r#"

@@ -123,17 +123,17 @@ fn part(folder: &Path, name: &str) -> Result<String, Unread> {
     let unread = |what: &str, help: &str| Unread { what: format!("`{name}`: {what}"), help: help.into() };
     // reading a pipe would block; `text` reports a missing file
     if path.metadata().is_ok_and(|m| !m.is_file()) {
-        return Err(unread("it is no file", "name a model file beside this one"));
+        return Err(unread("it is not a regular file", "name a model file in the same folder"));
     }
     let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     if let (Ok(real), Ok(here)) = (path.canonicalize(), here.canonicalize()) {
         if !real.starts_with(here) {
-            return Err(unread("it leads out of the folder of the model", "copy the file beside the model"));
+            return Err(unread("it is outside the folder of the model", "copy the file into the folder of the model"));
         }
     }
     text(&path).map_err(|e| {
         let what = FileError { fix: String::new(), ..e.clone() }.to_string();
-        Unread { what, help: if e.fix.is_empty() { "put it beside the model".into() } else { e.fix } }
+        Unread { what, help: if e.fix.is_empty() { "put it into the folder of the model".into() } else { e.fix } }
     })
 }
 
@@ -163,7 +163,7 @@ pub fn utf8(bytes: Vec<u8>, name: &Path) -> Result<String, FileError> {
         let good = e.as_bytes().get(..e.utf8_error().valid_up_to()).unwrap_or_default();
         let good = String::from_utf8_lossy(good);
         let (line, column) = line_column(&good, good.len());
-        let what = format!("not a text in UTF-8, from line {line}, column {column} on");
+        let what = format!("it is not UTF-8 text from line {line}, column {column} on");
         FileError::new(FileErrorKind::Format, what).file(name.display()).fix("save it as UTF-8")
     })
 }

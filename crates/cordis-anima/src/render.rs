@@ -37,7 +37,7 @@ pub fn render(scene: &Scene, seconds: Option<f64>) -> Result<Rendered, Error> {
     let p = Performance::new(scene, None)?;
     let seconds = perform::seconds(&p, seconds);
     if seconds.is_nan() || seconds < 0.0 {
-        let e = FileError::new(FileErrorKind::Usage, format!("{seconds} s is no time to play for"));
+        let e = FileError::new(FileErrorKind::Usage, format!("the duration {seconds} s is not valid"));
         return Err(e.fix("give 0 seconds or more").into());
     }
     let frames = perform::frames(scene, seconds);
@@ -45,7 +45,7 @@ pub fn render(scene: &Scene, seconds: Option<f64>) -> Result<Rendered, Error> {
     let room = usize::try_from(frames).ok().and_then(|n| n.checked_mul(scene.counts.channels.max(1)));
     if room.is_none_or(|n| sound.try_reserve_exact(n).is_err()) {
         let e = FileError::new(FileErrorKind::Usage, format!("{seconds} s of sound do not fit into memory"));
-        return Err(e.fix("play less, or play it by blocks with `ca_io::perform::Performance`").into());
+        return Err(e.fix("play a shorter time, or play in blocks with `ca_io::perform::Performance`").into());
     }
     play(p, frames, BLOCK, &mut |p, rows, _| {
         for row in rows.chunks_exact(scene.counts.n_out.max(1)) {

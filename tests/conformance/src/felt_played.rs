@@ -48,7 +48,7 @@ fn a_contact_with_memory_that_is_pressed_at_load_is_named_with_its_force() {
                 k = 2000 }\n[SOX]\nout = { from = \"low\" }\n";
     let scene = built(&read(text), &Options::default());
     let found: Vec<_> = scene.findings.list.iter().map(|d| d.title.as_str()).collect();
-    assert_eq!(found, ["`press` presses at load, with 2 N"]);
+    assert_eq!(found, ["`press` already presses at load, with a force of 2 N"]);
     assert_eq!(scene.state().links.mem, [1e-3, 0.0]);
 }
 

@@ -33,7 +33,7 @@ fn a_table_is_judged_where_it_is_reached() {
     for (v, level) in [(bend * (1.0 - 1e-6), Level::RuleOfThumb), (bend * (1.0 + 1e-6), Level::NotProven)] {
         let s = scene(&bob(v, TABLE));
         assert_eq!(s.certificate.level, level, "{v}");
-        assert_eq!(found(&s, "W107", "decides: as steep as"), level == Level::NotProven, "{:?}", s.findings.list);
+        assert_eq!(found(&s, "W107", "decisive: a slope of up to"), level == Level::NotProven, "{:?}", s.findings.list);
     }
 }
 

@@ -308,7 +308,11 @@ fn ten_thousand_grains_are_one_module() {
     let pressed = scene(&text("4 mm"));
     assert_eq!(pressed.findings.list.len(), 1);
     let said = &pressed.findings.list[0];
-    assert!(said.code == "W102" && said.title.contains("`hits` presses at load, with 0.1 N"), "{}", pressed.findings);
+    assert!(
+        said.code == "W102" && said.title.contains("`hits` already presses at load, with a force of 0.1 N"),
+        "{}",
+        pressed.findings
+    );
     // the pairs themselves would be too many
     let refused = compile(&model(&text("6 mm")), &ca_model::catalog(), &reference()).expect_err("too many");
     assert!(refused.list.iter().any(|d| d.code == "E027"), "{refused}");

@@ -256,34 +256,34 @@ fn files_that_are_no_clouds_say_why() {
     assert!(said("a.ply", b"solid\n").starts_with("it, line 1: "), "{}", said("a.ply", b"solid\n"));
     assert_eq!(
         said("b.ply", format!("{header}end_header\n0 0\n1 1\n").as_bytes()),
-        "it: its points have no `z`; export x, y and z"
+        "it: its points lack `z`; export x, y and z"
     );
     let short = said("c.ply", format!("{header}property float z\n{list}0 0 0\n1 1 1\n").as_bytes());
     assert!(short.starts_with("it"), "{short}");
     let face = said("d.ply", format!("{header}property float z\n{list}0 0 0\n1 1 1\n3 0 1 2\n").as_bytes());
-    assert_eq!(face, "it: a face names point 2; there are 2, counted from 0");
+    assert_eq!(face, "it: a face uses point 2, which does not exist; the points are counted from 0, and there are 2");
     let nan = said("e.ply", format!("{header}property float z\nend_header\n0 0 0\n1 nan 1\n").as_bytes());
-    assert!(nan.contains("nowhere") || nan.contains("line 9"), "{nan}");
+    assert!(nan.contains("not finite") || nan.contains("line 9"), "{nan}");
     let huge = header.replace("vertex 2", "vertex 4000000000");
     let huge = said("f.ply", format!("{huge}property float z\nend_header\n").as_bytes());
-    assert_eq!(huge, "it: 4000000000 points are more than the 1000000 a model holds; simplify it");
+    assert_eq!(huge, "it: it has 4000000000 points, but a model can have at most 1000000; reduce its number of points");
     assert_eq!(
         said("a.obj", b"v 0 0 0\nf 1 2 3\n"),
-        "it, line 2: `2` is not a point; points count from 1, and stand above"
+        "it, line 2: `2` is not the number of a point; points are counted from 1 and defined before they are used"
     );
-    assert_eq!(said("b.obj", b"v 0 zero 0\n"), "it, line 1: `zero` is not a number; a point is `v x y z`");
-    assert_eq!(said("c.obj", b"v 0 0\n"), "it, line 1: a number is missing; a point is `v x y z`");
-    assert_eq!(said("d.obj", b"f 1 2 3\n").split(';').next(), Some("it, line 1: `1` is not a point"));
-    assert_eq!(said("e.obj", b""), "it: it holds no points");
+    assert_eq!(said("b.obj", b"v 0 zero 0\n"), "it, line 1: `zero` is not a number; write a point as `v x y z`");
+    assert_eq!(said("c.obj", b"v 0 0\n"), "it, line 1: a number is missing; write a point as `v x y z`");
+    assert_eq!(said("d.obj", b"f 1 2 3\n").split(';').next(), Some("it, line 1: `1` is not the number of a point"));
+    assert_eq!(said("e.obj", b""), "it: it contains no points");
     let number = "write it like `-1.5e-3`, without a unit";
     assert_eq!(said("a.csv", b"x,y,z\n0,0,1 cm\n"), format!("it, line 2, column 3: `1 cm` is not a number; {number}"));
     assert_eq!(said("b.csv", b"x,y,z\n0,inf,1\n"), format!("it, line 2, column 2: `inf` is not a number; {number}"));
-    assert_eq!(said("c.csv", b"0,0,0\n0,0\n"), format!("it, line 2, column 3: there is no number; {number}"));
+    assert_eq!(said("c.csv", b"0,0,0\n0,0\n"), format!("it, line 2, column 3: the number is missing; {number}"));
     assert!(said("d.csv", b"x;y;z\n").contains("neither three numbers nor a header"));
     let columns = "separate columns by commas and write decimals with a point";
     for (text, line) in [("x,y,z\n0,1,0,0\n", 2), ("0,0,0\n\n0,1,0,0\n", 3), ("0,0,0\n0,1,0,1,0,1\n", 2)] {
         let n = text.lines().last().unwrap().split(',').count();
-        let want = format!("it, line {line}: {n} cells where the first row has 3; {columns}");
+        let want = format!("it, line {line}: the row has {n} cells, but the first row has 3; {columns}");
         assert_eq!(said("comma.csv", text.as_bytes()), want);
     }
     assert!(said("comma.csv", b"0,1,0,0\n").ends_with(columns));
@@ -294,16 +294,19 @@ fn files_that_are_no_clouds_say_why() {
     let body = format!("{header}property float z\nend_header\n");
     let comma = said("comma.ply", format!("{body}\n0 0 0\n1 0,5 1\n").as_bytes());
     assert_eq!(comma, "it, line 10: `0,5` is not a number; write decimals with a point, as in `0.1`");
-    let anew = "export it anew, as text or binary PLY";
+    let anew = "export it again, as text or binary PLY";
     let short = said("short.ply", format!("{body}0 0 0\n1 \u{1b}[2J\n").as_bytes());
-    assert_eq!(short, format!("it, line 9: `1 \\u{{1b}}[2J` is not a `vertex`, which has x, y, z; {anew}"));
+    assert_eq!(short, format!("it, line 9: `1 \\u{{1b}}[2J` is not a `vertex` with the properties x, y, z; {anew}"));
     let early = said("early.ply", format!("{body}0 0 0\n").as_bytes());
-    assert_eq!(early, format!("it: it ends before all 2 of its `vertex`; {anew}"));
+    assert_eq!(early, format!("it: it ends before the last of its 2 elements `vertex`; {anew}"));
     let endless = said("endless.ply", header.as_bytes());
-    assert_eq!(endless, format!("it: its header has no `end_header`; {anew}"));
+    assert_eq!(endless, format!("it: its header lacks `end_header`; {anew}"));
     let odd = said("odd.ply", b"ply\nformat ascii 1.0\n\nelement\nend_header\n");
-    assert_eq!(odd, format!("it, line 4: `element` is not a line of a header; {anew}"));
-    assert_eq!(said("a.stl", b""), "it: the extension says no format of points; use `.ply`, `.obj` or `.csv`");
+    assert_eq!(odd, format!("it, line 4: `element` is not a header line; {anew}"));
+    assert_eq!(
+        said("a.stl", b""),
+        "it: points cannot be read from a file with this extension; use `.ply`, `.obj` or `.csv`"
+    );
     assert!(open(dir.path().join("none.ply")).unwrap_err().to_string().contains("cannot be read"));
 }
 
@@ -343,7 +346,7 @@ fn a_cloud_becomes_masses_and_springs() {
     for (name, path) in [("cone.obj", true), ("empty.ply", false)] {
         let found = build(&format!("[room.CLOUD]\np = {{ file = \"{name}\", m = 1 }}\n")).unwrap_err();
         let help = found.list.iter().find(|d| d.code == "E031").and_then(|d| d.help.clone()).expect("help");
-        assert_eq!(help.contains("the path starts from"), path, "{help}");
+        assert_eq!(help.contains("paths are relative to"), path, "{help}");
     }
 }
 

@@ -107,24 +107,24 @@ fn what_makes_no_gesture_says_why() {
     for (gesture, code, says) in [
         ("[[0, 0], [1e300, 1]]", "E009", "a point beyond a day"),
         ("{ sine = '1 mm' }", "E005", "needs `f`"),
-        ("{ sine = '1 g', f = 2 }", "E008", "not in m"),
+        ("{ sine = '1 g', f = 2 }", "E008", "must be in m"),
         ("{ sine = '1 mm', f = 2, sed = 3 }", "E004", "a sine has no `sed`"),
         ("{ sine = '1 mm', f = '30 kHz' }", "E009", "out of range"),
         ("{ sine = '1 mm', f = 2, pulse = 1 }", "E019", "more than one"),
         ("{ noise = '1 mm', f = 20000, to = 86400 }", "E027", "more than"),
         ("{ points = [[0, 0]], every = 1e-9, to = 1000 }", "E027", "more than"),
-        ("{ points = [[0, 0], [1, 1]], every = 0.5 }", "E019", "lasts 1 s and begins anew every 0.5 s"),
+        ("{ points = [[0, 0], [1, 1]], every = 0.5 }", "E019", "lasts 1 s, but repeats every 0.5 s"),
         ("{ pulse = 1 }", "E005", "needs `hold`"),
         ("{ pulse = 1, hold = 0.1, at = [0, 1], every = 0.5 }", "E010", "exclude each other"),
         ("{ pulse = 1, hold = 0.1, every = 0 }", "E009", "out of range"),
-        ("{ sum = [[[0, 1.7e308]], [[0, 1.7e308]]] }", "E009", "no value at 0 s"),
+        ("{ sum = [[[0, 1.7e308]], [[0, 1.7e308]]] }", "E009", "finite value at 0 s"),
         ("{ pulse = 1, hold = 1, at = [] }", "E019", "has no points"),
         ("{ sum = [] }", "E019", "has no points"),
         ("{ ramp = [0, 1], from = 1, to = 0.5 }", "E019", "begins at 1 s and ends at 0.5 s"),
-        ("{ pulse = 1, at = [0, 0.1], hold = 1 }", "E019", "before the last has ended"),
+        ("{ pulse = 1, at = [0, 0.1], hold = 1 }", "E019", "before the previous one ends"),
         ("{ follow = 'hond' }", "E013", "no gesture `hond`"),
         ("{ follow = 'hand' }", "E019", "follows itself"),
-        ("{ sum = 3 }", "E019", "is a list"),
+        ("{ sum = 3 }", "E019", "must be a list"),
         ("{ ramp = [1] }", "E019", "a first and a last value"),
         ("{ points = [[1, 0], [0, 0]] }", "E019", "back in time"),
     ] {
@@ -137,7 +137,7 @@ fn what_makes_no_gesture_says_why() {
     let text = with("hand = { sine = '1 mm', f = 2 }").replace("seconds = 2", "title = 'x'");
     let (model, result) = load(&text, "m.ca.toml", &catalog(), &Options::default());
     let all = result.map(|_| ()).map_err(|d| render::text(&d, &model, false)).unwrap_err();
-    assert!(all.contains("does not say when it ends"), "{all}");
+    assert!(all.contains("the end of gesture `hand` is missing"), "{all}");
 }
 
 /// A parameter follows a port of another unit.
@@ -226,5 +226,5 @@ fn a_gain_says_which_unit_turns_one_into_the_other() {
                 [gesture]\nlv = [[0, 0], [1, 1]]\nkey = { follow = 'lv', gain = '1 mm' }\n";
     let (model, result) = ca_compile::load(text, "", &ca_tests::catalog(), &ca_compile::Options::default());
     let all = ca_model::render::text(&result.unwrap_err(), &model, false);
-    assert!(all.contains("is given in m, not in kg^-1 m") && all.contains("`lv` (N s/m)"), "{all}");
+    assert!(all.contains("must be in kg^-1 m s, not in m") && all.contains("`lv` (N s/m)"), "{all}");
 }

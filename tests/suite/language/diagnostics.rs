@@ -21,7 +21,7 @@ fn report(language: &str, text: &str) -> String {
     } else {
         // files beside the model: a drawing with a seam, and a truncated one
         let seam = Cloud { points: vec![[0.0; 3], [0.1, 0.0, 0.0]], edges: vec![[0, 1]], merged: 2, flat: 1 };
-        let cut = Unread { what: "`cut.ply`, line 9: it ends here".into(), help: "export it anew".into() };
+        let cut = Unread { what: "`cut.ply`, line 9: it ends here".into(), help: "export it again".into() };
         let clouds = [("seam.obj".into(), Ok(seam.into())), ("cut.ply".into(), Err(cut))].into();
         let options = Options { clouds, ..Options::default() };
         let (model, result) = load(text, "model.ca.toml", &catalog(), &options);

@@ -93,7 +93,7 @@ fn of_errors_a_hundred_are_kept_and_the_limit_is_named() {
     assert!(diags.is_full());
     (0..1000).for_each(|_| diags.push(Diag::error("E013", "and more")));
     assert_eq!(diags.list.len(), 101);
-    let limit = "more than 100 errors: the search for others ended there";
+    let limit = "more than 100 errors: the search stopped there";
     assert_eq!(diags.list[100].title, limit);
     assert!(render::text(&diags, &model, false).ends_with(&format!("{limit}\n")));
     assert_eq!(render::json(&diags, &model).as_array().unwrap().len(), 101);

@@ -192,7 +192,7 @@ fn a_part_of_another_file_points_into_that_file() {
     assert!(!diags.has_errors(), "{}", render::text(&diags, &model, false));
     assert_eq!(model.files[0].text, good);
     let all = errors("[use]\nx = 'bow.ca.toml'\n", &[("bow.ca.toml", &good)]);
-    assert!(all.contains("no part is named") && all.contains("add `part = \"bow\"`"), "{all}");
+    assert!(all.contains("contains only parts") && all.contains("add `part = \"bow\"`"), "{all}");
     // a file that is a part as a whole, and uses another beside it
     let chain = "[use]\nbow = { file = 'bow.ca.toml', part = 'bow', with = { string = 'reed' } }\n[CEL]\nreed = { m = 1, f = 9 }";
     let (model, diags) = found(
@@ -207,7 +207,7 @@ fn a_part_of_another_file_points_into_that_file() {
     );
     for path in ["../bow.ca.toml", "/etc/passwd", "parts/../bow.ca.toml", "C:\\bow", ""] {
         let all = errors(&text.replace("parts/bow.ca.toml", path), &[]);
-        assert!(all.contains("E031") && all.contains("below the folder"), "{path}: {all}");
+        assert!(all.contains("E031") && all.contains("inside the folder"), "{path}: {all}");
     }
 }
 
@@ -223,19 +223,19 @@ fn what_is_wrong_is_said_once_and_where_it_stands() {
         ("p = { part = 'p', n = 3, with = { f = [9, 9] } }", "", "E018", "2 values for 3 instances"),
         ("p = { part = 'p', n = 3 }", "", "E005", "`p[0]` needs `f`"),
         ("p = { part = 'p', n = 3, with = { g = 9, f = 9 } }", "", "E004", "has no parameter `g`"),
-        ("p = { part = 'q', n = 3 }", "", "E013", "there are `p`, `bow`"),
+        ("p = { part = 'q', n = 3 }", "", "E013", "available parts: `p`, `bow`"),
         ("p = { part = 'p', n = 1.5, with = { f = 9 } }", "", "E006", "a whole number"),
-        ("p = { n = 1 }", "", "E005", "does not say what it uses"),
-        ("p = 3", "", "E003", "must say what is used"),
+        ("p = { n = 1 }", "", "E005", "names neither a part nor a file"),
+        ("p = 3", "", "E003", "must name a part or a file"),
         ("p = { part = 'p', many = 3 }", "", "E004", "unknown key of `[use]`"),
         ("p = { part = 'p', n = 2, with = { f = 9 } }", "[part.p.use]\nq = { part = 'p' }\n", "E033", "uses itself"),
-        ("p = { part = 'p', n = 2, with = { f = 9 } }", "[part.p.rate]\nsound = 9\n", "E002", "stands at the root"),
+        ("p = { part = 'p', n = 2, with = { f = 9 } }", "[part.p.rate]\nsound = 9\n", "E002", "only at the root"),
         ("p = { part = 'p', n = 2, with = { f = 9 } }", "[part.p]\ngravty = 9\n", "E004", "did you mean `gravity`?"),
         (
             "p = { part = 'p', n = 2, with = { f = 9 } }",
             "[SOF]\nx = { from = 'p[2].bar' }\n",
             "E016",
-            "`p` has 2: [0] to [1]",
+            "`p` has the instances [0] to [1]",
         ),
         ("p = { part = 'p', n = 2, with = { f = 9 } }", "[SOF]\nx = { from = 'p[1]' }\n", "E013", "that is a group"),
         ("p = { part = 'p', n = 2, with = { f = 'H4' } }", "", "E013", "did you mean `B4`?"),
@@ -327,7 +327,7 @@ fn small_files_take_neither_time_nor_memory_without_end() {
         "[part.p15]\n",
         "[part.p15.use]\nx = { part = 'p16' }\n[part.p16.use]\nx = { part = 'p17' }\n[part.p17]\n",
     );
-    assert!(errors(&deeper, &[]).contains("is one of more than 16 within each other"));
+    assert!(errors(&deeper, &[]).contains("is nested more than 16 deep"));
     let fans = "[part.c.ENX]\nz = {}\n[part.b.use]\nc = { part = 'c', n = 10 }\n[part.a.use]\nb = { part = 'b', n = 100 }\n[use]\na = { part = 'a', n = 100 }\n\
                 [SOX]\no = { from = 'a[0].b[0].c[0].z' }\n[gesture]\n";
     let points: Vec<String> = (0..1000).map(|i| format!("[{i}, 0]")).collect();
@@ -356,7 +356,7 @@ fn a_parameter_that_is_called_like_a_note_is_no_note() {
     assert_eq!(of(&model), Some(Value::from("k.f0")));
     let all =
         errors("[param]\nf0 = '300 Hz'\ng = 'f0'\n[CEL]\nc = { m = 1, f = 'g' }\n[SOX]\no = { from = 'c' }\n", &[]);
-    assert!(all.contains("parameters cannot be made of other parameters"), "{all}");
+    assert!(all.contains("a parameter cannot refer to other parameters"), "{all}");
 }
 
 #[test]

@@ -41,7 +41,7 @@ fn what_stands_beside_a_part_does_not_come_with_it_in_silence() {
     let lent = part.replace("[part.p.param]\nhz = 5\n", "[param]\nhz = 5\n");
     for text in [of.to_owned(), format!("[param]\nhz = 7\n{of}")] {
         let all = errors(&text, &[("p.ca.toml", &lent)]);
-        assert!(all.contains("E013") && all.contains("does not see `hz`, a parameter of `p.ca.toml`"), "{all}");
+        assert!(all.contains("E013") && all.contains("a part cannot use `hz`, a parameter of `p.ca.toml`"), "{all}");
         assert_eq!(all.matches("error[").count(), 1, "{all}");
     }
     let with = lent.replace(
@@ -52,7 +52,7 @@ fn what_stands_beside_a_part_does_not_come_with_it_in_silence() {
         "[use]\ni = { file = 'p.ca.toml', part = 'q' }\n[SOX]\no = { from = 'i.x.b' }\n",
         &[("p.ca.toml", &with)],
     );
-    assert!(all.contains("does not see `far`"), "{all}");
+    assert!(all.contains("a part cannot use `far`"), "{all}");
     // used as a whole, a file lends its parameters to the part, but not its settings
     let whole = "[model]\ngravity = 3\nmethod = 'modal'\n[rate]\nsound = '96 kHz'\n[param]\nhz = '300 Hz'\n[CEL]\nb = { m = '1 g', f = 'hz' }\n";
     let used = "[use]\ni = 'w.ca.toml'\n[SOX]\no = { from = 'i.b' }\n";

@@ -99,10 +99,10 @@ fn what_cannot_be_scaled_is_said_to_be_so() {
     );
     assert!(near.contains("did you mean `6.27 pitch`? parameters here: `pitch`"), "{near}");
     let other = errors(&tines("", &bank.replace("2 ring", "2 f")));
-    assert!(other.contains("[E008]") && other.contains("given in Hz, not in s"), "{other}");
+    assert!(other.contains("[E008]") && other.contains("must be in s, not in Hz"), "{other}");
     let far = errors(&tines("", &bank.replace("6.27 f", "-1 f").replace("2 ring", "1 s")));
     assert!(far.contains("[E009]") && far.contains("-220 Hz"), "{far}");
     let param =
         errors("[param]\na = 2\nb = \"3 a\"\n[CEL]\nlow = { m = \"b\", f = 9 }\n[SOX]\nout = { from = \"low\" }\n");
-    assert!(param.contains("parameters cannot be made of other parameters"), "{param}");
+    assert!(param.contains("a parameter cannot refer to other parameters"), "{param}");
 }

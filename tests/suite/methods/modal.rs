@@ -203,9 +203,9 @@ fn what_cannot_be() {
     let implicit =
         "[MAS]\nh = { m = 1, x = -1 }\n[RES]\nhold = { between = [\"h\", \"low.s3\"], k = 1, method = \"implicit\" }\n";
     refused(&string("modal", 0.25, 0.0, implicit), "E028", "is implicit");
-    refused(&string("modal", 0.25, 0.0, "[SOF]\nf = { from = \"low.k[3]\" }\n"), "E028", "no force of its own");
+    refused(&string("modal", 0.25, 0.0, "[SOF]\nf = { from = \"low.k[3]\" }\n"), "E028", "cannot read the force of");
     let heavy = string("modal", 0.25, 0.0, "").replace("method = \"modal\"", "method = \"modal\"\ngravity = 1");
-    refused(&heavy, "E028", "weight");
+    refused(&heavy, "E028", "gravity");
     let live = string("modal", 0.25, 0.0, "[param]\nkk = { value = 0.25, live = true, min = 0.1, max = 0.3 }\n")
         .replace("low.r\"]], k = 0.25", "low.r\"]], k = \"kk\"");
     refused(&live, "E028", "live");

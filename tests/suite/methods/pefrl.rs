@@ -233,12 +233,12 @@ fn what_it_refuses() {
     assert!(titles(&all, &Options::default()).is_empty());
     let tie = |end: &str| format!("between = [\"a\", \"{end}\"]");
     let cell = |own: &str| format!("[g.CEL]\nx = {{ m = 1, {own} }}\n[g.SOX]\no = {{ from = \"g.x\" }}\n");
-    let (motion, implicit) = ("the force of `g.x` hangs on motion", "`g.x` is implicit");
+    let (motion, implicit) = ("the force of `g.x` depends on motion", "`g.x` is implicit");
     for (more, why) in [
         (format!("[g.REF]\nx = {{ {}, k = 1, z = 0.1 }}\n", tie("b")), motion),
         (format!("[g.HRZ]\nx = {{ {}, k = 1, h = 0.1 }}\n", tie("b")), motion),
         (format!("[g.FRO]\nx = {{ {}, z = 0.1 }}\n", tie("w")), motion),
-        (format!("[g.PLK]\nx = {{ {}, k = 1, d = 1 }}\n", tie("b")), "`g.x` remembers"),
+        (format!("[g.PLK]\nx = {{ {}, k = 1, d = 1 }}\n", tie("b")), "the force of `g.x` depends on the past"),
         (format!("[g.BUT]\nx = {{ {}, k = 1, method = \"stable\" }}\n", tie("b")), implicit),
         (format!("[g.RES]\nx = {{ {}, k = 1, method = \"implicit\" }}\n", tie("b")), implicit),
         (cell("k = 1, method = \"implicit\""), implicit),
@@ -247,18 +247,18 @@ fn what_it_refuses() {
         (format!("[g.ENX]\nx = {{}}\n[g.RES]\nt = {{ {}, k = 1 }}\n", tie("g.x")), "`g.x` is moved from outside"),
         (
             "[g.WAVEGUIDE]\nx = { f = 100, t60 = 1, tension = 1, mu = 0.001, at = [0.5] }\n[g.SOX]\no = { from = \"g.x[0]\" }\n".into(),
-            "`g.x` is a string of waves",
+            "`g.x` is a waveguide",
         ),
         ("[g]\nfriction = 0.1\n[g.MAS]\nx = { m = 1 }\n[g.SOX]\no = { from = \"g.x\" }\n".into(), "`g.x` is damped"),
     ] {
         let text = format!("{all}{more}");
         let found = titles(&text, &Options::default());
-        assert!(found.contains(&format!("the model goes by `pefrl`, and {why}")), "{text}\n{found:?}");
+        assert!(found.contains(&format!("`pefrl` cannot compute the model: {why}")), "{text}\n{found:?}");
     }
     let found = titles(&format!("{all}[g]\nmethod = \"modal\"\n{}", cell("k = 1")), &Options::default());
-    assert_eq!(found, ["`g` asks for a method of its own, but `pefrl` is for the whole model"]);
+    assert_eq!(found, ["`g` has another method, but `pefrl` applies to the whole model"]);
     let kept = titles(&all, &Options { energy: true, ..Options::default() });
-    assert_eq!(kept, ["no energy ledger is kept of `method = \"pefrl\"`"]);
+    assert_eq!(kept, ["`method = \"pefrl\"` does not support the energy ledger"]);
     // in a group the word is not allowed
     let group = "[g]\nmethod = \"pefrl\"\n[g.CEL]\nx = { m = 1, k = 1 }\n[SOX]\nxo = { from = \"g.x\" }\n";
     let refused = compile(&model(group), &catalog(), &Options::default()).expect_err("an error");

@@ -208,8 +208,8 @@ fn where_it_does_not_serve_is_said() {
     let space = "[r]\ndim = 3\n[r.SOL]\nw = { x = [0, 0, 0] }\n[r.MAS]\na = { m = 1e-3, x = [1, 0, 0] }\n[CUB]\n\
                  l = { between = [\"r.w\", \"r.a\"], k3 = 10, method = \"stable\" }\n[SOX]\no = { from = \"r.a\", along = [1, 0, 0] }\n";
     for (text, title) in [
-        (falls, "the force of `l` falls, and other links by such a method move its masses"),
-        (space, "the method of `l` is for links on a line"),
+        (falls, "the force of `l` falls, and other links that are solved implicitly move its masses"),
+        (space, "the method of `l` is only for links on a line"),
     ] {
         let failed = ca_compile::compile(&model(text), &catalog(), &Options::default()).expect_err("it does not serve");
         assert!(failed.list.iter().any(|d| d.code == "E028" && d.title == title), "{failed}");

@@ -217,8 +217,9 @@ fn masses_that_share_a_blow_keep_their_energy() {
         }
         text += "[RES]\ntie = { between = [\"b2\", \"b3\"], k = 1e4 }\n[SOX]\nout = { from = \"b3\" }\n";
         let scene = audited(&text);
-        assert_eq!(scene.certificate.level, Level::Proven);
-        assert!(scene.findings.list.is_empty(), "{}", scene.findings);
+        // beyond 1e9 rounding decides
+        assert_eq!(scene.certificate.level, if a > 1e9 { Level::RuleOfThumb } else { Level::Proven });
+        assert_eq!(scene.findings.list.iter().any(|d| d.code == "W119"), a > 1e9, "{}", scene.findings);
         let mut s = scene.state();
         let mut worst = 0.0f64;
         let mut struck = 0;

@@ -170,12 +170,13 @@ fn page() -> (String, f64) {
     let mut out = String::from(
         "# How the hammer piano feels, and where the energy of the finger goes\n\n\
          Made by `UPDATE=1 cargo test $ALL --test suite -- hammer_piano` ($ALL is in CONTRIBUTING.md): do not edit.\n\n\
-         Key `key[0].key` (C4) of `models/hammer_piano.ca.toml`, through the engine and the guard of a TGR (`tgr12`, 3 kHz), by a\n\
-         finger that follows a list of positions whatever it feels. The key rests at 0 and meets its bed at 9.2 mm; forces are\n\
-         what the device is sent, positive against the finger.\n\n\
+         Key `key[0].key` (C4) of `models/hammer_piano.ca.toml`, through the engine and the guard of a TGR (`tgr12`, 3 kHz), by\n\
+         a finger that follows a list of positions whatever the force. The key rests at 0 and meets its bed at 9.2 mm; forces\n\
+         are the forces sent to the device, positive against the finger.\n\n\
          ## A slow press\n\n\
-         Down at 10 mm/s to 1 mm within the bed, and up again: the weight of the key, the damper from 3 mm on, the hammer,\n\
-         the let-off at 8.8 mm and the bed. No hammer arrives; of the damper that lifts less than -54 dBFS is heard.\n\n\
+         Down at 10 mm/s to 1 mm within the bed, and up again: the weight of the key, the damper from 3 mm on, the hammer, the\n\
+         let-off at 8.8 mm and the bed. The hammer does not reach the string; the sound of the lifting damper is below -54\n\
+         dBFS.\n\n\
          | depth (mm) | down (N) | up (N) |\n|---|---|---|\n",
     );
     let mut f = Finger::new("hammer_piano");
@@ -189,9 +190,9 @@ fn page() -> (String, f64) {
     assert!(peak(&f.sound) < 2e-3, "a slow key is heard: {:.1} dBFS", db(peak(&f.sound)));
 
     out += "\n## A fast press\n\n\
-            Down to the bed in a straight line, held for half a second, and up at 0.1 m/s. *Travel* is the largest force on the way: inertia\n\
-            of tail, jack and hammer, felt through the lever of the key, and the let-off. The level is that of the loudest sample, the\n\
-            centroid that of the spectrum of the half second.\n\n\
+            Down to the bed in a straight line, held for half a second, and up at 0.1 m/s. *Travel* is the largest force on the\n\
+            way: inertia of tail, jack and hammer, transmitted by the lever of the key, and the let-off. The level is the level of\n\
+            the loudest sample, the centroid is taken from the spectrum of the half second.\n\n\
             | speed (m/s) | travel (N) | level (dBFS) | centroid (Hz) |\n|---|---|---|---|\n";
     let speeds = [0.05, 0.08, 0.12, 0.2, 0.28, 0.36, 0.45];
     let mut energy: Vec<[f64; ROWS.len()]> = Vec::new();
@@ -214,9 +215,9 @@ fn page() -> (String, f64) {
     assert!(levels.windows(2).all(|w| w[0] < w[1]), "faster is not louder: {levels:?}");
 
     out += "\n## Energy from finger to string\n\n\
-            The same presses, from the first motion to half a second after the key is up again, in millijoules. What the finger\n\
-            gave is the force sent times its motion; the border makes the rest, by answering a frame late, and the model receives\n\
-            the sum. *Residual* is what all of it does not account for.\n\n| mJ |";
+            The same presses, from the first motion to half a second after the key is up again, in millijoules. The energy given\n\
+            by the finger is the force sent times its motion; the border makes the rest, because it answers a frame late, and the\n\
+            model receives the sum. *Residual* is the energy that the rows do not account for.\n\n| mJ |";
     for speed in speeds {
         let _ = write!(out, " {speed} m/s |");
     }

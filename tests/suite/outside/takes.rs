@@ -70,7 +70,7 @@ fn a_record_of_any_kind_may_be_cut_anywhere() {
     for (kind, body) in bodies() {
         // complete, it is read; the file is then only not a take
         let whole = said(&file(&path, &record(kind, &body)));
-        assert!(whole.contains("no take of `ca`") || [0x02, 0x05].contains(&kind), "{kind:#x}: {whole}");
+        assert!(whole.contains("not a take of `ca`") || [0x02, 0x05].contains(&kind), "{kind:#x}: {whole}");
         for end in 0..body.len() {
             let cut = record(kind, &body[..end]);
             // by itself, in a chunk, and in a chunk that ends within it

@@ -59,7 +59,7 @@ fn a_state_of_another_scene_is_not_played() {
         for play in play {
             let mut played = s.clone();
             let said = panics(|| play(&mine, &mut played));
-            assert!(said.contains("not of the scene") && said.contains("scene.state()"), "{what}: {said}");
+            assert!(said.contains("does not belong to the scene") && said.contains("scene.state()"), "{what}: {said}");
             assert_eq!(played, s, "{what}: nothing has changed");
         }
         let (mut played, mut out) = (s.clone(), [7.0; 8]);

@@ -177,9 +177,9 @@ impl Line {
             let (code, args) = match tie {
                 Tie::Contact => ("BUT", format!("{ends}, {held}, method = \"stable\"")),
                 Tie::Hard => {
-                    // beyond kT²/m = 1e8 the rounding of positions decides (W119)
+                    // the energy that rounding makes grows with kT²/m; W119 tells of more than 1e9
                     let mobility = |i: usize| self.bodies.get(i).map_or(0.0, |b| 1.0 / b.1);
-                    let hard = (1e6 * k * scale).min(9.9e7 / (mobility(a) + mobility(b)));
+                    let hard = (1e6 * k * scale).min(1e8 / (mobility(a) + mobility(b)));
                     ("BUT", format!("{ends}, k = {hard:e}, z = {:e}, method = \"stable\"", z * scale))
                 }
                 Tie::Round => ("HRZ", format!("{ends}, k = {:e}, method = \"stable\"", k * scale)),

@@ -39,7 +39,7 @@ pub fn instrument(i: &Instrument) -> [String; 5] {
 pub fn without(m: &Measured) -> Option<String> {
     let missing = |i: &Instrument| Some((i.name, RATES[i.at.iter().position(Option::is_none)?] / 1e3));
     let (name, rate) = m.instruments.iter().find_map(missing)?;
-    Some(format!("– cannot be played at that rate: `ca render {name} --rate '{rate} kHz'` says why"))
+    Some(format!("–: cannot be played at that rate; `ca render {name} --rate '{rate} kHz'` prints the reason"))
 }
 
 /// Makes the report.
@@ -66,13 +66,13 @@ pub fn page(m: &Measured) -> Report {
         let table = Table::new(&["instrument", "modules", &a, &b, "ns/sample"], rows.collect());
         let mut blocks = vec![Block::Table(table)];
         blocks.extend(without(m).map(Block::Text));
-        report.sections.push(Section::new("Instruments at once in real time", blocks));
+        report.sections.push(Section::new("Simultaneous instruments in real time", blocks));
     }
     if !m.curve.is_empty() {
         let words = format!(
             "A tick of a string reads {BYTES} bytes for each module and writes two fifths of them back. The other curve is the \
-             time in which this machine does that and computes next to nothing: where a tick takes about as long, memory is \
-             its limit. Marks are sizes at which all of them just fit into a cache."
+             time that this machine needs for these bytes with hardly any computation: where a tick takes about as long, it \
+             is limited by memory. Marks are the sizes at which all bytes just fit into a cache."
         );
         let blocks = vec![Block::Plot(curve(m)), Block::Text(words)];
         report.sections.push(Section::new("Cost against size", blocks));
@@ -94,7 +94,7 @@ fn curve(m: &Measured) -> Plot {
         x: Axis::log("modules", ""),
         y: Axis::linear("ns per module", ""),
         grid: Grid::Points(x),
-        curves: vec![Curve::line("a tick, over its modules", tick), Curve::line("its bytes, read and written", bytes)],
+        curves: vec![Curve::line("a tick, per module", tick), Curve::line("reading and writing its bytes", bytes)],
         marks: marks.map(|(text, x)| Mark { x, y: None, text }).collect(),
         image: None,
     }

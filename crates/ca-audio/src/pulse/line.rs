@@ -140,7 +140,7 @@ impl Line {
             let head = protocol::read_descriptor(&mut Cursor::new(head)).map_err(wrong)?;
             let length = head.length as usize;
             if length > LONGEST {
-                return Err(wrong("a message that is too long"));
+                return Err(wrong("it sent a message that is too long"));
             }
             self.message.resize(length, 0);
             self.socket.read_exact(&mut self.message)?;
@@ -155,7 +155,9 @@ impl Line {
             let mut body = Cursor::new(&self.message[..]);
             let news = match Command::read_tag_prefixed(&mut body, self.version).map_err(wrong)? {
                 (number, Command::Reply) => News::Answer(number, body.position() as usize),
-                (_, Command::Request(r)) if r.length > LARGEST => return Err(wrong("it asks for too much at once")),
+                (_, Command::Request(r)) if r.length > LARGEST => {
+                    return Err(wrong("it requested too many samples at once"));
+                }
                 (_, Command::Request(r)) => {
                     self.owed = self.owed.saturating_add(r.length as usize);
                     News::Other

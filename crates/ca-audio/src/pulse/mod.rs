@@ -66,27 +66,28 @@ pub(super) fn open(
 ) -> std::result::Result<(Playing, Follow, Watch), AudioError> {
     let buffer = buffer.unwrap_or(BUFFER);
     let absent = |why: &str| {
-        let how = "start one, e.g. `pulseaudio --start`, or name it in PULSE_SERVER";
+        let how = "start one, e.g. `pulseaudio --start`, or set PULSE_SERVER to its address";
         AudioError::Failed(format!("no PulseAudio server answers{why}; {how}"))
     };
     let opened = within(PATIENCE, || Line::open(PATIENCE).map(default_sink)).ok_or_else(|| absent(" in time"))?;
     let (line, sink) = opened.map_err(|_| absent(""))?;
-    let refused = |e: Error| AudioError::Unfit(format!("{NAME} does not play this: {e}"));
+    let refused = |e: Error| AudioError::Unfit(format!("{NAME} cannot play this model: {e}"));
     let Some(sink) = sink.filter(|s| s.name.as_bytes() != DUMMY) else {
         return Err(AudioError::Unfit(format!("{NAME} does not have a device to play on")));
     };
     let wide = channels(&sink, scene)?;
     let hz = scene.rate;
     if hz.fract() != 0.0 || hz > f64::from(protocol::sample_spec::MAX_RATE) {
-        return Err(AudioError::Unfit(format!("{NAME} plays at no rate of {hz} Hz")));
+        let why = format!("{NAME} cannot play at {hz} Hz; choose another rate, e.g. `--rate 48000Hz`");
+        return Err(AudioError::Unfit(why));
     }
     let map = ChannelMap::new((&sink.channel_map).into_iter().take(wide));
     let made = within(WAKING, move || stream(line, sink.index, hz as u32, map, buffer));
-    let made = made.unwrap_or_else(|| Err(Error::other("its server does not answer in time")));
+    let made = made.unwrap_or_else(|| Err(Error::other("the server does not answer in time")));
     let Stream { line, made, sink, latency } = made.map_err(refused)?;
     let plays = sink.sample_spec.sample_rate;
     if f64::from(plays) != hz {
-        return Err(AudioError::Unfit(format!("{NAME} plays at {plays} Hz, not at {hz}; say `--rate {plays}Hz`")));
+        return Err(AudioError::Unfit(format!("{NAME} plays at {plays} Hz, not at {hz} Hz; use `--rate {plays}Hz`")));
     }
 
     let frame = 4 * wide as u32;
@@ -125,7 +126,7 @@ fn channels(sink: &SinkInfo, scene: &Scene) -> std::result::Result<usize, AudioE
     if scene.counts.channels > most {
         let n = scene.counts.channels;
         return Err(AudioError::Unfit(format!(
-            "{NAME} plays {most} channels, and the model has {n} outputs; join some"
+            "{NAME} has {most} channels, but the model has {n} outputs; combine some of them"
         )));
     }
     Ok(if scene.counts.channels == 1 { most.min(2) } else { scene.counts.channels })
@@ -165,7 +166,7 @@ fn stream(mut line: Line, sink: u32, hz: u32, map: ChannelMap, buffer: u32) -> R
     };
     let made: CreatePlaybackStreamReply = line.ask(&Command::CreatePlaybackStream(params))?;
     if made.requested_bytes.max(made.buffer_attr.minimum_request_length) > LARGEST {
-        return Err(wrong("it asks for too much at once"));
+        return Err(wrong("it requested too many samples at once"));
     }
     // now at the rate of the stream, if the sink has switched
     let info = Command::GetSinkInfo(GetSinkInfo { index: Some(made.sink_index), name: None });
@@ -242,16 +243,16 @@ impl Speaker {
     fn run(mut self) -> String {
         loop {
             if let Err(e) = self.give() {
-                return format!("the server is gone ({e})");
+                return format!("lost connection to the server ({e})");
             }
             match self.line.next() {
                 Ok(News::Answer(n, at)) if n == self.query.0 => self.measure(at),
                 Ok(News::Underflow) => {
                     self.counts.xruns.fetch_add(1, Relaxed);
                 }
-                Ok(News::Killed) => return "the server has ended the stream".into(),
+                Ok(News::Killed) => return "the server ended the stream".into(),
                 Ok(_) => {}
-                Err(e) => return format!("the server is gone ({e})"),
+                Err(e) => return format!("lost connection to the server ({e})"),
             }
         }
     }

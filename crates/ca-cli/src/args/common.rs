@@ -14,23 +14,24 @@ pub struct Source {
     /// the model
     #[arg(help = model_help(), add = ArgValueCompleter::new(completions::models))]
     pub model: String,
-    /// Changes a parameter: of a module (`hammer.m="30 g"`), a `[param]`, or `rate.gesture`; repeatable
-    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = pair)]
+    /// Changes a parameter of a module (`hammer.m="30 g"`), a `[param]`, or a setting such as `rate.gesture`;
+    /// repeatable
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = pair, help_heading = "Model")]
     pub set: Vec<(String, String)>,
-    /// Chooses a preset of the model, as `--set preset=NAME`; `--set` changes it further
-    #[arg(long, value_name = "NAME")]
+    /// Applies a preset of the model, like `--set preset=NAME`; `--set` is applied after it
+    #[arg(long, value_name = "NAME", help_heading = "Model")]
     pub preset: Option<String>,
-    /// Sound rate, e.g. "96 kHz" or 96k; the model's own, or 48 kHz
-    #[arg(long, value_name = "HZ", value_parser = hertz)]
+    /// Sound rate, e.g. "96 kHz" or 96k (default: the rate in the model, or 48 kHz)
+    #[arg(long, value_name = "HZ", value_parser = hertz, help_heading = "Model")]
     pub rate: Option<f64>,
-    /// Position of devices within a gesture frame, as `--set rate.border=hold`
-    #[arg(long, value_enum)]
+    /// Interpolation of device positions within a gesture frame, like `--set rate.border=hold`
+    #[arg(long, value_enum, help_heading = "Model")]
     pub border: Option<Border>,
-    /// Gesture frames added to the position of each device, as `--set rate.latency=5`
-    #[arg(long, value_name = "FRAMES")]
+    /// Delays the position of each device by this number of gesture frames, like `--set rate.latency=5`
+    #[arg(long, value_name = "FRAMES", help_heading = "Model")]
     pub latency: Option<u32>,
-    /// Gives the hand no force, as `--set rate.feedback=false`
-    #[arg(long)]
+    /// Sends no forces to devices, like `--set rate.feedback=false`
+    #[arg(long, help_heading = "Model")]
     pub no_feedback: bool,
 }
 
@@ -68,27 +69,27 @@ pub(crate) fn imported(words: impl Fn(&Format) -> String) -> String {
     ca_import::FORMATS.iter().map(words).collect()
 }
 
-/// How long a model is played, and by what.
+/// Duration and gestures of a performance.
 #[derive(Args)]
 pub struct Playing {
-    /// How long, e.g. 4 or "4 s"
-    #[arg(long, value_name = "S", value_parser = seconds)]
+    /// Duration, e.g. 4 or "4 s"
+    #[arg(long, value_name = "S", value_parser = seconds, help_heading = "Playing")]
     pub seconds: Option<f64>,
-    /// A gesture that plays it (csv, npy, wav, mid, kar, rmi, or a take, mcap); its tracks take the place of built-in ones;
-    /// repeatable. The one nameless track of an array or a sound is given to a port by `key=FILE`
-    #[arg(long, value_name = "[PORT=]FILE")]
+    /// Gesture file to play (csv, npy, wav, mid, kar, rmi, or a take, mcap); its tracks replace built-in ones;
+    /// repeatable. If the file has one track without a name, as an array or a sound may, name its port: `key=FILE`
+    #[arg(long, value_name = "[PORT=]FILE", help_heading = "Playing")]
     pub gesture: Vec<String>,
-    /// Rate of an NPY gesture without a time of its own
-    #[arg(long, value_name = "HZ", value_parser = hertz, requires = "gesture")]
+    /// Sampling rate of an NPY gesture without a field `time`
+    #[arg(long, value_name = "HZ", value_parser = hertz, requires = "gesture", help_heading = "Playing")]
     pub gesture_rate: Option<f64>,
 }
 
 /// Position of a device within a gesture frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Border {
-    /// on a straight line
+    /// straight line from frame to frame
     Linear,
-    /// where it was read
+    /// jump to the new position, then constant
     Hold,
 }
 
@@ -97,23 +98,23 @@ pub(crate) fn pair(text: &str) -> Result<(String, String), String> {
         Some((name, value)) if !name.trim().is_empty() && !value.trim().is_empty() => {
             Ok((name.trim().into(), value.trim().into()))
         }
-        _ => Err("write it like `hammer.m=30 g`".into()),
+        _ => Err("expected NAME=VALUE, e.g. `hammer.m=30 g`".into()),
     }
 }
 
 pub(crate) fn quantity_of(text: &str, unit: Unit, range: (f64, f64)) -> Result<f64, String> {
     let q = quantity::parse(text.trim()).map_err(|e| e.to_string())?;
     if q.has_unit && !q.dim.same(unit.dim) {
-        return Err(format!("a quantity in {} is wanted", unit.symbol));
+        return Err(format!("expected a quantity in {}", unit.symbol));
     }
     if q.value < range.0 || q.value > range.1 {
-        return Err(format!("it lies between {} and {} {}", range.0, range.1, unit.symbol));
+        return Err(format!("must be between {} and {} {}", range.0, range.1, unit.symbol));
     }
     Ok(q.value)
 }
 
 pub(crate) fn count(text: &str) -> Result<usize, String> {
-    text.trim().parse().map_err(|_| "a whole number from 0 on is wanted".into())
+    text.trim().parse().map_err(|_| "expected a whole number, 0 or more".into())
 }
 
 /// Parses a rate. `96k` is short for "96 kHz", as in other audio programs.
@@ -127,7 +128,7 @@ pub(crate) fn dbfs(text: &str) -> Result<f64, String> {
     let number = text.trim().trim_end_matches("FS").trim_end_matches("dB").trim();
     match number.parse::<f64>() {
         Ok(v) if (-200.0..=0.0).contains(&v) => Ok(10.0_f64.powf(v / 20.0)),
-        _ => Err(format!("`{text}` is no level from -200 to 0 dBFS, such as -1dBFS")),
+        _ => Err(format!("`{text}` is not a level from -200 to 0 dBFS; write e.g. `-1dBFS`")),
     }
 }
 

@@ -12,14 +12,17 @@ use serde_json::{Value as Json, json};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Measures the error of a model against its run time, over methods and rates
+/// Measures error and run time of a model with several methods and sound rates
 ///
-/// Plays the model as it is, by every other method its modules know, in single precision, and at multiples of its rate, and
-/// compares the signals at its outputs (before gains and filters) with a reference: the closed form of its modes where the
-/// model is linear and nothing drives it, else the same model at a far higher rate, by Richardson extrapolation. The
-/// uncertainty of the reference is printed. A row gives the relative RMS error of the signal and of its spectrum, the error
-/// of pitch in cents and of decay in dB, the relative error of energy, and the run time in ns per sample on this machine.
-/// Rows on the Pareto front of error and time are marked; with `--error` the fastest proven row within that error is named.
+/// Plays the model as it is, with every other method of its modules, in single precision, and at multiples of its rate,
+/// and compares the signals at its outputs (before gains and filters) with a reference. The reference is the closed
+/// form of the modes if the model is linear and nothing drives it. Otherwise it is the same model at a far higher rate,
+/// with Richardson extrapolation. The uncertainty of the reference is printed.
+///
+/// Each row shows the relative RMS error of the signal and of its spectrum, the error of pitch in cents and of decay in
+/// dB, the relative error of energy, and the run time in ns per sample on this machine. Rows on the Pareto front of
+/// error and time are marked. With `--error`, the fastest row within that error whose stability is proven is named.
+/// Exit code 3 if there is none.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca accuracy plucked_string --seconds 0.3 --times 1,2 --reference 8
@@ -30,22 +33,23 @@ pub struct AccuracyArgs {
     /// the model
     #[command(flatten)]
     pub source: Source,
-    /// Seconds to play; `seconds` of the model, but at most 1 s, if left out
+    /// Seconds to play (default: `seconds` of the model, at most 1 s)
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub seconds: Option<f64>,
     /// Multiples of the sound rate to try
     #[arg(long, value_name = "N,…", value_delimiter = ',', default_value = "1,2,4,8", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub times: Vec<u32>,
-    /// Multiple of the sound rate at which a reference without closed form is computed
+    /// Multiple of the sound rate for a reference without closed form
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(4..=4096))]
     pub reference: u32,
-    /// Listens to these instead of the outputs: `low[3]`, `strike`; repeatable
+    /// Compares the signal of this module instead of the outputs, e.g. `low[3]` or `strike`; repeatable
     #[arg(long, value_name = "NAME")]
     pub probe: Vec<String>,
-    /// Names the fastest proven row with at most this relative RMS error, e.g. 1e-3; `ca render --error` plays it
+    /// Names the fastest proven row with at most this relative RMS error, e.g. 1e-3; `ca render --error` renders with
+    /// it
     #[arg(long, value_name = "E", value_parser = share)]
     pub error: Option<f64>,
-    /// Writes a page with the plot and the table
+    /// Writes an HTML page with the plot and the table
     #[arg(short, long, value_name = "FILE.html")]
     pub output: Option<PathBuf>,
     /// Prints the table as JSON
@@ -57,7 +61,7 @@ pub struct AccuracyArgs {
 pub(super) fn share(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(v) if v > 0.0 && v.is_finite() => Ok(v),
-        _ => Err("a number above 0 is wanted, e.g. 1e-3".into()),
+        _ => Err("expected a number above 0, e.g. 1e-3".into()),
     }
 }
 
@@ -71,7 +75,7 @@ pub fn run(args: &AccuracyArgs) -> Outcome {
     let probes = if args.probe.is_empty() { ca_accuracy::heard(&loaded.model) } else { args.probe.clone() };
     if probes.is_empty() {
         let what = format!("`{}` has no output to compare", loaded.name);
-        return Err(Failure::Failed(format!("{what}; name what to listen to by `--probe`")));
+        return Err(Failure::Failed(format!("{what}; choose a module to compare with `--probe`")));
     }
     let (rate, seconds, times) = (args.source.rate, args.seconds, &args.times[..]);
     let mut bar = None;
@@ -85,7 +89,7 @@ pub fn run(args: &AccuracyArgs) -> Outcome {
         seconds,
         times,
         reference: args.reference,
-        remedy: "play longer with `--seconds`, or listen elsewhere with `--probe`",
+        remedy: "play longer with `--seconds`, or compare another module with `--probe`",
         progress,
     };
     let found = ca_accuracy::measured(&loaded, &mut ask);
@@ -102,7 +106,7 @@ pub fn run(args: &AccuracyArgs) -> Outcome {
     }
     if let Some(path) = &args.output {
         page::write(path, &reported.page(&loaded).html())?;
-        term::note(&format!("the page is `{}`", path.display()));
+        term::note(&format!("page written to `{}`", path.display()));
     }
     Ok(if args.error.is_some() && best.is_none() { Ended::Degraded } else { Ended::Well })
 }
@@ -123,16 +127,18 @@ impl Page<'_> {
         let (asked, reference) = (self.asked?, &self.found.reference);
         let (known, aim) = (reference.known, format!("an error of at most {asked:e}"));
         Some(match (self.best, reference.origin) {
-            (Some(r), _) => format!("the cheapest with {aim}: {}", r.name()),
-            (None, _) if known <= asked => format!("none of these has {aim}; try more of `--times`"),
+            (Some(r), _) => format!("fastest with {aim}: {}", r.name()),
+            (None, _) if known <= asked => format!("no row has {aim}; try larger multiples with `--times`"),
             (None, Origin::Modes) => {
                 format!(
-                    "{aim} cannot be confirmed: the closed form is known only to {known:.1e}; ask for more than that"
+                    "{aim} cannot be confirmed: the closed form is accurate only to {known:.1e}; choose a larger \
+                     `--error`"
                 )
             }
             (None, Origin::Rate(n, _) | Origin::Open(n)) => {
                 format!(
-                    "{aim} cannot be confirmed: the reference is known only to {known:.1e}; raise `--reference` above {n}"
+                    "{aim} cannot be confirmed: the reference is accurate only to {known:.1e}; raise `--reference` \
+                     above {n}"
                 )
             }
         })
@@ -156,12 +162,12 @@ impl Page<'_> {
         for row in &cells {
             writeln!(out, "{}", line(&row.iter().map(String::as_str).collect::<Vec<_>>()))?;
         }
-        writeln!(out, "  * nothing here is both more exact and quicker")?;
+        writeln!(out, "  * no other row is both more exact and faster")?;
         for (method, why) in &f.refused {
-            writeln!(out, "  not by {method}: {why}")?;
+            writeln!(out, "  method {method} not possible: {why}")?;
         }
         for (method, what) in &f.warned {
-            writeln!(out, "  by {method}: {what}")?;
+            writeln!(out, "  method {method}: {what}")?;
         }
         if let Some(verdict) = self.verdict() {
             writeln!(out, "{verdict}")?;

@@ -16,12 +16,12 @@ const REFERENCE: u32 = 16;
 /// Options of the error.
 #[derive(Args, Clone, Default)]
 pub struct Aim {
-    /// Largest relative RMS error, e.g. 1e-3: measures the model first, as `ca accuracy` does, and plays it by the cheapest
-    /// proven method and rate that meet it
-    #[arg(long, value_name = "E", value_parser = share)]
+    /// Largest relative RMS error, e.g. 1e-3: measures the model first, like `ca accuracy`, then uses the fastest
+    /// proven method and rate within it
+    #[arg(long, value_name = "E", value_parser = share, help_heading = "Accuracy")]
     pub error: Option<f64>,
-    /// Writes the model with the method chosen for `--error` to a new file; comments stay
-    #[arg(long, value_name = "FILE.ca.toml", requires = "error")]
+    /// Writes the model with the method chosen for `--error` to a new file; comments are kept
+    #[arg(long, value_name = "FILE.ca.toml", requires = "error", help_heading = "Accuracy")]
     pub write: Option<PathBuf>,
 }
 
@@ -30,7 +30,11 @@ impl Aim {
     pub fn changes(&self, loaded: &Loaded, rate: Option<f64>, quiet: bool) -> Result<Vec<(String, String)>, Failure> {
         let Some(error) = self.error else { return Ok(Vec::new()) };
         if let Some(path) = &self.write {
-            super::new::may_be(path, false)?;
+            super::new::may_be(path, true)?;
+            // `--force` is no option here
+            if path.symlink_metadata().is_ok() {
+                return Err(Failure::Failed(format!("--write: `{}` exists; choose another name", path.display())));
+            }
         }
         let choice = measure(loaded, rate, error, quiet)?;
         if let Some(path) = &self.write {
@@ -52,7 +56,10 @@ impl Aim {
 fn measure(loaded: &Loaded, rate: Option<f64>, error: f64, quiet: bool) -> Result<Choice, Failure> {
     let probes = ca_accuracy::heard(&loaded.model);
     if probes.is_empty() {
-        return Err(Failure::Failed(format!("--error: `{}` does not have an output to compare", loaded.name)));
+        return Err(Failure::Failed(format!(
+            "--error: `{}` has no output to compare; add one, or leave out `--error`",
+            loaded.name
+        )));
     }
     let mut bar = None;
     let progress = &mut |done, of| {
@@ -81,7 +88,7 @@ fn written(loaded: &Loaded, choice: &Choice) -> Result<String, Failure> {
             _ => Place::of(&loaded.model, name).map_err(|e| failed(e.to_string()))?,
         };
         let value = value.parse().map_or_else(|_| Value::Text(value.clone()), Value::Number);
-        text.insert(&place, &value).ok_or_else(|| failed(format!("`{name}` has no place in the text")))?;
+        text.insert(&place, &value).ok_or_else(|| failed(format!("`{name}` is not in the text of the model")))?;
     }
     Ok(text.to_string())
 }

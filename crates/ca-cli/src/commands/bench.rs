@@ -14,13 +14,14 @@ use serde_json::{Value as Json, json};
 use std::io::Write as _;
 use std::path::PathBuf;
 
-/// Measures how many modules of each kind play in real time here
+/// Measures how many modules of each kind play in real time on this machine
 ///
-/// A module is a MAT or a LIA. Each network is made larger until a tick takes as long as a sample lasts at 44.1 and 48 kHz,
-/// on one core, counted in the time of the processor. Other programs share its caches and its clock: what is found while nothing else
-/// runs is the machine's, what is found beside them may be half of it. Beside it stand
-/// the three engines of Leonard, Castagné and Cadoz (2013, Table 1), on the DSP of their time, and how many of each bundled
-/// instrument play at once. Parameters differ from module to module everywhere.
+/// A module is a MAT or a LIA. Each network grows until a tick takes as long as a sample at 44.1 and 48 kHz. Time is
+/// the processor time of one core. Other running programs share its caches and its clock and may halve the result, so
+/// stop them first.
+///
+/// The output also shows the three engines of Leonard, Castagné and Cadoz (2013, Table 1), on the DSP of their time,
+/// and how many of each bundled instrument play at once. All modules have different parameters.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca bench
@@ -28,13 +29,13 @@ use std::path::PathBuf;
   ca bench --curve --page bench.html
   ca bench --only string --json")]
 pub struct BenchArgs {
-    /// Only these networks, by name, and no instruments
+    /// Measures only these networks, given by name, and no instruments
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub only: Vec<String>,
-    /// Also the cost of a string of 100 to 1 000 000 modules (half a minute, 2 GB)
+    /// Measures also the cost of a string of 100 to 1 000 000 modules (takes half a minute and 2 GB)
     #[arg(long)]
     pub curve: bool,
-    /// Also a page with tables and curve
+    /// Writes an HTML page with the tables and the curve
     #[arg(long, value_name = "FILE.html")]
     pub page: Option<PathBuf>,
     /// Prints the tables as JSON
@@ -85,13 +86,14 @@ fn wanted(only: &[String]) -> Result<Vec<&'static Network>, Failure> {
             let all = known().collect::<Vec<_>>().join(", ");
             if ca_lab::load::BUNDLED.iter().any(|(name, _)| *name == wanted.trim()) {
                 let what = format!(
-                    "`{wanted}` is an instrument, which is measured where `--only` is left out; networks: {all}"
+                    "`{wanted}` is an instrument, and `--only` chooses networks: {all}; \
+                     leave out `--only` to measure instruments"
                 );
                 return Failure::Usage(what);
             }
             let help =
-                nearest(wanted, known()).map_or(format!("there are {all}"), |near| format!("did you mean `{near}`?"));
-            Failure::Usage(format!("no network is called `{wanted}`; {help}"))
+                nearest(wanted, known()).map_or(format!("choose from {all}"), |near| format!("did you mean `{near}`?"));
+            Failure::Usage(format!("no network `{wanted}`; {help}"))
         })
     };
     if only.is_empty() {
@@ -121,7 +123,7 @@ fn text(m: &Measured) -> Result<(), Failure> {
         writeln!(out, "  {modules:>10}   {engine}")?;
     }
     if !m.instruments.is_empty() {
-        writeln!(out, "\nInstruments at once in real time:\n")?;
+        writeln!(out, "\nNumber of instruments that play at once in real time:\n")?;
         writeln!(out, "  {:<20} {:>8} {a:>10} {b:>10} {:>12}", "instrument", "modules", "ns/sample")?;
     }
     for i in &m.instruments {

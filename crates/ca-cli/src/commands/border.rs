@@ -26,16 +26,22 @@ pub(crate) fn keys(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
     let mut lead = "keys       ";
     for (name, k, b) in keys.iter().take(KEYS) {
         let (k, b) = (quantity(*k), short(*b));
-        writeln!(out, "  {lead}`{name}`: springs sum to {k}; to stay passive a device needs {b} N s/m of its own")?;
+        writeln!(
+            out,
+            "  {lead}`{name}`: sum of springs {k}; to stay passive, the device needs a friction of {b} N s/m"
+        )?;
         lead = "           ";
     }
     if keys.len() > KEYS {
-        writeln!(out, "  {lead}and {} that are no stiffer", keys.len() - KEYS)?;
+        writeln!(out, "  {lead}and {} more, none of them stiffer", keys.len() - KEYS)?;
     }
     if !keys.is_empty() {
         let later = Delays { spring: d.spring + d.frame, ..d };
         let [most, less] = [d, later].map(|d| quantity(d.stiffest(1.0)));
-        writeln!(out, "             1 N s/m bears {most}, or {less} where the device takes each force a frame later")?;
+        writeln!(
+            out,
+            "             a friction of 1 N s/m allows {most}, or {less} if the device applies each force a frame later"
+        )?;
     }
     Ok(())
 }
@@ -68,6 +74,6 @@ fn shape(scene: &Scene) -> &'static str {
 /// Prints a note if options set the rate boundary of a scene without device keys.
 pub(crate) fn idle(source: &Source, scene: &Scene) {
     if scene.ports.tgr.is_empty() && source.crossing().next().is_some() {
-        term::note("the model has no device key (TGR): `--border`, `--latency` and `--no-feedback` change nothing");
+        term::note("`--border`, `--latency` and `--no-feedback` have no effect: the model has no device key (TGR)");
     }
 }

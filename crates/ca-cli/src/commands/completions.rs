@@ -5,12 +5,14 @@ use clap::Args;
 use clap_complete::Shell;
 use clap_complete::env::Shells;
 
-/// Prints what makes a shell complete commands, options and names of models
+/// Prints a shell script that completes commands, options and names of models
 ///
-/// The script makes the shell ask `ca` itself at each Tab. The shell then completes commands, options and their values, bundled
-/// models and model files, as the installed program has them. In bash: `echo 'source <(ca completions bash)' >> ~/.bashrc`; in zsh
-/// the same with `zsh` and `~/.zshrc`; in fish: `ca completions fish > ~/.config/fish/completions/ca.fish`. Write it again
-/// after an update where it is kept in a file.
+/// With the script, the shell runs `ca` at each Tab. It completes the commands, options, values, bundled models and
+/// model files of the installed program.
+///
+/// In bash, run `echo 'source <(ca completions bash)' >> ~/.bashrc`. In zsh, use `zsh` and `~/.zshrc`. In fish, run `ca
+/// completions fish > ~/.config/fish/completions/ca.fish`. If you keep the script in a file, write it again after an
+/// update.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca completions bash
@@ -29,7 +31,9 @@ const ASKED_BY: &str = "COMPLETE";
 pub fn run(args: &CompletionsArgs) -> Outcome {
     let name = args.shell.to_string();
     let shells = Shells::builtins();
-    let shell = shells.completer(&name).ok_or_else(|| Failure::Usage(format!("`{name}` cannot ask a program")))?;
+    let shell = shells
+        .completer(&name)
+        .ok_or_else(|| Failure::Usage(format!("`{name}` cannot run a program for completion")))?;
     // uses the plain name, because a command line that begins with `ca` finds the program by it
     shell.write_registration(ASKED_BY, "ca", "ca", "ca", &mut std::io::stdout().lock())?;
     Ok(Ended::Well)

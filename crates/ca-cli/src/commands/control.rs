@@ -10,10 +10,12 @@ use std::time::{Duration, Instant};
 
 /// Changes parameters of a running `ca serve` or `ca play`
 ///
-/// All live parameters change in the same tick, ramped over one gesture frame, or none where one is refused. Values may have
-/// units; plain numbers are in SI units. `preset=NAME` sets the parameters of a preset. Without any, the live parameters with their
-/// values and the presets are listed.
-/// Any other number, as by `--set`, makes the model of `ca play` anew, which plays on; what is wrong with it is told there.
+/// All given live parameters change in the same tick, with a ramp over one gesture frame. If one value is refused, none
+/// changes. Values may have units; plain numbers are in SI units. `preset=NAME` applies a preset. Without arguments,
+/// the live parameters with their values and the presets are listed.
+///
+/// Any other parameter, as with `--set`, makes `ca play` load the model again with the new value and play on. `ca play`
+/// reports errors in it.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca set
@@ -28,11 +30,12 @@ pub struct SetArgs {
     pub json: bool,
 }
 
-/// Shows or chooses what plays the sound of a running `ca serve` or `ca play`
+/// Shows or changes the sound output of a running `ca serve` or `ca play`
 ///
-/// Without a name it says what plays, and what may: a server (`jack`, `pulse`), with the feature `audio` a sound device by name, and
-/// `page`, the page of `ca play`. With a name the sound goes there from now on, while the model plays on; what does not open leaves it
-/// where it is. A device that goes away is waited for, and the sound comes back to it.
+/// Without a name, it shows the current output and the possible ones: a server (`jack`, `pulse`), a sound device by
+/// name (with the feature `audio`), and `page`, the page of `ca play`. With a name, the sound moves there while the
+/// model plays on. If the new output does not open, the sound stays where it is. If a device disappears, the sound
+/// returns to it when it is back.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca audio
@@ -52,7 +55,7 @@ pub struct AudioArgs {
   ca arm tgr12
   ca disarm")]
 pub struct ArmArgs {
-    /// One device; all of them if left out
+    /// Name of the device (default: all devices)
     pub device: Option<String>,
     /// Prints the answer as JSON
     #[arg(long)]
@@ -84,7 +87,7 @@ pub fn set(args: &SetArgs) -> Outcome {
         return print(&Request::Status, args.json, |r| {
             let list = r.fields.get("params").and_then(|p| p.as_array()).cloned().unwrap_or_default();
             if list.is_empty() {
-                return "this model has no live parameters".into();
+                return "this model does not have live parameters; add `live = true` to a `[param]` to get one".into();
             }
             let line = |p: &serde_json::Value| {
                 let part = |k: &str| match &p[k] {
@@ -122,7 +125,7 @@ pub fn audio(args: &AudioArgs) -> Outcome {
                 break;
             }
             if Instant::now() > end {
-                return Err(Failure::Failed(format!("it does not open within {} s", OPENS.as_secs())));
+                return Err(Failure::Failed(format!("the sound output does not open within {} s", OPENS.as_secs())));
             }
             std::thread::sleep(LOOK);
         }

@@ -15,19 +15,19 @@ use std::io::Write as _;
 
 /// Explains a finding by its code
 ///
-/// Prints the page of a code such as E013: what it means, models that have the finding, and what is said of each and how
-/// it is mended. Without a code: all of them with their titles; E are errors, for which nothing is compiled, W warnings, N
-/// notes. The pages are part of this program.
+/// Prints the page of a code such as E013: what it means, examples of models with the finding, the message for each,
+/// and how to fix it. Without a code, lists all codes with their titles. Codes with E are errors, which prevent
+/// compilation, codes with W are warnings, and codes with N are notes. The pages are part of this program.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca explain
   ca explain E013
   ca explain w103 --json")]
 pub struct ExplainArgs {
-    /// The code, as it stands in brackets behind `error`, `warning` or `note`
+    /// The code, shown in brackets after `error`, `warning` or `note`
     #[arg(add = ArgValueCompleter::new(completions::codes))]
     pub code: Option<String>,
-    /// As JSON
+    /// Prints the page or the list as JSON
     #[arg(long)]
     pub json: bool,
 }
@@ -35,7 +35,7 @@ pub struct ExplainArgs {
 /// Severities with their heading in the list and their word in the JSON of `ca check --json`.
 const GROUPS: [(Severity, &str, &str); 3] = [
     (Severity::Error, "Errors: the model is not compiled", "error"),
-    (Severity::Warning, "Warnings: it is compiled, and is probably not what was meant", "warning"),
+    (Severity::Warning, "Warnings: the model is compiled, but is probably not as intended", "warning"),
     (Severity::Note, "Notes: worth knowing", "note"),
 ];
 
@@ -56,7 +56,7 @@ fn one(code: &str, json: bool) -> Result<String, Failure> {
     let Some(page) = page(code) else {
         let hint = match nearest(code, CODES.iter().map(|c| c.0)) {
             Some(near) => format!("did you mean `{near}`?"),
-            None => "`ca explain` lists them all".into(),
+            None => "`ca explain` lists all codes".into(),
         };
         return Err(Failure::Usage(format!("`{code}` is not the code of a finding; {hint}")));
     };

@@ -15,7 +15,7 @@ use clap_complete::ArgValueCompleter;
 use std::io::Write as _;
 use std::path::PathBuf;
 
-/// Turns a model of another program into a model file
+/// Converts a model of another program to a model file
 #[derive(Args)]
 #[command(about = about(), long_about = long_about(), after_long_help = "Examples:
   ca import string.mdl
@@ -24,17 +24,17 @@ pub struct ImportArgs {
     /// the imported file
     #[arg(help = file_help(), add = ArgValueCompleter::new(completions::foreign))]
     pub file: PathBuf,
-    /// The file to write; the name of the model in the current directory if left out
+    /// File to write (default: the name of the model in the current directory)
     #[arg(short, long, value_name = "FILE.ca.toml")]
     pub output: Option<PathBuf>,
-    /// Overwrites the file
+    /// Overwrites the file if it exists
     #[arg(long)]
     pub force: bool,
 }
 
 fn about() -> String {
     format!(
-        "Turns a model of another program ({}) into a model file",
+        "Converts a model of another program ({}) to a model file",
         imported(|f| format!("{}, ", f.name)).trim_end_matches(", ")
     )
 }
@@ -42,8 +42,8 @@ fn about() -> String {
 fn long_about() -> String {
     let results = imported(|f| format!("\n\n{}: {}", f.name, f.result));
     format!(
-        "{}\n\nEverything that is guessed, changed or lost is said as a note that points into the imported file. The result is \
-         compiled and its findings are shown.{results}",
+        "{}\n\nEverything that is guessed, changed or lost is reported as a note that points into the imported file. The result is \
+         compiled, and its findings are shown.{results}",
         about()
     )
 }
@@ -76,6 +76,6 @@ pub fn run(args: &ImportArgs) -> Outcome {
     term::findings(&diags, &loaded.model);
     let Some(scene) = scene else { return Err(Failure::Reported) };
     writeln!(out, "it compiles: {} MAT, {} LIA, stability {}", scene.mats(), scene.lias(), scene.certificate.level)?;
-    writeln!(out, "hear it with\n\n  ca render {shown}\n")?;
+    writeln!(out, "to hear it, run\n\n  ca render {shown}\n")?;
     Ok(if scene.certificate.level == Level::Unstable { Ended::Degraded } else { Ended::Well })
 }

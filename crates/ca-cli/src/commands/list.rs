@@ -19,10 +19,11 @@ use serde_json::{Value as Json, json};
 use std::fmt::Write as _;
 use std::io::Write as _;
 
-/// Lists kinds of modules and bundled models, or shows one of them
+/// Lists kinds of modules, bundled models and parts, or shows one of them
 ///
-/// Without a name: both lists. With the code of a kind, its page: equation, parameters with unit and range, sources, a
-/// complete example. With the name of a bundled model, what it is and how to play it.
+/// Without a name, prints all lists. With the code of a kind, prints its page: equation, parameters with unit and
+/// range, sources, and a complete example. With the name of a bundled model or of a part, shows what it is and how to
+/// use it.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca list
@@ -35,13 +36,13 @@ pub struct ListArgs {
     /// `kinds`, `models`, `parts`, the code of a kind, the name of a bundled model or of a part
     #[arg(add = ArgValueCompleter::new(completions::listed))]
     pub what: Option<String>,
-    /// As JSON
+    /// Prints the lists or the page as JSON
     #[arg(long, conflicts_with_all = ["schema", "markdown"])]
     pub json: bool,
-    /// The JSON Schema of model files, for editors
+    /// Prints the JSON Schema of model files, for editors
     #[arg(long, conflicts_with = "markdown")]
     pub schema: bool,
-    /// The table of kinds as Markdown
+    /// Prints the table of kinds as Markdown
     #[arg(long)]
     pub markdown: bool,
 }
@@ -65,7 +66,7 @@ pub fn run(args: &ListArgs) -> Outcome {
     }
     if args.markdown {
         if !matches!(args.what.as_deref(), None | Some("kinds")) {
-            return Err(Failure::Usage("--markdown: the table is of all kinds; leave out the name".into()));
+            return Err(Failure::Usage("--markdown: the table always has all kinds; leave out the name".into()));
         }
         print(&markdown(&catalog))?;
         return Ok(Ended::Well);
@@ -74,7 +75,8 @@ pub fn run(args: &ListArgs) -> Outcome {
         None if args.json => pretty(&json!({"kinds": kinds_json(&catalog), "models": models_json(&catalog),
             "parts": parts::all_json(&catalog)})),
         None => format!(
-            "{}\nBundled models\n{}\nParts for `[use]`\n{}\n`ca list BUT` shows one of them in full; `ca render NAME` plays a model.\n",
+            "{}\nBundled models\n{}\nParts for `[use]`\n{}\n`ca list NAME` shows one of them, e.g. `ca list BUT`; \
+             `ca render NAME` renders a model.\n",
             kinds(&catalog),
             models(&catalog),
             parts::all(&catalog)
@@ -127,9 +129,9 @@ fn one(word: &str, catalog: &Catalog, json: bool) -> Result<String, Failure> {
     }
     let hint = match nearest(word, completions::pages(catalog).into_iter()) {
         Some(m) => format!("did you mean `{m}`?"),
-        None => "`ca list` shows them all".into(),
+        None => "`ca list` shows all names".into(),
     };
-    Err(Failure::Usage(format!("`{word}` is no kind, no bundled model and no part; {hint}")))
+    Err(Failure::Usage(format!("`{word}` is not a kind, a bundled model or a part; {hint}")))
 }
 
 fn kinds(catalog: &Catalog) -> String {

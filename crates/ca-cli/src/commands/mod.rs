@@ -67,25 +67,28 @@ commands! {
     Serve(serve::ServeArgs) => serve::run,
     Set(control::SetArgs) => control::set,
     Audio(control::AudioArgs) => control::audio,
-    /// Turns the forces of a running `ca serve` on
+    /// Turns on the forces of a running `ca serve` or `ca play`
     ///
-    /// Once armed, forces fade in within a second, as soon as nothing pushes (docs/safety.md, H5); `ca status` says what an armed
-    /// device waits for. After a fault forces stay off until you arm again; a model that diverged is loaded again first.
+    /// Forces then fade in within a second, as soon as nothing pushes (docs/safety.md, H5). `ca status` shows what an
+    /// armed device is waiting for. After a fault, forces stay off until you run `ca arm` again. A model that diverged
+    /// is first loaded again.
     Arm(control::ArmArgs) => control::arm,
-    /// Turns the forces of a running `ca serve` off at once
+    /// Turns off the forces of a running `ca serve` or `ca play` at once
     ///
-    /// Obeyed with the next gesture frame, whatever disk, terminal or queue stands still. The model plays on, and so do
-    /// sound and take; `ca arm` turns forces on again. It does not replace a switch that cuts the power of the motors
-    /// (docs/safety.md).
+    /// Takes effect with the next gesture frame, even if a disk, a terminal or a queue is blocked. The model, its sound
+    /// and the take go on. `ca arm` turns forces on again. It does not replace a switch that cuts the power of the
+    /// motors (docs/safety.md).
     Disarm(control::ArmArgs) => control::disarm,
-    /// Shows the state of a running `ca serve`
+    /// Shows the state of a running `ca serve` or `ca play`
     ///
-    /// Prints the gesture frames and sound samples played since the start, the mode of each device and why its forces are
-    /// off, what an armed device waits for, and the records lost; with `--json` also the live parameters in SI units.
+    /// Prints the number of gesture frames and sound samples played since the start, the mode of each device, why its
+    /// forces are off, what an armed device is waiting for, and the number of lost records. With `--json`, it also
+    /// prints the live parameters in SI units.
     Status(control::StatusArgs) => control::status,
-    /// Ends a running `ca serve`
+    /// Ends a running `ca serve` or `ca play`
     ///
-    /// Forces go to zero with the next gesture frame; sound file and take are finished, and the summary is printed there.
+    /// Forces go to zero with the next gesture frame. The running command then finishes its sound file and its take,
+    /// and prints its summary.
     Stop(control::StatusArgs) => control::stop,
     Replay(take::ReplayArgs) => take::replay::run,
     Log(take::LogArgs) => take::log::run,

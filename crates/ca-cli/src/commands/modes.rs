@@ -20,10 +20,10 @@ use std::path::{Path, PathBuf};
 
 /// Computes the modes of the linear part of a model
 ///
-/// For each mode: its frequency without the scheme and as the scheme plays it at this sound rate, the difference in cents,
-/// the time to fall by 60 dB, and how strongly each output hears it, each input pushes it, and each link that is not
-/// linear acts on it, in dB below the mode that is strongest there. Links that are not linear are not part of it, and
-/// named. Parameters have the values of load, moving points stand where they stand at load.
+/// For each mode, prints its frequency in continuous time and as the scheme plays it at this sound rate, the difference
+/// in cents, the time to decay by 60 dB, and how strongly each output measures it, each input drives it, and each
+/// nonlinear link acts on it, in dB below the strongest mode there. Nonlinear links are not part of the modes; they are
+/// listed by name. Parameters have their initial values, and moving points their initial positions.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca modes hammered_string
@@ -37,7 +37,7 @@ pub struct ModesArgs {
     /// Number of modes, lowest first
     #[arg(short = 'n', long, default_value_t = 24, value_name = "N", value_parser = count)]
     pub modes: usize,
-    /// Writes the shapes as CSV: a row for each place, a column for each mode
+    /// Writes the mode shapes as CSV: one row per place, one column per mode
     #[arg(long, value_name = "FILE.csv")]
     pub shapes: Option<PathBuf>,
     /// Prints all modes as JSON
@@ -51,7 +51,7 @@ const COLUMNS: usize = 8;
 const SILENT: f64 = -200.0;
 
 /// Help for modules that no output measures.
-const HEAR: &str = "hear it with an output to have it in the scene";
+const HEAR: &str = "add an output for it to include it";
 
 /// Runs the command.
 pub fn run(args: &ModesArgs) -> Outcome {
@@ -68,15 +68,18 @@ pub fn run(args: &ModesArgs) -> Outcome {
     if n == 0 {
         if !network.unheard.is_empty() {
             let silent = load::ticked(network.unheard.iter().map(String::as_str));
-            return Err(Failure::Failed(format!("nothing that is heard moves; nothing hears {silent}: {HEAR}")));
+            return Err(Failure::Failed(format!(
+                "nothing that reaches an output moves; no output depends on {silent}: {HEAR}"
+            )));
         }
-        let but = if network.left_out.is_empty() { String::new() } else { format!(" but {}", left_out(&network)) };
-        return Err(Failure::Failed(format!("nothing in this model moves{but}")));
+        let but =
+            if network.left_out.is_empty() { String::new() } else { format!("; not linear: {}", left_out(&network)) };
+        return Err(Failure::Failed(format!("nothing in the linear part of this model moves{but}")));
     }
     let Some(found) = modes::modes(&network) else {
         let most = modes::LARGEST;
         return Err(Failure::Failed(format!(
-            "{n} places move, which is too much for a table of modes: at most {most}"
+            "{n} places move, which is too many for a table of modes: use at most {most}"
         )));
     };
     if let Some(path) = &args.shapes {
@@ -114,17 +117,17 @@ fn text(name: &str, network: &Network, found: &Modes, most: usize) -> Result<(),
     let swings = found.list.iter().filter(|m| m.heard > 0.0).count();
     writeln!(
         out,
-        "{name}: {} places that move, {swings} modes that swing, at {} Hz{}",
+        "{name}: {} places that move, {swings} oscillating modes, at {} Hz{}",
         network.names.len(),
         rate(network).round(),
         ticks(network.oversample)
     )?;
     if !network.left_out.is_empty() {
-        writeln!(out, "  no linear links, so not part of it: {}", left_out(network))?;
+        writeln!(out, "  not included, because they are not linear: {}", left_out(network))?;
     }
     if !network.unheard.is_empty() {
         let silent = load::ticked(network.unheard.iter().map(String::as_str));
-        writeln!(out, "  nothing hears these, so they are left out: {silent} ({HEAR})")?;
+        writeln!(out, "  not included, because no output depends on them: {silent} ({HEAR})")?;
     }
     let ports: Vec<_> = network.ports.iter().take(COLUMNS).collect();
     let columns: Vec<Vec<f64>> = ports.iter().map(|p| levels(found, &p.at)).collect();
@@ -144,12 +147,12 @@ fn text(name: &str, network: &Network, found: &Modes, most: usize) -> Result<(),
         writeln!(out, "  … {} more: `--modes {}`", found.list.len() - most, found.list.len())?;
     }
     if network.ports.len() > COLUMNS {
-        writeln!(out, "  {} more ports are in `--json`", network.ports.len() - COLUMNS)?;
+        writeln!(out, "  {} more ports: see `--json`", network.ports.len() - COLUMNS)?;
     }
     if !network.force_outputs.is_empty() {
         writeln!(
             out,
-            "  these hear other than displacements, and are left out: {}",
+            "  not included, because they do not measure displacement: {}",
             load::ticked(network.force_outputs.iter().map(String::as_str))
         )?;
     }
@@ -157,7 +160,7 @@ fn text(name: &str, network: &Network, found: &Modes, most: usize) -> Result<(),
         writeln!(out, "  a mode grows: the scene is unstable at this sound rate, see `ca check`")?;
     }
     if found.approximate {
-        writeln!(out, "  damping couples the modes; T60 is that of each mode by itself")?;
+        writeln!(out, "  damping couples the modes; T60 is computed for each mode alone")?;
     }
     Ok(())
 }

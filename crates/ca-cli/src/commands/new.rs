@@ -15,22 +15,22 @@ use clap_complete::ArgValueCompleter;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Starts a model of your own
+/// Writes a new model file to start from
 ///
-/// Writes a small commented model, a struck string, or a copy of a bundled one. A file that exists is left alone
-/// unless `--force` is given.
+/// Writes a small commented model of a struck string, or a copy of a bundled model. An existing file is overwritten
+/// only with `--force`.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca new mine.ca.toml
   ca new other.ca.toml --from hammered_string
   ca new other.ca.toml --force")]
 pub struct NewArgs {
-    /// The file to write, `*.ca.toml`
+    /// File to write, `*.ca.toml`
     pub file: PathBuf,
     /// `string`, or the name of a bundled model (`ca list models`)
     #[arg(long, value_name = "NAME", default_value = "string", add = ArgValueCompleter::new(completions::bundled))]
     pub from: String,
-    /// Overwrites the file
+    /// Overwrites the file if it exists
     #[arg(long)]
     pub force: bool,
 }
@@ -49,7 +49,7 @@ pub fn run(args: &NewArgs) -> Outcome {
         (None, word) => {
             let hint = match nearest(word, BUNDLED.iter().map(|m| m.0).chain(["string"])) {
                 Some(m) => format!("did you mean `{m}`?"),
-                None => "`ca list models` shows them, and there is `string`".into(),
+                None => "choose `string`, or a model of `ca list models`".into(),
             };
             return Err(Failure::Usage(format!("--from: no bundled model `{word}`; {hint}")));
         }
@@ -58,7 +58,7 @@ pub fn run(args: &NewArgs) -> Outcome {
     let beside = args.file.with_file_name(SCHEMA);
     describe(&beside)?;
     let file = args.file.display();
-    writeln!(std::io::stdout().lock(), "{file} written; hear it with\n\n  ca render {file}\n")?;
+    writeln!(std::io::stdout().lock(), "{file} written; to hear it, run\n\n  ca render {file}\n")?;
     Ok(Ended::Well)
 }
 
@@ -68,8 +68,8 @@ fn describe(path: &Path) -> Result<(), Failure> {
     let read = |path| serde_json::from_slice::<serde_json::Value>(&reading::text(path, reading::MODEL).ok()?).ok();
     let there = path.exists().then(|| read(path).unwrap_or_default());
     if there.is_some_and(|s| s["title"] != own["title"]) {
-        let what = format!("`{}` is there already, and is no schema of models", path.display());
-        return Err(Failure::Failed(format!("{what}: move it away, then `ca list --schema > {SCHEMA}`")));
+        let what = format!("`{}` exists and is not a schema of models", path.display());
+        return Err(Failure::Failed(format!("{what}: move it away, then run `ca list --schema > {SCHEMA}`")));
     }
     Ok(atomic_file::write(path, format!("{own:#}\n").as_bytes())?)
 }
@@ -79,10 +79,10 @@ pub(super) fn may_be(path: &Path, force: bool) -> Result<(), Failure> {
     if !path.to_string_lossy().to_ascii_lowercase().ends_with(".ca.toml") {
         let own = path.with_file_name(format!("{}.ca.toml", load::stem(path)));
         let what = format!("`{}`: a model file ends in `.ca.toml`", path.display());
-        return Err(Failure::Usage(format!("{what}; write `{}`", own.display())));
+        return Err(Failure::Usage(format!("{what}; name it `{}`", own.display())));
     }
     if !force && path.symlink_metadata().is_ok() {
-        return Err(Failure::Failed(format!("`{}`: it exists; `--force` overwrites it", path.display())));
+        return Err(Failure::Failed(format!("`{}` exists; use `--force` to overwrite it", path.display())));
     }
     Ok(())
 }

@@ -17,12 +17,13 @@ use std::path::{Path, PathBuf};
 
 /// Writes a page about a model or a take
 ///
-/// One HTML file that opens anywhere and needs no network: the sound with its waveform, spectrogram and spectrum,
-/// the modes of the linear part, the motion of modules, the energy ledger, error against run time of its beginning, what is
-/// proven of stability, and the model itself.
-/// A model is played as by `ca render`, with the energy ledger kept. A take (`*.mcap`) is shown as it was: gestures, forces,
-/// faults, and how the real-time loop did; it is played again for the ledger. Exit code 3 as of `ca render` and
-/// `ca replay`: the page is written all the same, and says what is wrong.
+/// The page is one HTML file that needs no network. It has the sound with its waveform, spectrogram and spectrum, the
+/// modes of the linear part, the motion of modules, the energy ledger, the error against run time for the beginning of
+/// the sound, what is proven about stability, and the model itself.
+///
+/// A model is played as by `ca render`, with the energy ledger. A take (`*.mcap`) is shown as recorded: gestures,
+/// forces, faults, and the timing of the real-time loop. It is replayed for the ledger. Exit code 3 as for `ca render`
+/// and `ca replay`: the page is still written, and shows what is wrong.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca report hammered_string
@@ -33,21 +34,20 @@ pub struct ReportArgs {
     /// the model, or a take
     #[command(flatten)]
     pub source: Source,
-    /// The page; the name of the model in the current directory if left out
+    /// Page to write (default: the name of the model in the current directory)
     #[arg(short, long, value_name = "FILE.html")]
     pub output: Option<PathBuf>,
     /// how it is played
     #[command(flatten)]
     pub playing: Playing,
-    /// Shows the motion of a module, or the force of a link: `low[3]`, `strike`, `low@0.3`; repeatable. What the outputs
-    /// hear and the device keys if left out
+    /// Shows the motion of a module, or the force of a link: `low[3]`, `strike`, `low@0.3`; repeatable (default: what
+    /// the outputs measure, and the device keys)
     #[arg(long, value_name = "NAME")]
     pub probe: Vec<String>,
-    /// Seconds of sound for which other methods and rates are compared, as by `ca accuracy`; 0 leaves the comparison out;
-    /// 0.2 unless given
+    /// Seconds of sound for the comparison of methods and rates, as in `ca accuracy`; 0 leaves it out (default: 0.2)
     #[arg(long, value_name = "S", value_parser = tried)]
     pub accuracy: Option<f64>,
-    /// Prints nothing but warnings and errors
+    /// Prints only warnings and errors
     #[arg(short, long)]
     pub quiet: bool,
 }
@@ -96,7 +96,7 @@ fn model(args: &ReportArgs) -> Result<(String, Report), Failure> {
         seconds: args.playing.seconds,
         accuracy: args.accuracy.unwrap_or(TRIED),
         changes: args.source.changes().collect(),
-        remedy: "play longer with `--accuracy`, or listen elsewhere with `--probe`",
+        remedy: "play longer with `--accuracy`, or compare another module with `--probe`",
     };
     let mut playing = render::Progress::new(length.frames, !args.quiet);
     let mut comparing = None;
@@ -126,7 +126,7 @@ fn model(args: &ReportArgs) -> Result<(String, Report), Failure> {
 fn take(args: &ReportArgs, file: &Path) -> Result<(String, Report), Failure> {
     let played = &args.playing;
     useless(
-        "a take is shown as it was played; `ca render MODEL --gesture TAKE` plays it otherwise",
+        "a take is shown as it was played; to play it with changes, use `ca render MODEL --gesture TAKE`",
         &[
             ("--preset", args.source.preset.is_some()),
             ("--set", args.source.changes().next().is_some()),

@@ -11,11 +11,12 @@ use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
 use std::io::Write as _;
 
-/// Shows or removes what lies in shared memory
+/// Shows the shared memory of devices and servers, or removes unused parts
 ///
-/// Devices and servers of one user meet in the folder `CA_SHM_ROOT`, or `/tmp/ca-<uid>`, and in `/dev/shm`. `list` says
-/// what lies there, of which version, and which processes use it. `clean` removes what no living process uses, also of
-/// other versions, and says what; nothing of a living process is touched. Exit code 3 if something could not be removed.
+/// Devices and servers of one user use the folder `CA_SHM_ROOT`, or `/tmp/ca-<uid>`, and `/dev/shm`. `list` shows the
+/// files there, their version, and the processes that use them. `clean` removes the files that no running process uses,
+/// also of other versions, and lists them. Files of a running process are never removed. Exit code 3 if a file
+/// could not be removed.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca shm list
@@ -25,7 +26,7 @@ pub struct ShmArgs {
     /// what to do
     #[arg(value_enum)]
     pub what: ShmWhat,
-    /// As JSON
+    /// Prints the result as JSON
     #[arg(long)]
     pub json: bool,
 }
@@ -33,9 +34,9 @@ pub struct ShmArgs {
 /// An action on shared memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ShmWhat {
-    /// what lies there, and which processes use it
+    /// shows the files, and the processes that use them
     List,
-    /// removes what no process uses
+    /// removes the files that no process uses
     Clean,
 }
 
@@ -54,7 +55,7 @@ fn size(bytes: u64) -> String {
 
 fn line(group: &Group) -> String {
     let who = group.alive.iter().map(|(id, name)| format!("{id} ({name})")).collect::<Vec<_>>().join(", ");
-    let who = if who.is_empty() { "dead".into() } else { format!("used by {who}") };
+    let who = if who.is_empty() { "not in use".into() } else { format!("used by {who}") };
     let version = format!("frames {} over iceoryx2 {}", group.frames, group.iox);
     let version = if group.ours { version } else { format!("{version}, another version") };
     format!("{version}: {} files, {}, {who}", group.files.len(), size(group.bytes()))
@@ -78,7 +79,7 @@ fn list(site: &Site, json: bool) -> Outcome {
     }
     writeln!(out, "{}, names begin with {}", site.root().display(), site.prefix())?;
     if groups.is_empty() {
-        writeln!(out, "nothing there")?;
+        writeln!(out, "no shared memory")?;
     }
     for group in &groups {
         writeln!(out, "{}", line(group))?;

@@ -17,14 +17,15 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::time::Instant;
 
-/// Plays a model many times, each time with other values
+/// Plays a model many times with different values
 ///
-/// A plan names a model, what is varied and between which values, and how many runs are drawn; without a number, every
-/// combination is played. Each run has a row: its values, whether it was well, how loud it was, its strongest partial, its
-/// decay, the time it took; a run that diverges or makes no sense is a row too, and says why. Sounds and rows go into a
-/// folder, in chunks that appear whole or not at all; what is there already is not done again, so the same command goes on
-/// where it was stopped. A run depends on the model, the seed and its number only: any number of threads, machines or parts
-/// gives the same `manifest.parquet`, to the byte.
+/// A plan names a model, the values to vary with their ranges, and the number of runs to draw. Without a number, every
+/// combination is played. Each run gives a row: its values, its status, its level, its strongest partial, its decay,
+/// and the time it took. A run that diverges or is not possible gives a row too, with the reason.
+///
+/// Sounds and rows are written to a folder, in chunks that appear whole or not at all. Finished chunks are not played
+/// again, so the same command continues a sweep that was stopped. A run depends only on the model, the seed and its
+/// number: any number of threads, machines or parts gives the same `manifest.parquet`, byte for byte.
 #[derive(Args)]
 #[command(after_long_help = "A plan:
   model = \"plucked_string\"
@@ -43,8 +44,8 @@ use std::time::Instant;
   \"low.f\" = [\"110 Hz\", \"146.83 Hz\", \"220 Hz\"]
 
 It may also have `rate`, `gesture` (files, as of `ca render`), `gesture_rate`, `energy = true`
-for the energy ledger, `measure = false` to leave out pitch and decay, `chunk = 10` runs that are
-written at once, `folder`, and `steps` of a range.
+for the energy ledger, `measure = false` to leave out pitch and decay, `chunk = 10` for the
+number of runs written at once, `folder`, and `steps` of a range.
 
 Examples:
   ca sweep plucked.sweep.toml --dry-run
@@ -56,16 +57,16 @@ pub struct SweepArgs {
     /// The plan, `*.sweep.toml`
     #[arg(value_name = "PLAN.toml")]
     pub plan: PathBuf,
-    /// Folder of sounds and rows; if left out, the folder in the plan, or one beside the plan with its name
+    /// Folder for sounds and rows (default: the folder in the plan, or one beside the plan with its name)
     #[arg(short, long, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
-    /// Does the K-th of N parts only; the parts may run on several machines, in the same folder
+    /// Plays only part K of N; the parts may run on several machines, in the same folder
     #[arg(long, value_name = "K/N", value_parser = part)]
     pub shard: Option<(u64, u64)>,
-    /// Threads; as many as there are cores if left out
+    /// Number of threads (default: the number of cores)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// Says what would be played, and plays the first run
+    /// Shows what would be played, and plays only the first run
     #[arg(long)]
     pub dry_run: bool,
     /// Prints the summary as JSON
@@ -74,11 +75,11 @@ pub struct SweepArgs {
 }
 
 fn part(text: &str) -> Result<(u64, u64), String> {
-    let (k, n) = text.split_once('/').ok_or("write it like `3/64`")?;
+    let (k, n) = text.split_once('/').ok_or("expected K/N, e.g. `3/64`")?;
     let (k, n) = (k.trim().parse::<u64>(), n.trim().parse::<u64>());
     match (k, n) {
         (Ok(k), Ok(n)) if (1..=n).contains(&k) => Ok((k, n)),
-        _ => Err("the first of two parts is `1/2`, the other `2/2`".into()),
+        _ => Err("K must be from 1 to N: of two parts, the first is `1/2` and the other `2/2`".into()),
     }
 }
 
@@ -122,12 +123,12 @@ pub fn run(args: &SweepArgs) -> Outcome {
         let list: Vec<String> = counts.iter().map(|(status, n)| format!("{n} {status}")).collect();
         writeln!(
             out,
-            "  {}; {} ms a run and thread",
+            "  {}; {} ms per run and thread",
             list.join(", "),
             short(1e3 * wall * threads as f64 / runs as f64)
         )?;
     }
-    let what = if whole { "all runs are there: `manifest.parquet`" } else { "other parts are not there yet" };
+    let what = if whole { "all runs are done: `manifest.parquet` is written" } else { "other parts are not done yet" };
     writeln!(out, "  {what}")?;
     Ok(Ended::Well)
 }
@@ -176,8 +177,8 @@ fn played(plan: &Plan, folder: &Folder, chunks: &[u64], threads: usize) -> Resul
 fn left(plan: &Plan, folder: &Folder, path: &Path) -> String {
     let there: u64 = (0..folder.chunks()).filter(|c| folder.has(*c)).map(|c| folder.span(c).1 - folder.span(c).0).sum();
     let all = plan.sweep.runs();
-    let kept = format!("{there} of {all} runs are in `{}` and stay there", path.display());
-    format!("interrupted: {kept}; the same command goes on with the others")
+    let kept = format!("{there} of {all} runs are kept in `{}`", path.display());
+    format!("interrupted: {kept}; run the same command again to continue")
 }
 
 /// Shows the plan, plays the first run, and estimates the total time.
@@ -187,12 +188,12 @@ fn dry(plan: &Plan) -> Outcome {
     let mut out = std::io::stdout().lock();
     writeln!(out, "{}  {} runs in {} chunks", plan.folder.display(), sweep.runs(), sweep.runs().div_ceil(plan.chunk))?;
     for (axis, value) in sweep.ask().axes.iter().zip(&row.values) {
-        writeln!(out, "  {} = {} in the first", axis.name, axis.shown(value))?;
+        writeln!(out, "  {} = {} in the first run", axis.name, axis.shown(value))?;
     }
     let time = |runs: f64| term::time(row.run_time * runs);
     writeln!(
         out,
-        "  the first is {} and took {}; all of them {} by one thread",
+        "  the first run is {} and took {}; all runs would take {} with one thread",
         row.status,
         time(1.0),
         time(sweep.runs() as f64)

@@ -54,11 +54,11 @@ fn usage_is_refused_before_anything_is_written() {
         (&["render", "bar.ca.toml", "--probe", "bar", "--probe", "bar"], "twice"),
         (&["render", "bar.ca.toml", "--probe", "bar=a.npy", "--probe", "out=a.npy"], "twice"),
         (&["render", "bar.ca.toml", "--probe", "bar=x.mat"], "`.npy` or `.csv`"),
-        (&["render", "bar.ca.toml", "--gesture", "bar.csv"], "nothing is driven by `bar`"),
+        (&["render", "bar.ca.toml", "--gesture", "bar.csv"], "`bar` is not a port or live parameter"),
         (&["render", "bar.ca.toml", "--gesture", "bar.wav"], "overwritten"),
         (&["report", "bar.ca.toml", "-o", "x.pdf"], "`.html`"),
         (&["accuracy", "bar.ca.toml", "-o", "x.pdf"], "`.html`"),
-        (&["report", "bar.ca.toml", "--gesture", "bar.csv"], "nothing is driven by `bar`"),
+        (&["report", "bar.ca.toml", "--gesture", "bar.csv"], "`bar` is not a port or live parameter"),
         (&["new", "x.toml"], "x.ca.toml"),
     ] {
         desk.ca(args).is(2).says(&[word]);
@@ -133,12 +133,12 @@ fn what_is_set_is_told_from_what_is_written() {
     let set = |what: &str| desk.ca(&["check", "room.ca.toml", "--set", what]);
     desk.ca(&["check", "room.ca.toml"]).is(0);
     set("room.gravity=1").is(2).says(&["--set: `gravity` of the group `room`", "room.ca.toml:5"]);
-    set("room.friction=1").is(2).says(&["write it below `[room]`, room.ca.toml:3"]);
+    set("room.friction=1").is(2).says(&["add it below `[room]`, room.ca.toml:3"]);
     set("room.a.x=[1,2]").is(2).says(&["--set: `room.a.x`: a list", "room.ca.toml:7"]);
     set("room.a.x[1]=2 mm").is(0);
     set("room.a.x[7]=2 mm").is(2).says(&["the model has no `room.a.x[7]`"]);
     set("model.title=[1,2]").is(0);
-    let ran = set("stiff=1 kg").is(1).says(&["E008", "in kg", "`min` is in N/m", "what is set"]);
+    let ran = set("stiff=1 kg").is(1).says(&["E008", "in kg", "`min` is in N/m", "set the value in the unit"]);
     assert!(!ran.err.contains("room.ca.toml:2"), "{}", ran.err);
     set("stiff=99999").is(1).says(&["E009", "99999 N/m", "from 500 N/m to 2000 N/m"]);
     set("stiff=1500").is(0);

@@ -243,7 +243,7 @@ impl Ran {
     /// 3.
     #[track_caller]
     pub fn served(self, frames: u32) -> Ran {
-        let (before, _) = self.out.split_once(" forces not fetched").unwrap_or_default();
+        let (before, _) = self.out.split_once(" forces not read").unwrap_or_default();
         let late = before.rsplit(' ').next().and_then(|n| n.parse().ok()).is_some_and(|n: u64| n > 0);
         assert!(!["clipped", "not written"].iter().any(|w| self.out.contains(w)), "{}", self.out);
         let words = format!(" in {frames} gesture frames");

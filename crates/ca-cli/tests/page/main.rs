@@ -81,9 +81,9 @@ mod in_real_time {
         until("it plays", || page.next("state")["playing"] == true);
         until("it has ended", || page.next("state")["playing"] == false);
         for (request, why) in [
-            (json!({"type": "grab", "mass": 1_000_000}), "no such mass"),
+            (json!({"type": "grab", "mass": 1_000_000}), "does not exist"),
             (json!({"type": "grab", "mass": named(&mut page, "wall")}), "fixed"),
-            (json!({"type": "drag", "by": [1]}), "no mass is held"),
+            (json!({"type": "drag", "by": [1]}), "does not hold a mass"),
             (json!({"type": "set", "values": {"k": 1e9}}), "between"),
             (json!({"type": "set", "values": {"kk": 1}}), "not a live parameter"),
             (json!({"type": "port", "name": "pull", "value": 1}), "`push`"),
@@ -100,7 +100,7 @@ mod in_real_time {
         let mass = named(&mut page, "low[3]");
         other.done(&json!({"type": "grab", "mass": mass}));
         let second = page.ask(&json!({"type": "grab", "mass": mass}));
-        assert!(second["text"].as_str().unwrap().contains("somebody else"), "{second}");
+        assert!(second["text"].as_str().unwrap().contains("another page"), "{second}");
         drop(other);
         until("it is let go", || page.next("state")["pointer"] == -1);
         page.done(&json!({"type": "stop"}));
@@ -146,14 +146,14 @@ mod in_real_time {
 
         page.done(&json!({"type": "change", "name": "low.t60", "value": "0.5 s"}));
         assert_eq!(page.next("scene")["generation"], 4);
-        page.done(&json!({"type": "change", "name": "low.tt", "value": "1"}));
+        page.done(&json!({"type": "change", "name": "low.t60", "value": "-1 s"}));
         let report = page.next("report");
-        assert!(report["ok"] == false && report["text"].as_str().unwrap().contains("`tt`"), "{report}");
+        assert!(report["ok"] == false && report["text"].as_str().unwrap().contains("`t60`"), "{report}");
         page.done(&json!({"type": "change", "name": "low.t60", "value": "5 s"}));
         assert_eq!(page.next("scene")["generation"], 5);
         // another process can do this too, together with a live parameter
         let said = host.ca(&["set", "low.t60=4 s", "k=700"]);
-        assert!(said.contains("k = 700") && said.contains("low.t60 = 4 s: the model is made anew"), "{said}");
+        assert!(said.contains("k = 700") && said.contains("low.t60 = 4 s: compiling the model again"), "{said}");
         assert_eq!(page.next("scene")["generation"], 6);
         // a mass of the new version can be held
         page.done(&json!({"type": "grab", "mass": 3}));
@@ -170,7 +170,7 @@ mod in_real_time {
         assert!(energy("residual").abs() < 1e-9 * energy("peak"), "the account since the last: {replayed}");
         host.ca(&["report", "take.mcap", "-q", "-o", "r.html"]);
         let report = std::fs::read_to_string(host.path("r.html")).unwrap();
-        assert!(report.contains("another version of it plays, with low.t60 = 4 s"), "its events are told");
+        assert!(report.contains("new version, with low.t60 = 4 s"), "its events are told");
         assert!(report.contains("The model was changed while it played"), "and why there is no ledger");
     }
 
@@ -185,7 +185,7 @@ mod in_real_time {
         page.done(&json!({"type": "port", "name": "push", "value": 0.3}));
         until("it moves", || page.next("energy")["motion"][0].as_f64().unwrap() > 0.0);
         let early = page.ask(&json!({"type": "record", "on": false}));
-        assert_eq!(early["text"], "nothing is recorded");
+        assert_eq!(early["text"], "the sound is not being recorded");
         page.done(&json!({"type": "record", "on": true}));
         until("it is said what is recorded", || page.next("state")["recording"] == "model-1.wav");
         page.done(&json!({"type": "sound", "on": true}));

@@ -152,7 +152,7 @@ pub fn plays() {
     for (packet, why) in [
         (osc("/param", vec![text("kk"), OscType::Float(1.0)]), "not a live parameter"),
         (osc("/param", vec![text("k"), OscType::Float(f32::NAN)]), "k"),
-        (osc("/param", vec![text("k"), text("5 m")]), "quantity"),
+        (osc("/param", vec![text("k"), text("5 m")]), "must be in N/m"),
         (osc("/param/k", vec![]), "one value"),
         (osc("/port", vec![text("pull"), OscType::Int(1)]), "`push`"),
         (osc("/note", vec![OscType::Int(200), OscType::Int(1)]), "0 to 127"),

@@ -22,7 +22,7 @@ pub fn overflow(model: &Model, net: &Pruned, sums: &Accumulated, diags: &mut Dia
     let items: BTreeSet<u32> = mats.chain(links).collect();
     for item in &items {
         let name = &net.items[*item as usize].name;
-        let d = Diag::error("E009", format!("the numbers of `{name}` are beyond computing"));
+        let d = Diag::error("E009", format!("the coefficients of `{name}` are too large to compute"));
         diags.push(
             d.at(span(model, net, *item), "overflows").help("use a larger mass, or less stiffness and viscosity"),
         );
@@ -41,7 +41,7 @@ pub fn unstable(model: &Model, net: &Pruned, sums: &Accumulated, i: usize) -> Di
     let s = &sums.mats[i];
     let at = s.certain * s.scaled_mobility;
     let title = format!(
-        "`{}` is too stiff for its mass at this {} rate: {:.3}, the limit is 4",
+        "`{}` is too stiff for its mass at this {} rate: the largest eigenvalue is at least {:.3}, the limit is 4",
         m.name,
         net.clock(),
         quantity::Plain(at)

@@ -134,7 +134,8 @@ impl Exact {
         let largest = StabilityMatrix::new(&linear, |_| 1.0)
             .map_or(4.0, |p| p.largest(cert.lower, cert.bound, MESSAGE_TOLERANCE).1);
         let title = format!(
-            "too stiff for the masses at this {} rate, all together: {:.4}, the limit is 4",
+            "together, the links are too stiff for the masses at this {} rate: the largest eigenvalue is {:.4}, the \
+             limit is 4",
             net.clock(),
             quantity::Plain(largest)
         );
@@ -145,7 +146,7 @@ impl Exact {
         let touches = |l: &LiaNode| l.all_ends().any(|e| net.under(e).contains(&(mat as u32)));
         let most = net.lias.iter().zip(bounds).filter(|(l, b)| b.linear && l.sets.is_none() && touches(l));
         let Some((l, b)) = most.max_by(|a, b| a.1.h().total_cmp(&b.1.h())) else {
-            return d.help(any(&["make the masses heavier, or soften what holds them", &rate]));
+            return d.help(any(&["make the masses heavier, or soften their links", &rate]));
         };
         let d = if l.item == m.item { d } else { d.at(span(model, net, l.item), "its stiffest link") };
         let name = &net.items[l.item as usize].name;
@@ -158,7 +159,7 @@ impl Exact {
                 let and = if b.z > 0.0 { " and viscous" } else { "" };
                 format!("make `{name}` at most {:.1} % as stiff{and}", libm::floor(1000.0 * s) / 10.0)
             }
-            None => format!("soften `{name}` and what else holds `{}`", m.name),
+            None => format!("soften `{name}` and the other links of `{}`", m.name),
         };
         d.help(any(&[&fix, &rate]))
     }

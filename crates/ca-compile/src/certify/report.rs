@@ -71,9 +71,9 @@ pub fn report(
 
 fn not_proven(model: &Model, net: &Pruned, sums: &Accumulated, bounds: &Bounds, cert: &Certificate) -> Diag {
     let why = if bounds.covered {
-        format!("the bounds allow up to {:.3}, the limit is 4", Plain(bounds.upper))
+        format!("the upper bound of the largest eigenvalue is {:.3}, the limit is 4", Plain(bounds.upper))
     } else {
-        "some spring is negative and not covered by those beside it".into()
+        "a negative spring is not outweighed by the springs beside it".into()
     };
     let mut d = Diag::warning("W107", format!("stability is not proven: {why}"));
     if let Some(i) = bounds.worst {
@@ -84,10 +84,10 @@ fn not_proven(model: &Model, net: &Pruned, sums: &Accumulated, bounds: &Bounds, 
         let loose = loose.filter(|((l, b), _)| !b.linear && !b.contact && l.law.stage.is_explicit() && touches(l));
         if let Some(((l, b), r)) = loose.max_by(|a, b| a.0.1.h().total_cmp(&b.0.1.h())) {
             let k = quantity::show(round_up(b.h()), Unit::STIFFNESS);
-            d = d.at(span(model, net, l.item), format!("decides: as steep as {k}{}", at(r.as_ref())));
+            d = d.at(span(model, net, l.item), format!("decisive: a slope of up to {k}{}", at(r.as_ref())));
         }
     }
-    let help = "it may well be stable; to be sure, lower the stiffness and viscosity at";
+    let help = "the model may still be stable; to be sure, lower the stiffness and viscosity at";
     d.help(format!("{help} `{}`, make it heavier, or raise the {} rate", cert.worst, net.clock()))
 }
 

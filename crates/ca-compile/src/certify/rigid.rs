@@ -228,7 +228,7 @@ pub fn rigid(model: &Model, net: &Pruned, diags: &mut Diags) {
             let at = span(model, net, l.item);
             let [p, q] = ends.map(|e| net.end_name(e));
             let d = match hold(net, &springs, &mut parts, ends, axes) {
-                Hold::Nothing => nothing(&l.name, [p, q]).at(at, "no stiffness of its own"),
+                Hold::Nothing => nothing(&l.name, [p, q]).at(at, "no stiffness without a support"),
                 Hold::Gives(Some(soft)) if soft * k > 1.0 => softer(&l.name, [p, q], k, soft).at(at, "softened"),
                 Hold::Gives(_) => {
                     held = true;
@@ -247,14 +247,17 @@ pub fn rigid(model: &Model, net: &Pruned, diags: &mut Diags) {
 
 fn nothing(name: &Name, [p, q]: [String; 2]) -> Diag {
     let title = format!("`{name}` has no support: no spring holds `{p}` and `{q}` together");
-    Diag::warning("W111", title).help("join them by `[RES]` or `[REF]`, tie each to a `[SOL]`, or make each a `[CEL]`")
+    Diag::warning("W111", title)
+        .help("join them by a `[RES]` or `[REF]`, link each to a `[SOL]`, or make each a `[CEL]`")
 }
 
 fn softer(name: &Name, [p, q]: [String; 2], k: f64, soft: f64) -> Diag {
     let newtons = |k: f64| quantity::show(round_down(k), Unit::STIFFNESS);
-    let title =
-        format!("`{name}` has a support softer than itself: between `{p}` and `{q}` are {}", newtons(1.0 / soft));
+    let title = format!(
+        "the support of `{name}` is softer than `{name}` itself: {} between `{p}` and `{q}`",
+        newtons(1.0 / soft)
+    );
     let whole = newtons(k / (1.0 + k * soft));
-    let help = format!("together they are {whole}: use stiffer springs at `{p}` and `{q}`, or a smaller `k` here");
+    let help = format!("the two in series have {whole}: use stiffer springs at `{p}` and `{q}`, or a smaller `k` here");
     Diag::warning("W112", title).help(help)
 }

@@ -50,8 +50,10 @@ pub fn contacts(
     let mut reported = BTreeSet::new();
     for ((l, b), reached) in net.lias.iter().zip(&sums.links).zip(&sums.reached) {
         if b.active && l.law.stage.is_explicit() && reported.insert(l.item) {
-            let d = Diag::warning("W110", format!("`{}` may feed energy in: its table does not only resist", l.name));
-            diags.push(d.at(span(model, net, l.item), "active").help("a force of the sign of its speed only resists, and a spring that never falls only returns; if it is meant to drive, mind the level"));
+            let d = Diag::warning("W110", format!("`{}` may add energy: its table is not passive", l.name));
+            let help = "a friction table adds no energy if the force has the sign of the speed, a spring table if it \
+                        never falls; if the link should add energy, watch the level";
+            diags.push(d.at(span(model, net, l.item), "active").help(help));
         }
         let (q, p) = b.power;
         if !b.contact || (b.k == 0.0 && b.z == 0.0 && q == 0.0) || !l.law.stage.is_explicit() {
@@ -78,7 +80,7 @@ pub fn contacts(
             cert.rules.stiffest = l.name.to_string();
         }
         if a > 1.0 && reported.insert(l.item) {
-            let word = if a > 2.0 { "makes energy at every blow" } else { "may make energy at a blow" };
+            let word = if a > 2.0 { "adds energy at every impact" } else { "may add energy at an impact" };
             let title =
                 format!("contact `{}` {word}: kT²/m is {:.3}{}", l.name, quantity::Plain(a), at(reached.as_ref()));
             let (lo, hi) = (0.12 * a, 1.9 - a);
@@ -86,7 +88,7 @@ pub fn contacts(
             let viscous = format!("viscosity `z` between {} and {}", z(lo), z(hi));
             let softer = format!("a smaller `k`, heavier masses, a higher {} rate", net.clock());
             let ways = any(&[stable(l), &softer, if hi > lo { &viscous } else { "" }]);
-            let help = format!("use {ways}; no `k` is without growth: {}", Growth::near(a));
+            let help = format!("use {ways}; an impact may add energy at any `k`; {}", Growth::near(a));
             diags.push(Diag::warning("W104", title).at(span(model, net, l.item), "stiff contact").help(help));
         }
     }
@@ -112,8 +114,8 @@ pub fn at(reached: Option<&Reached>) -> String {
     let Some(r) = reached.filter(|r| r.far > 1e-9) else { return String::new() };
     let far = quantity::show(rounded(r.far, 3), Unit::METRE);
     match r.cause {
-        Cause::Energy => format!(" at {far}, to where the energy at load may take it"),
-        Cause::Stroke => format!(" at {far}, to where the stroke of its port takes it"),
+        Cause::Energy => format!(" at an elongation of {far}, which the energy at load may reach"),
+        Cause::Stroke => format!(" at an elongation of {far}, which the stroke of its port reaches"),
     }
 }
 
@@ -121,7 +123,7 @@ pub fn at(reached: Option<&Reached>) -> String {
 fn unstable_contact(net: &Pruned, l: &LiaNode, [k, z, c]: [f64; 3], reached: Option<&Reached>) -> Diag {
     let closed = (k + 2.0 * z) * c;
     let title = format!(
-        "contact `{}` {} unstable while it presses: T²k/m + 2Tz/m is {:.3}, the limit is 4{}",
+        "contact `{}` {} unstable while it presses: T²k/m + 2Tz/m is {:.3}{}, the limit is 4",
         l.name,
         if reached.is_some() { "may be" } else { "is" },
         quantity::Plain(closed),
@@ -162,7 +164,7 @@ pub fn frictions(
         decides.take(l, steep / 1.5);
         if steep > 1.5 && reported.insert(l.item) {
             let title = format!(
-                "`{}` is too steep to stick: slope·T/m is {:.3}, stay below 1.5",
+                "the friction of `{}` is too steep to stick: slope·T/m is {:.3}, the limit is 1.5",
                 l.name,
                 quantity::Plain(steep)
             );
@@ -174,7 +176,8 @@ pub fn frictions(
                 _ => String::new(),
             };
             let help = format!(
-                "a {less} times smaller force or larger speed of stick, heavier masses, or a higher {} rate{other}",
+                "use a {less} times smaller force, a {less} times larger sticking speed, heavier masses, or a higher {} \
+                 rate{other}",
                 net.clock()
             );
             diags.push(Diag::warning("W113", title).at(span(model, net, l.item), "steep friction").help(help));
@@ -221,8 +224,8 @@ pub fn creeps(net: &Pruned, l: &LiaNode) -> bool {
 }
 
 /// kT²/m up to which the energy of a contact or of a non-linear spring holds to rounding by its method
-/// (`methods::potential`, `methods::shared`). Far beyond it the rounding of positions makes energy.
-const STIFFEST: f64 = 1e8;
+/// (`methods::potential`, `methods::shared`): the rounding of positions makes at most 1e-14 kT²/m of the peak.
+const STIFFEST: f64 = 1e9;
 
 /// Returns kT²/m of a contact or non-linear spring for which rounding decides the energy of its method.
 pub fn rounds(net: &Pruned, sums: &Accumulated, l: &LiaNode, b: &Bound) -> Option<f64> {
@@ -238,7 +241,11 @@ pub fn methods(model: &Model, net: &Pruned, sums: &Accumulated, decides: &mut De
         let together = matches!(l.law.stage, SolveStage::Coupled(_));
         let d = if let Some(a) = rounds(net, sums, l, b) {
             decides.take(l, a / STIFFEST);
-            let title = format!("`{}` may make energy by rounding: kT²/m is {:.3}, the limit is 1e8", l.name, quantity::Plain(a));
+            let title = format!(
+                "`{}` may add energy by rounding: kT²/m is {:.3}, the limit is 1e9",
+                l.name,
+                quantity::Plain(a)
+            );
             Diag::warning("W119", title)
                 .at(span(model, net, l.item), "stiffer than its method is exact")
                 .help(format!("use a smaller `k`, heavier masses or a higher {} rate", net.clock()))
@@ -246,16 +253,20 @@ pub fn methods(model: &Model, net: &Pruned, sums: &Accumulated, decides: &mut De
             decides.take(l, 0.0);
             Diag::warning("W118", format!("`{}` creeps where it should stick", l.name))
                 .at(span(model, net, l.item), "solved together with other links, or in space")
-                .help("below its static force it moves by up to `v0`, 0.1 mm/s if left out: write a smaller `v0`, or give each mass one such link on a line")
+                .help(
+                    "below its static force it slides at up to `v0` (0.1 mm/s if left out): write a smaller `v0`, or \
+                     give each mass only one such link, on a line",
+                )
         } else if method(net, l) == "newton" && (together || b.z * mobility(net, l, &sums.mats) >= STEEPEST) {
             let why = if together {
                 "it is solved together with other links, or in space".into()
             } else {
                 let steep = quantity::Plain(b.z * mobility(net, l, &sums.mats));
-                format!("slope·T/m is {steep:.3}, Newton's method serves below 4")
+                format!("slope·T/m is {steep:.3}, and Newton's method needs a value below 4")
             };
-            let help = "the secant is of first order: a higher sound rate or a gentler slope makes it more exact";
-            Diag::note("N206", format!("`{}` goes by the secant: {why}", l.name))
+            let help =
+                "the secant method is of first order: for more accuracy, raise the sound rate or use a gentler slope";
+            Diag::note("N206", format!("`{}` uses the secant method: {why}", l.name))
                 .at(span(model, net, l.item), "not by Newton's method")
                 .help(help)
         } else {
@@ -301,9 +312,9 @@ pub fn devices(model: &Model, net: &Pruned, bounds: &[Bound], diags: &mut Diags)
     let written = |l: &LiaNode| model.items[net.items[l.item as usize].model].kind != "TGR";
     for (l, b) in net.lias.iter().zip(bounds) {
         if b.z > 0.0 && written(l) && l.all_ends().any(|e| is_key(&e)) && reported.insert(l.item) {
-            let d = Diag::warning("W105", format!("`{}` puts viscosity straight on a device key", l.name))
+            let d = Diag::warning("W105", format!("`{}` applies viscosity directly to a device key", l.name))
                 .at(span(model, net, l.item), "noisy, and limited by the device's own friction")
-                .help("tie the key to a MAS by a RES, and damp that MAS to ground instead");
+                .help("link the key to a MAS by a RES, and damp that MAS to a fixed point instead");
             diags.push(d);
         }
     }

@@ -55,9 +55,9 @@ fn jumps(model: &Model, net: &Wired, diags: &mut Diags) {
             _ => e.span,
         });
         let [first, rest] = [*first, input.rest].map(|v| quantity::show(quantity::six(v), Unit::METRE));
-        let title = format!("gesture `{name}` begins at {first}, and its port stands at {rest}");
-        let d = Diag::warning("W116", title).at(span, "what is tied to it is jerked at load");
-        diags.push(d.help(format!("let the first point be at \"{rest}\", or give the port `x = \"{first}\"`")));
+        let title = format!("gesture `{name}` begins at {first}, but its port is at {rest}");
+        let d = Diag::warning("W116", title).at(span, "stretches the links of the port at load");
+        diags.push(d.help(format!("begin the gesture at \"{rest}\", or give the port `x = \"{first}\"`")));
     }
 }
 
@@ -79,8 +79,9 @@ fn shared(model: &Model, net: &Wired, diags: &mut Diags) {
         let item = model.items.iter().find(|i| i.name == ports[1].name);
         let entry = item.and_then(|i| i.args.iter().find(|e| e.key == "dof"));
         let span = entry.map(|e| e.span).or(item.map(|i| i.name_span)).unwrap_or(Span::NONE);
-        let help = "nothing is amiss if one key is to move them all; else give each a `dof` of its own, of instances by a list in `with`: `dof = [0, 1, …]`";
-        diags.push(Diag::note("N204", title).at(span, "the same").help(help));
+        let help = "this is right if one key should move them all; otherwise give each a different `dof`, for instances \
+                    by a list in `with`: `dof = [0, 1, …]`";
+        diags.push(Diag::note("N204", title).at(span, "the same degree of freedom").help(help));
     }
 }
 

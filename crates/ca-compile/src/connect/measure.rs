@@ -17,20 +17,23 @@ pub fn measure(net: &Wired, ends: [End; 2], along: Option<[f64; 3]>) -> Result<M
             [false, false] => Ok(Measure::Line([0, 0])),
             [true, true] => Ok(Measure::Radial),
             _ => Err((
-                "joins a line and space",
-                "add `along = \"x\"`: the end on the line then moves along that axis; or couple them by an LPR",
+                "joins one end on a line and one in space",
+                "add `along = \"x\"`, so that the end on the line moves along that axis, or couple the two by an LPR",
             )),
         };
     };
     let flat = (0..2).any(|k| net.axes(ends[k]) == 2 && n[2] != 0.0);
     match (space, axis(n)) {
-        ([false, false], _) => Err(("has a direction, but both ends live on a line", "leave out `along`")),
+        ([false, false], _) => Err(("has a direction, but both ends are on a line", "leave out `along`")),
         _ if flat => Err(("has a direction out of the plane", "write `along = \"x\"`, `\"y\"` or `[x, y]`")),
         ([true, true], Some(k)) => Ok(Measure::Line([k, k])),
         ([true, true], None) => Ok(Measure::Along(n)),
         ([true, false], Some(k)) => Ok(Measure::Line([k, 0])),
         ([false, true], Some(k)) => Ok(Measure::Line([0, k])),
-        _ => Err(("joins a line and a direction that is no axis", "write `along = \"x\"`, `\"y\"` or `\"z\"`")),
+        _ => Err((
+            "joins an end on a line to a direction that is not an axis",
+            "write `along = \"x\"`, `\"y\"` or `\"z\"`",
+        )),
     }
 }
 

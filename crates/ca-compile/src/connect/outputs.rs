@@ -29,11 +29,11 @@ impl Wiring<'_> {
         let name = self.net.end_name(end);
         let d = match (axes, along) {
             (1, None) => return Some(alloc::vec![(0, 1.0)]),
-            (1, Some(_)) => Diag::error("E029", format!("`{owner}` has a direction, but `{name}` lives on a line"))
+            (1, Some(_)) => Diag::error("E029", format!("`{owner}` has a direction, but `{name}` is on a line"))
                 .at(span, "on a line")
                 .help("leave out `along`"),
             (_, None) => Diag::error("E029", format!("`{owner}` {does} `{name}`, which moves along {axes} axes"))
-                .at(span, "along which?")
+                .at(span, "no direction")
                 .help("add `along = \"x\"`, `\"y\"`, `\"z\"` or a direction such as `[0, 0.6, 0.8]`"),
             (_, Some(n)) => {
                 return Some((0..3u8).filter(|k| n[*k as usize] != 0.0).map(|k| (k, n[k as usize])).collect());
@@ -49,12 +49,12 @@ impl Wiring<'_> {
             Value::List(l) if !l.is_empty() => return l.iter().flat_map(|e| self.taps(e, name, force)).collect(),
             other => {
                 let title = format!("`from` of `{name}` must be the name of a module, not {}", type_name(other));
-                let help = "put the name in quotes, e.g. `\"bar\"`; several of one kind are `\"low[*]\"`";
+                let help = "put the name in quotes, e.g. `\"bar\"`, or `\"low[*]\"` for all modules of `low`";
                 self.diags.push(Diag::error("E006", title).at(e.span, "not a name").help(help));
                 return Vec::new();
             }
         };
-        let why = "SOX hears the position of a mass; SOF hears the force of a link";
+        let why = "SOX reads the position of a mass; SOF reads the force of a link";
         match self.select(Written { text, span: e.span, owner: name }, (!force).then_some(why)) {
             Some(Meaning::Links(l)) => l.into_iter().map(OutputTap::ForceOf).collect(),
             Some(Meaning::Ends(v)) if force => v.into_iter().map(OutputTap::ForceOn).collect(),
@@ -73,8 +73,8 @@ impl Wiring<'_> {
         let force = force || hear == Hear::Force;
         if let (Hear::Acceleration, Some(e)) = (hear, self.entry(id, "dc")) {
             let d = Diag::error("E010", format!("`{name}`: `dc` and `hear = \"acceleration\"` exclude each other"));
-            let d = d.at(e.span, "of an acceleration nothing is steady");
-            self.diags.push(d.help("leave out `dc`, or hear the speed"));
+            let d = d.at(e.span, "an acceleration has a steady part of 0");
+            self.diags.push(d.help("leave out `dc`, or write `hear = \"speed\"`"));
         }
         let Some(e) = self.entry(id, "from") else { return };
         let taps = self.taps(e, &name, force);
@@ -82,9 +82,9 @@ impl Wiring<'_> {
         if let Some((m, other)) = &minus {
             if !other.is_empty() && !taps.is_empty() && other.len() != taps.len() {
                 let (a, b) = (taps.len(), other.len());
-                let d =
-                    Diag::error("E018", format!("`{name}` hears {a} modules minus {b}")).at(m.span, "other in number");
-                self.diags.push(d.help("name as many in `minus` as in `from`"));
+                let d = Diag::error("E018", format!("`{name}` has {a} modules in `from` and {b} in `minus`"))
+                    .at(m.span, "a different number");
+                self.diags.push(d.help("name the same number of modules in `minus` as in `from`"));
                 return;
             }
         }
@@ -100,7 +100,7 @@ impl Wiring<'_> {
             if channel > 255 {
                 // Reported once.
                 if !self.diags.list.iter().any(|d| d.code == "E027" && d.title.ends_with("256 channels")) {
-                    let d = Diag::error("E027", format!("`{name}` would be the first beyond 256 channels"));
+                    let d = Diag::error("E027", format!("`{name}` is beyond the limit of 256 channels"));
                     self.diags.push(d.at(e.span, "one too many").help("give several outputs the same `channel`"));
                 }
                 return;
@@ -117,7 +117,7 @@ impl Wiring<'_> {
             for (tap, span, factor) in [(tap, e.span, per_tick)].into_iter().chain(other) {
                 let parts = match tap {
                     OutputTap::Position(end) | OutputTap::ForceOn(end) => {
-                        self.directed(end, along, &name, span, "hears")
+                        self.directed(end, along, &name, span, "reads")
                     }
                     OutputTap::ForceOf(_) => Some(alloc::vec![(0, 1.0)]),
                 };

@@ -155,7 +155,7 @@ impl<'a> Wiring<'a> {
         let names = known.iter().copied().chain(self.broken.iter().copied());
         let near = member.or_else(|| self.of_instance(name, w.owner)).or_else(|| nearest(name, names));
         let d = if self.model.params.iter().any(|p| p.key == name) {
-            d.help("that is a parameter; the ends of links and outputs are modules")
+            d.help("that is a parameter; name a module instead")
         } else if let Some(group) = group {
             let first = known.iter().find(|k| k.starts_with(&format!("{group}.")));
             let first = first.map_or_else(|| format!("{group}.…"), ToString::to_string);
@@ -210,26 +210,26 @@ impl<'a> Wiring<'a> {
         let wants = if family.size[1] > 1 { 2 } else { 1 };
         let (owner, name, nodes) = (w.owner, &sel.name, family.nodes.len());
         if nodes < 2 || sel.part != Part::Mass || sel.index != Index::None {
-            let d = Diag::error("E017", format!("`{owner}`: no way to move along `{name}`"))
+            let d = Diag::error("E017", format!("`{owner}`: a point cannot move along `{name}`"))
                 .at(w.index(), "a single module");
-            let d = d.help(format!(
-                "a moving point needs masses in a row or on a grid, e.g. a STRING or a MESH; a module is named `{name}`"
-            ));
-            self.diags.push(d);
+            let one = if family.masses.len() > 1 { format!("{name}[0]") } else { name.clone() };
+            self.diags.push(d.help(format!(
+                "a moving point needs a row or a grid of masses, e.g. a STRING or a MESH; for a single module, write \
+                 `{one}`"
+            )));
             return None;
         }
         if self.net.mats[family.nodes[0] as usize].in_space() {
-            let d = Diag::error("E029", format!("`{owner}`: points move along what lives on a line only"));
-            let help =
-                format!("name a node of `{name}`, or tie a mesh or string on a line to it by links with `along`");
+            let d = Diag::error("E029", format!("`{owner}`: a point cannot move along `{name}`, which is in space"));
+            let help = format!("name a node of `{name}`, or link a mesh or string on a line to it with `along`");
             self.diags.push(d.at(w.index(), "in space").help(help));
             return None;
         }
         if at.len() != wants {
             let (help, is) = if wants == 2 {
-                (format!("write `{name}@0.3,0.4`: where along both sides"), "a mesh has two")
+                (format!("write `{name}@0.3,0.4`: one coordinate for each side"), "a mesh has two coordinates")
             } else {
-                (format!("write `{name}@0.3`: where along its length"), "a string has one")
+                (format!("write `{name}@0.3`: a coordinate along its length"), "a string has one coordinate")
             };
             let d = Diag::error(
                 "E015",
@@ -257,12 +257,13 @@ impl<'a> Wiring<'a> {
                 Coord::Num(v) => {
                     let d = Diag::error(
                         "E009",
-                        format!("`{owner}`: the place {} on `{name}` is not between 0 and 1", Plain(*v)),
+                        format!("`{owner}`: coordinate {} on `{name}` is not between 0 and 1", Plain(*v)),
                     );
                     let d = d.at(w.index(), "beyond the end");
-                    self.diags.push(
-                        d.help(format!("0 is one end, 1 the other; a single mass is `{name}[{}]`", libm::trunc(*v))),
-                    );
+                    self.diags.push(d.help(format!(
+                        "use a value from 0 (one end) to 1 (the other end); a single mass is `{name}[{}]`",
+                        libm::trunc(*v)
+                    )));
                     return None;
                 }
                 Coord::Name(n) => self.coordinate(n, w)?,
@@ -274,7 +275,7 @@ impl<'a> Wiring<'a> {
             if self.under - nodes <= 4 * LARGEST {
                 let title = format!("`{owner}`: too many moving points on long strings");
                 let d = Diag::error("E027", title).at(w.span, "one too many");
-                let help = "use fewer of them, or shorter strings: each costs as much as the string has masses";
+                let help = "use fewer moving points or shorter strings: each point counts all masses of its string";
                 self.diags.push(d.help(help));
             }
             return None;
@@ -317,17 +318,18 @@ impl<'a> Wiring<'a> {
         let from = w.text.find('@').map_or(0, |i| i + 1);
         let from = w.text.get(from..).and_then(|t| t.find(name)).map_or(from, |i| from + i);
         let span = w.part(from, from + name.len());
-        let d = Diag::error("E013", format!("`{}`: no parameter or port `{name}`", w.owner)).at(span, "unknown place");
+        let d =
+            Diag::error("E013", format!("`{}`: no parameter or port `{name}`", w.owner)).at(span, "unknown coordinate");
         self.diags.push(match near {
             Some(near) if span != w.span => d.help(format!("did you mean `{near}`?")).fix(span, near),
-            _ => d.help("a moving point follows a number, a `[param]`, or an ENX or TGR port"),
+            _ => d.help("a coordinate is a number, a `[param]`, or an ENX or TGR port"),
         });
         None
     }
 
     fn off_the_end(&mut self, name: &str, v: f64, w: Written<'_>) -> Option<Coordinate> {
-        let d = Diag::error("E009", format!("`{}`: the place `{name}` is not between 0 and 1: {}", w.owner, Plain(v)));
-        self.diags.push(d.at(w.index(), "beyond the end").help("0 is one end, 1 the other"));
+        let d = Diag::error("E009", format!("`{}`: coordinate `{name}` is not between 0 and 1: {}", w.owner, Plain(v)));
+        self.diags.push(d.at(w.index(), "beyond the end").help("use a value from 0 (one end) to 1 (the other end)"));
         None
     }
 }
@@ -350,7 +352,7 @@ fn family_of(kind: &Kind) -> &'static str {
         Role::Lia(_) => "a link",
         Role::Port(PortRole::Sox | PortRole::Sof) => "an output",
         Role::Port(PortRole::Enf) => "a force",
-        _ => "something else",
+        _ => "another kind of module",
     }
 }
 
@@ -399,31 +401,31 @@ fn outside(w: Written<'_>, sel: &Selector, n: usize, family: Members<'_>, why: &
     let one = if mesh { format!("`{name}[3,4]`") } else { format!("`{name}[0]`") };
     match why {
         Pick::Needs => {
-            let d = title(format!("`{name}` is {n} modules, one is wanted")).at(w.span, "which one?");
+            let d = title(format!("`{name}` has {n} modules and needs an index")).at(w.span, "without an index");
             d.help(format!("write {one} for one of them, `{name}[*]` for all"))
         }
         Pick::Row => {
-            let d = title(format!("no `{}`", w.text.trim())).at(w.index(), "two indices");
-            d.help(format!("`{name}` is no mesh: write one index, e.g. {one}"))
+            let d = title(format!("no module `{}`", w.text.trim())).at(w.index(), "two indices");
+            d.help(format!("`{name}` is not a mesh: write one index, e.g. {one}"))
         }
         Pick::Empty => {
-            let d = title(format!("no `{}`", w.text.trim())).at(w.index(), "an empty range");
-            d.help("the second index is excluded: `[2..5]` is 2, 3 and 4")
+            let d = title(format!("`{}` selects nothing", w.text.trim())).at(w.index(), "an empty range");
+            d.help("the second index is excluded: `[2..5]` selects 2, 3 and 4")
         }
         Pick::Outside if n == 0 => {
-            title(format!("`{name}` has none")).at(w.index(), "none to select").help(match sel.part {
-                Part::End => "only strings with ends that are held have fixed points there",
-                _ => "name the module without an index",
+            title(format!("`{name}` does not exist")).at(w.index(), "nothing to select").help(match sel.part {
+                Part::End => "only a string whose ends are fixed or hinged has `.end`",
+                _ => "name the module itself, without an index or `.link`",
             })
         }
         Pick::Outside => {
-            let d = title(format!("no `{}`", w.text.trim())).at(w.index(), "beyond the end");
+            let d = title(format!("no module `{}`", w.text.trim())).at(w.index(), "beyond the end");
             d.help(if mesh {
-                format!("`{name}` goes from [0,0] to [{},{}]", family.size[0] - 1, family.size[1] - 1)
+                format!("`{name}` has the indices [0,0] to [{},{}]", family.size[0] - 1, family.size[1] - 1)
             } else if n == 1 {
                 format!("`{name}` is one module: write `{name}`, or `{name}[0]`")
             } else {
-                format!("`{name}` is {n} modules: [0] to [{}], or [-{n}] to [-1] from the end", n - 1)
+                format!("`{name}` has {n} modules: [0] to [{}], or [-{n}] to [-1] from the end", n - 1)
             })
         }
     }

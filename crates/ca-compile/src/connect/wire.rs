@@ -54,8 +54,8 @@ pub fn wire(model: &Model, net: Resolved, options: &Options, diags: &mut Diags) 
         w.probe(probe, asked as u32);
     }
     if let (Some(name), false) = (&w.net.incomplete, w.diags.has_errors()) {
-        let d = Diag::error("E013", format!("`{name}` could not be read, and something refers to it"));
-        w.diags.push(d.help("mend what the reader reported first"));
+        let d = Diag::error("E013", format!("`{name}` could not be read, but something else refers to it"));
+        w.diags.push(d.help("fix the errors in the file first"));
     }
     w.net
 }
@@ -92,7 +92,7 @@ impl<'a> Wiring<'a> {
                 all
             }
             other => {
-                let title = format!("`{key}` of `{owner}` holds names of modules, not {}", type_name(other));
+                let title = format!("`{key}` of `{owner}` must be the name of a module, not {}", type_name(other));
                 let d = Diag::error("E006", title).at(e.span, "not a name");
                 let quoted = "put the name in quotes, e.g. `\"hammer\"` or `\"low[8]\"`";
                 self.diags.push(d.help(quoted));
@@ -102,8 +102,8 @@ impl<'a> Wiring<'a> {
     }
 
     pub(super) fn too_many(&mut self, owner: &str, what: &str, span: Span) {
-        let d = Diag::error("E027", format!("`{owner}` makes too many {what}")).at(span, "here");
-        self.diags.push(d.help(format!("a model holds up to {LARGEST} masses and links")));
+        let d = Diag::error("E027", format!("`{owner}` has too many {what}")).at(span, "here");
+        self.diags.push(d.help(format!("use fewer: a model can have up to {LARGEST} masses and links")));
     }
 
     fn link(&mut self, id: u32, class: KernelClass) {
@@ -117,9 +117,10 @@ impl<'a> Wiring<'a> {
             return;
         };
         let [first, second] = l.as_slice() else {
-            let count = ["no end", "one end"].get(l.len()).map_or_else(|| format!("{} ends", l.len()), |s| (*s).into());
+            let count =
+                ["no ends", "one end"].get(l.len()).map_or_else(|| format!("{} ends", l.len()), |s| (*s).into());
             let d =
-                Diag::error("E018", format!("`between` of `{name}` has {count}, not two")).at(e.span, "two are wanted");
+                Diag::error("E018", format!("`between` of `{name}` has {count}, not two")).at(e.span, "needs two ends");
             let help = if l.len() > 2 {
                 "a link has a first and a second end; to link many, make each side a list: `[[\"a\", \"b\"], \"c\"]`"
             } else {
@@ -131,7 +132,8 @@ impl<'a> Wiring<'a> {
         let (a, b) = (self.side(first, &name, "between", LINKED), self.side(second, &name, "between", LINKED));
         let (Some(a), Some(b)) = (a, b) else { return };
         if let Some((side, _)) = [(first, &a), (second, &b)].into_iter().find(|(_, ends)| ends.is_empty()) {
-            let d = Diag::error("E018", format!("`{name}` joins nothing: one side is empty")).at(side.span, "no end");
+            let d = Diag::error("E018", format!("`{name}` joins nothing: one side of `between` is empty"))
+                .at(side.span, "empty");
             self.diags.push(d.help(help));
             return;
         }
@@ -164,15 +166,19 @@ impl<'a> Wiring<'a> {
             (0..count).map(|i| [a[i.min(a.len() - 1)], b[i.min(b.len() - 1)]]).collect()
         } else {
             let ends = |n: usize| if n == 1 { "1 end".into() } else { format!("{n} ends") };
-            let d =
-                Diag::error("E018", format!("`{name}`: {} on one side, {} on the other", ends(a.len()), ends(b.len())));
+            let d = Diag::error(
+                "E018",
+                format!("`{name}` has {} on one side and {} on the other", ends(a.len()), ends(b.len())),
+            );
             let d = d.at(first.span, ends(a.len())).at(second.span, ends(b.len()));
-            self.diags.push(d.help("give equal numbers, one against many, or `pairs = \"all\"`"));
+            self.diags.push(
+                d.help("use the same number of ends on both sides, a single end on one side, or `pairs = \"all\"`"),
+            );
             return;
         };
         if pairs.is_empty() {
-            let d = Diag::error("E018", format!("`{name}` joins nothing: one module makes no pair with itself"));
-            self.diags.push(d.at(e.span, "no pair").help("name two different ends"));
+            let d = Diag::error("E018", format!("`{name}` joins nothing: a module cannot be paired with itself"));
+            self.diags.push(d.at(e.span, "no pair").help("name two different modules"));
             return;
         }
         let Ok(onto) = self.onto(id, &name, pairs.len()) else { return };
@@ -190,7 +196,7 @@ impl<'a> Wiring<'a> {
             if ends[0] == ends[1] {
                 let d = Diag::error("E022", format!("`{name}` joins `{}` to itself", self.net.end_name(ends[0])));
                 let help = if many {
-                    "leave it out of one side, or link by `pairs = \"all\"` with one list on both sides"
+                    "leave it out of one side, or use `pairs = \"all\"` with the same list on both sides"
                 } else {
                     "name two different modules"
                 };
@@ -222,8 +228,9 @@ impl<'a> Wiring<'a> {
             let node = LiaNode { name, kind, law, values, ends, measure, onto, sets: None, l0, soften, item: id };
             if soften > 0.0 && !node.is_radial() {
                 let at = self.entry(id, "soften").map_or(e.span, |e| e.span);
-                let d = Diag::error("E029", format!("`{}` softens no distance", node.name)).at(at, "on a line");
-                self.diags.push(d.help("leave out `soften`: it keeps the direction of a distance in space defined"));
+                let d = Diag::error("E029", format!("`{}` has `soften`, but measures no distance in space", node.name))
+                    .at(at, "not a distance");
+                self.diags.push(d.help("leave out `soften`, which keeps the direction of a distance in space defined"));
                 return;
             }
             for l in measure::vectorial(&self.net, node) {
@@ -238,29 +245,29 @@ impl<'a> Wiring<'a> {
     /// different worlds.
     fn ports(&self, first: [End; 2], second: [End; 2]) -> Result<(Measure, SecondPort), (&'static str, &'static str)> {
         let measure = |ends| measure::measure(&self.net, ends, None);
-        let help = "the ends of one port stand in one world: both on a line, or both in space";
-        let first = measure(first).map_err(|_| ("joins a line and space by `between`", help))?;
-        let there = measure(second).map_err(|_| ("joins a line and space by `onto`", help))?;
+        let help = "the two ends of a port must both be on a line or both be in space";
+        let first = measure(first).map_err(|_| ("has one end of `between` on a line and one in space", help))?;
+        let there = measure(second).map_err(|_| ("has one end of `onto` on a line and one in space", help))?;
         Ok((first, SecondPort { ends: second, measure: there }))
     }
 
     /// Returns the second ports of `count` quadripoles, one pair of ends each; empty for a link of two ends.
     fn onto(&mut self, id: u32, name: &str, count: usize) -> Result<Vec<[End; 2]>, ()> {
         let Some(e) = self.entry(id, "onto") else { return Ok(Vec::new()) };
-        let help = "write `onto = [\"first\", \"second\"]`, the ends in the other world";
+        let help = "write `onto = [\"first\", \"second\"]`, the two ends of the second port";
         let pair = if let Value::List(l) = &e.value { <&[Entry; 2]>::try_from(l.as_slice()).ok() } else { None };
         let Some([first, second]) = pair else {
             let d = Diag::error("E018", format!("`onto` of `{name}` is not a pair of ends"));
-            self.diags.push(d.at(e.span, "two are wanted").help(help));
+            self.diags.push(d.at(e.span, "needs two ends").help(help));
             return Err(());
         };
         let (a, b) = (self.side(first, name, "onto", LINKED), self.side(second, name, "onto", LINKED));
         let (Some(a), Some(b)) = (a, b) else { return Err(()) };
         if [&a, &b].iter().any(|side| side.is_empty() || (side.len() != 1 && side.len() != count)) {
             let (a, b) = (a.len(), b.len());
-            let title = format!("`{name}`: {count} links, but {a} and {b} ends in `onto`");
+            let title = format!("`{name}` makes {count} links, but `onto` has {a} and {b} ends");
             let d = Diag::error("E018", title).at(e.span, "does not fit");
-            self.diags.push(d.help("give one end, or as many as `between` makes links, on each side"));
+            self.diags.push(d.help("on each side of `onto`, give one end, or one for each link"));
             return Err(());
         }
         let pairs: Vec<[End; 2]> = (0..count).map(|i| [a[i.min(a.len() - 1)], b[i.min(b.len() - 1)]]).collect();
@@ -297,7 +304,7 @@ impl<'a> Wiring<'a> {
     fn push(&mut self, id: u32) {
         let name = self.net.items[id as usize].name.clone();
         let Some(e) = self.entry(id, "to") else { return };
-        let Some(ends) = self.side(e, &name, "to", "a force pushes a MAT: a mass or a cell") else { return };
+        let Some(ends) = self.side(e, &name, "to", "a force acts on a MAT: a mass or a cell") else { return };
         let Some(input) = self.net.inputs.iter().position(|i| *i.name == *name) else { return };
         let along = self.net.items[id as usize].args.get(2).and_then(space::direction);
         if self.net.pushes.len() + ends.len() > LARGEST {
@@ -307,8 +314,9 @@ impl<'a> Wiring<'a> {
         for end in ends {
             let Some(parts) = self.directed(end, along, &name, e.span, "pushes") else { return };
             let [(axis, share)] = parts[..] else {
-                let d = Diag::error("E029", format!("`{name}` pushes along no axis")).at(e.span, "a slanted direction");
-                self.diags.push(d.help("a force port has one axis: use two of them"));
+                let d = Diag::error("E029", format!("the direction of `{name}` is not an axis"))
+                    .at(e.span, "a slanted direction");
+                self.diags.push(d.help("a force port acts along one axis: use one port for each axis"));
                 return;
             };
             debug_assert!(share == 1.0);

@@ -79,5 +79,7 @@ fn too_high(model: &Model, net: &Pruned, o: &OutNode, f: f64) -> Diag {
     let span = item.and_then(|i| i.args.iter().find(|e| e.key == "dc")).map_or(Span::NONE, |e| e.span);
     let name = item.map_or(&o.name, |i| &i.name);
     let title = format!("`dc` of `{name}`: {} is not below half the sound rate", show(f, Unit::HERTZ));
-    Diag::error("E023", title).at(span, "too high").help("what is steady goes with `\"7 Hz\"` or less")
+    Diag::error("E023", title)
+        .at(span, "too high")
+        .help("use a lower value: `\"7 Hz\"` or less removes the steady part")
 }

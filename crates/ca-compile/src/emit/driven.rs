@@ -31,15 +31,15 @@ pub fn tables(net: &Resolved, plan: &mut LivePlan, diags: &mut Diags) -> Vec<Dri
         let name = &plan.params[d.param].name;
         let places = &reach[d.param];
         if plan.implicit.as_ref().is_some_and(|i| places.iter().any(|p| *p >= i.first)) {
-            let title = format!("parameter `{name}` is driven by a port and changes implicit links");
-            let help = "drive a number of links that are explicit, or take the port from it and set it";
+            let title = format!("parameter `{name}` is driven by a port, but changes implicit links");
+            let help = "drive a parameter of explicit links, or remove `port` and write a `value`";
             diags.push(Diag::error("E025", title).at(d.at, "driven here").help(help));
             continue;
         }
         let other = (0..free.params.len()).find(|q| *q != d.param && !reach[*q].is_disjoint(places));
         if let Some(q) = other {
             let title = format!("parameters `{name}` and `{}` change the same coefficients", plan.params[q].name);
-            let help = "a number that a port drives follows that port alone: make the other one constant";
+            let help = "a coefficient that a port drives can follow only one parameter: make the other one constant";
             diags.push(Diag::error("E025", title).at(d.at, "driven here").help(help));
             continue;
         }
@@ -51,7 +51,7 @@ pub fn tables(net: &Resolved, plan: &mut LivePlan, diags: &mut Diags) -> Vec<Dri
             Err(why) => {
                 let d = Diag::error("E025", format!("parameter `{name}` cannot be driven: {why}"))
                     .at(d.at, "declared here");
-                diags.push(d.help("choose `min` and `max` closer"));
+                diags.push(d.help("choose `min` and `max` closer together"));
             }
         }
     }
@@ -97,7 +97,8 @@ fn rows(controls: &mut Controls, p: usize, rows: usize) -> Result<(Vec<u32>, Vec
             places = written;
         } else if places != written {
             return Err(
-                "a link is implicit at some of its values and not at others, and an implicit one follows no port"
+                "a link is implicit at some of its values and explicit at others, and a port cannot drive an implicit \
+                 link"
                     .into(),
             );
         }

@@ -29,7 +29,7 @@ pub fn check(model: &Model, net: &Pruned, layout: &Layout, forces: &[Op], diags:
         || layout.implicit.is_some()
         || forces.iter().any(|op| op.law.is_some_and(|l| l.implicit || !l.stage.is_explicit()))
     {
-        "another method than `ca`"
+        "a method other than `ca`"
     } else if net.oversample > 1 {
         "`oversample`"
     } else if !layout.waves.delays.is_empty() || !layout.places.modal.is_empty() {
@@ -39,7 +39,8 @@ pub fn check(model: &Model, net: &Pruned, layout: &Layout, forces: &[Op], diags:
     };
     let d = Diag::error("E010", alloc::format!("`start = \"mi.lib\"` and {what} exclude each other"));
     diags.push(
-        d.at(e.span, "mi.lib has no such thing").help("leave `start` out: `dx0` and `v` are then those at the start"),
+        d.at(e.span, "mi.lib does not support this")
+            .help("leave out `start`: `dx0` and `v` are then position and speed at the start"),
     );
 }
 

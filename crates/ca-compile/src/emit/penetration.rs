@@ -24,7 +24,7 @@ pub fn warn(net: &Pruned, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2], model: &M
     // Three digits are enough to find the position.
     let three = |v: f64| format!("{:.2e}", v.abs()).parse().unwrap_or(v.abs());
     let force = quantity::show(three(f), Unit::NEWTON);
-    let d = Diag::warning("W102", format!("`{}` presses at load, with {force}", l.name));
+    let d = Diag::warning("W102", format!("`{}` already presses at load, with a force of {force}", l.name));
     let gap = quantity::show(three(e), Unit::METRE);
     let (label, help) = if l.is_radial() {
         let way = if f < 0.0 { "move them apart" } else { "move them closer" };
@@ -32,7 +32,7 @@ pub fn warn(net: &Pruned, l: &LiaNode, e0: f64, reach: &[[f64; 4]; 2], model: &M
     } else {
         let side = if e < 0.0 { "below" } else { "above" };
         let way = "swap the ends of `between`, or move one of them by `x` or `dx0`";
-        (format!("`{b}` is {gap} {side} `{a}`"), format!("it keeps `{b}` above `{a}`; {way}"))
+        (format!("`{b}` is {gap} {side} `{a}`"), format!("the contact keeps `{b}` above `{a}`: {way}"))
     };
     diags.push(d.at(item.name_span, label).help(help));
 }

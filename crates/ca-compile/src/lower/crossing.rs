@@ -22,9 +22,13 @@ ca_core::choice! {
 
 const BORDER: Param =
     Param::new("border", Type::Choice(Border::WORDS), Need::Default(0.0), "position of a device within a frame");
-const LATENCY: Param =
-    Param::new("latency", Type::Count { min: 0, max: LATEST }, Need::Default(0.0), "frames added to each device");
-const FEEDBACK: Param = Param::new("feedback", Type::Flag, Need::Default(1.0), "whether the hand gets a force");
+const LATENCY: Param = Param::new(
+    "latency",
+    Type::Count { min: 0, max: LATEST },
+    Need::Default(0.0),
+    "delay added to each device, in frames",
+);
+const FEEDBACK: Param = Param::new("feedback", Type::Flag, Need::Default(1.0), "whether the device gets a force");
 const FILTER: Param =
     Param::number("filter", Unit::HERTZ, (1.0, 1e7), Need::Optional, "edge of the low-pass of the outputs");
 

@@ -85,9 +85,9 @@ fn unknown(e: &Entry, keys: &[(String, [Option<u32>; 3])], v: &mut Values<'_>) {
     v.diags.push(match nearest(&e.key, words.clone()) {
         Some(near) => d.help(format!("did you mean `{near}`?")).fix(e.key_span, near),
         None if keys.iter().any(|k| k.0 == e.key) => {
-            d.help(format!("a device key has a table of its own: `[equivalence.{}]`", e.key))
+            d.help(format!("a device key needs a table: `[equivalence.{}]`", e.key))
         }
-        None => d.help(format!("`[equivalence]` knows {}, and a table for each device key", ticked(words))),
+        None => d.help(format!("`[equivalence]` has {}, and a table for each device key", ticked(words))),
     });
 }
 
@@ -97,12 +97,16 @@ fn read_anchor(e: &Entry, v: &mut Values<'_>) -> Option<Class> {
     match Class::of(word) {
         Some(class) if class != Class::Time => Some(class),
         _ => {
-            let title = format!("`anchor` of `[equivalence]` is none of {}", ticked(words.into_iter()));
+            let title =
+                format!("`anchor` of `[equivalence]` must be one of {}, or another row", ticked(words.into_iter()));
             let d = Diag::error("E011", title).at(e.span, "not a choice");
             let names = words.into_iter().chain(ROWS.iter().map(|r| r.name)).filter(|w| *w != "time");
             v.diags.push(match nearest(word, names) {
                 Some(near) => d.help(format!("did you mean `{near}`?")).fix(e.span, format!("\"{near}\"")),
-                None => d.help("it names what stays as it is: `position`, the travel of the keys, if left out"),
+                None => d.help(
+                    "it names the quantity that stays unchanged: if left out, `position` (the travel of the keys), or \
+                     `impedance` if `position` is set",
+                ),
             });
             None
         }
@@ -111,8 +115,8 @@ fn read_anchor(e: &Entry, v: &mut Values<'_>) -> Option<Class> {
 
 fn pair(row: &'static Quantity, e: &Entry, v: &mut Values<'_>) -> Option<Pair> {
     if row.class() == Class::Time {
-        let d = Diag::error("E032", "`time` has no equivalence of its own").at(e.key_span, "the clock decides");
-        v.diags.push(d.help("a second is a second; in `alg` units a sample is one of `reference_rate`"));
+        let d = Diag::error("E032", "`time` cannot have an equivalence").at(e.key_span, "set by the clock");
+        v.diags.push(d.help("leave it out: a second is a second; in `alg` units, a sample is one of `reference_rate`"));
         return None;
     }
     let Value::List(list) = &e.value else {
@@ -153,11 +157,9 @@ fn whole(
             let class = p.row.class();
             let held = held.unwrap_or(anchor_for(class));
             if held == class {
-                let d = Diag::error("E032", format!("the anchor holds what `{}` sets", p.row.name));
-                let d = d
-                    .at(anchor.map_or(e.key_span, |a| a.span), "the same equivalence said twice")
-                    .at(e.key_span, "set here");
-                v.diags.push(d.help(format!("beside `{}`, hold one of {}", p.row.name, others(class))));
+                let d = Diag::error("E032", format!("the anchor keeps the quantity that `{}` sets", p.row.name));
+                let d = d.at(anchor.map_or(e.key_span, |a| a.span), "the same equivalence").at(e.key_span, "set here");
+                v.diags.push(d.help(format!("with `{}`, choose one of {} as the anchor", p.row.name, others(class))));
                 return None;
             }
             (keep(*p, held, Gains::default(), time_unit), e)
@@ -165,24 +167,28 @@ fn whole(
         [(a, _), (b, e)] => {
             let class = a.row.class();
             if class == b.row.class() {
-                let title = format!("`{}` and `{}` are one equivalence said twice", a.row.name, b.row.name);
+                let title = format!("`{}` and `{}` set the same equivalence", a.row.name, b.row.name);
                 let d = Diag::error("E032", title)
                     .at(e.key_span, "follows from the other")
                     .at(pairs[0].1.key_span, "the other");
-                v.diags.push(d.help(format!("beside `{}`, write one of {}", a.row.name, others(class))));
+                v.diags.push(d.help(format!("with `{}`, write one of {}", a.row.name, others(class))));
                 return None;
             }
             (solve([*a, *b], time_unit), e)
         }
         [_, _, (c, e), ..] => {
-            let d = Diag::error("E032", format!("`{}` is one equivalence too many: two settle all", c.row.name));
-            v.diags.push(d.at(e.key_span, "the third").help("keep two; `ca equiv` shows what all others are then"));
+            let d =
+                Diag::error("E032", format!("`{}` is one equivalence too many: two determine all others", c.row.name));
+            v.diags.push(d.at(e.key_span, "the third").help("keep two; `ca equiv` shows the others"));
             return None;
         }
     };
     if gains.is_none() {
-        let d = Diag::error("E009", format!("`{}` of `[equivalence]` is beyond all scales", last.key));
-        v.diags.push(d.at(last.span, "out of range").help("between the two worlds lie at most 30 orders of magnitude"));
+        let d = Diag::error("E009", format!("the scale of `{}` in `[equivalence]` is out of range", last.key));
+        v.diags.push(
+            d.at(last.span, "out of range")
+                .help("use values closer together: a scale has at most 30 orders of magnitude"),
+        );
     }
     gains
 }
@@ -200,8 +206,8 @@ fn scale(
             return None;
         }
         if let Some(i) = model.items.iter().find(|i| i.name == key) {
-            let d = Diag::error("E017", format!("`[equivalence.{key}]`: {} is no device key", i.kind));
-            v.diags.push(d.at(e.key_span, "not a TGR").help("only a TGR stands between the hand and the model"));
+            let d = Diag::error("E017", format!("`[equivalence.{key}]`: {} is not a device key", i.kind));
+            v.diags.push(d.at(e.key_span, "not a TGR").help("only a TGR connects a device to the model"));
             return None;
         }
         let d =
@@ -221,7 +227,7 @@ fn scale(
                 .at(x.key_span, "not known here");
             v.diags.push(match nearest(&x.key, WORDS.into_iter()) {
                 Some(near) => d.help(format!("did you mean `{near}`?")).fix(x.key_span, near),
-                None => d.help("a key has `lever`, or `position` and `force`: factors beside those of the whole"),
+                None => d.help("a key has `lever`, or `position` and `force`: they multiply the factors of all keys"),
             });
             return None;
         };
@@ -232,7 +238,7 @@ fn scale(
     if let (Some((_, l)), Some((_, other))) = (lever, position.or(force)) {
         let d = Diag::error("E010", format!("`[equivalence.{key}]`: `lever` and `{}` exclude each other", other.key));
         let d = d.at(other.key_span, "excludes `lever`").at(l.key_span, "written here");
-        v.diags.push(d.help("a lever is `position` and `force` by the same factor: keep one of the two ways"));
+        v.diags.push(d.help("`lever` sets `position` and `force` to the same factor: keep `lever`, or the other two"));
         return None;
     }
     let of = |f: Option<(f64, &Entry)>| f.or(lever).map_or(1.0, |f| f.0);
@@ -245,12 +251,14 @@ fn shared(net: &Resolved, found: &Equivalence, model: &Model, v: &mut Values<'_>
     for (n, b) in devices.iter().enumerate() {
         let Some(a) = devices[..n].iter().find(|a| a.device == b.device && a.gains != b.gains) else { continue };
         let Some((device, dof)) = &b.device else { continue };
-        let title =
-            format!("`{}` and `{}` are degree of freedom {dof} of `{device}`, with different scales", a.name, b.name);
+        let title = format!(
+            "`{}` and `{}` share degree of freedom {dof} of `{device}`, but have different scales",
+            a.name, b.name
+        );
         let named = |name: &str| found.keys.iter().any(|k| k.key == name);
         let one = if named(&b.name) { &b.name } else { &a.name };
         let place = model.equivalence.iter().find(|e| e.key == *one).map_or(ca_model::Span::NONE, |e| e.key_span);
-        let d = Diag::error("E032", title).at(place, "not that of the other");
-        v.diags.push(d.help(format!("give both the same factors, or another `dof` to `{}`", b.name)));
+        let d = Diag::error("E032", title).at(place, "differs from the other");
+        v.diags.push(d.help(format!("give both the same factors, or give `{}` another `dof`", b.name)));
     }
 }

@@ -72,16 +72,18 @@ impl Values<'_> {
                 let left = [
                     count(
                         cloud.merged,
-                        "point stands where another does and was merged with it",
-                        "points stand where others do and were merged with them",
+                        "point coincides with another and was merged with it",
+                        "points coincide with others and were merged with them",
                     ),
                     count(cloud.flat, "face without area was left out", "faces without area were left out"),
                 ];
                 let left = left.into_iter().flatten().collect::<Vec<_>>().join("; ");
                 if !left.is_empty() {
                     let d = Diag::note("N202", format!("{what}: {left}")).at(e.span, "not all of it is used");
-                    self.diags
-                        .push(d.help("nothing is amiss if the drawing has seams; else mend it where it was made"));
+                    self.diags.push(d.help(
+                        "this is normal if the drawing has seams; otherwise correct the file in the program that \
+                             made it",
+                    ));
                 }
                 Some(Arg::Cloud(cloud))
             }
@@ -90,8 +92,9 @@ impl Values<'_> {
                 None
             }
             None => {
-                let help = "save the model in a file beside it; a program that compiles hands over what files hold";
-                self.diags.push(unread(format!("{what}: `{name}` is not at hand")).help(help));
+                let help = "save the model in the folder of this file; a program that calls the compiler must pass the \
+                            contents of files";
+                self.diags.push(unread(format!("{what}: file `{name}` is not available")).help(help));
                 None
             }
         }

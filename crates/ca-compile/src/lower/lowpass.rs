@@ -34,7 +34,7 @@ pub fn design(edge: f64, rate: f64, times: u32, span: Option<Span>, diags: &mut 
     let (half, most) = (0.5 * rate, 0.5 * rate * (1.0 - NARROWEST));
     if edge > most {
         let title = format!(
-            "`filter` of `[rate]`: no room between {} Hz and half the sound rate, {} Hz",
+            "`filter` of `[rate]`: {} Hz is not far enough below half the sound rate, {} Hz",
             Plain(edge),
             Plain(half)
         );

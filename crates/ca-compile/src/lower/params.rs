@@ -58,7 +58,7 @@ fn raw(e: &Entry, what: &str, is_param: &dyn Fn(&str) -> bool, diags: &mut Diags
             diags.push(match note {
                 Some(note) => d.help(format!("did you mean `{note}`?")).fix(e.span, format!("\"{note}\"")),
                 None => {
-                    d.help("write e.g. `0.5`, `\"8 kN/m\"` or `\"A4\"`; parameters cannot be made of other parameters")
+                    d.help("write e.g. `0.5`, `\"8 kN/m\"` or `\"A4\"`; a parameter cannot refer to other parameters")
                 }
             });
             None
@@ -127,7 +127,7 @@ fn named(e: &Entry, is_param: &dyn Fn(&str) -> bool, diags: &mut Diags) -> Named
             let of = if x.key == "value" { what.clone() } else { format!("`{}` of {what}", x.key) };
             let d = Diag::error("E008", format!("{of} has no unit: `{}`", t.trim())).at(x.span, "without a unit");
             let (t, help) =
-                (t.trim(), "a number in quotes has its unit; one without quotes is in that of the parameter");
+                (t.trim(), "a number in quotes needs a unit; one without quotes has the unit of the parameter");
             diags.push(d.help(format!("write `\"{t} {u}\"`: {help}")).fix(x.span, format!("\"{t} {u}\"")));
             return n;
         }
@@ -153,7 +153,7 @@ fn named(e: &Entry, is_param: &dyn Fn(&str) -> bool, diags: &mut Diags) -> Named
             ("span", other) => {
                 let title = format!("`span` of {what} must be a list of two numbers, not {}", type_name(other));
                 let d = Diag::error("E006", title).at(x.span, "wrong type");
-                diags.push(d.help("write where the port is at `min` and at `max`, e.g. `span = [0, \"20 mm\"]`"));
+                diags.push(d.help("write the values of the port at `min` and at `max`, e.g. `span = [0, \"20 mm\"]`"));
             }
             ("live", other) => {
                 let d = Diag::error(
@@ -196,10 +196,10 @@ fn driven(n: &mut Named, e: &Entry, what: &str, diags: &mut Diags) {
     for (key, _) in missing.into_iter().filter(|m| m.1) {
         let broken = matches!(&e.value, Value::Table(t) if t.iter().any(|x| x.key == key));
         if !broken {
-            let d = Diag::error("E005", format!("{what} has a `port` and no `{key}`")).at(e.key_span, "incomplete");
+            let d = Diag::error("E005", format!("{what} has a `port`, but no `{key}`")).at(e.key_span, "incomplete");
             diags.push(d.help(
-                "a port drives it from `min` to `max` while it goes from the first to the second of `span`, e.g. \
-                 `{ port = \"press\", span = [0, \"20 mm\"], min = 0, max = \"2 N\" }`",
+                "the port drives it from `min` to `max` as the port goes from the first to the second value of `span`, \
+                 e.g. `{ port = \"press\", span = [0, \"20 mm\"], min = 0, max = \"2 N\" }`",
             ));
         }
         n.port = None;
@@ -258,24 +258,24 @@ fn limits(n: &mut Named, spans: [Span; 2], what: &str, diags: &mut Diags) {
 fn not_alike(n: &Named, what: &str, key: &str, span: Span, [value, limit]: [Option<Dim>; 2]) -> Diag {
     let [is, of] = [value, limit].map(|d| d.map_or(String::new(), quantity::unit_of));
     let in_unit = |unit: &str| if unit.is_empty() { "a plain number".into() } else { format!("in {unit}") };
-    let help = "give value and limits in one unit, e.g. by `unit = \"…\"`";
+    let help = "give the value and its limits in the same unit, e.g. with `unit = \"…\"`";
     let was_set = span.is_some() && !n.value_span.is_some();
     if value.is_some() && !was_set {
         let d = if limit.is_some() {
             wrong_unit(&format!("`{key}` of {what}"), &is, &of, span)
         } else {
-            let title = format!("`{key}` of {what} is a plain number, and its value is in {is}");
+            let title = format!("`{key}` of {what} is a plain number, but its value is in {is}");
             Diag::error("E008", title).at(span, "a plain number")
         };
         return d.at(n.value_span, "the value").help(help);
     }
-    let title = format!("the value of {what} is {}, and its `{key}` is {}", in_unit(&is), in_unit(&of));
+    let title = format!("the value of {what} is {}, but its `{key}` is {}", in_unit(&is), in_unit(&of));
     let d = Diag::error("E008", title);
     if !was_set {
         return d.at(n.value_span, "a plain number").at(span, format!("this is in {of}")).help(help);
     }
     let v = Plain(n.value.map_or(0.0, Raw::number));
-    d.help(format!("what is set is given as in the file, e.g. `{}={}`", n.name, format!("{v} {of}").trim_end()))
+    d.help(format!("set the value in the unit of the file, e.g. `{}={}`", n.name, format!("{v} {of}").trim_end()))
 }
 
 /// Moves the parameters into the network and records the unused ones.
@@ -320,11 +320,11 @@ fn drives(n: &Named, net: &Resolved, v: &mut Values<'_>) -> Option<NetDriven> {
     let (port, span) = (n.port.as_ref()?, n.span_of_port.as_ref()?);
     let Value::Text(name) = &port.value else { return None };
     let Some(input) = net.inputs.iter().position(|i| i.name == *name) else {
-        let d = Diag::error("E021", format!("parameter `{}` is driven by `{name}`, which is no port", n.name));
+        let d = Diag::error("E021", format!("parameter `{}` is driven by `{name}`, which is not a port", n.name));
         let d = d.at(port.span, "no such port");
         v.diags.push(match nearest(name, net.inputs.iter().map(|i| i.name.as_str())) {
             Some(near) => d.help(format!("did you mean `{near}`?")).fix(port.span, format!("\"{near}\"")),
-            None => d.help("a port is an ENX, a TGR or an ENF; one in space has `.x`, `.y`, `.z`"),
+            None => d.help("name an ENX, a TGR or an ENF; for a port in space, add `.x`, `.y` or `.z`"),
         });
         return None;
     };
@@ -332,15 +332,16 @@ fn drives(n: &Named, net: &Resolved, v: &mut Values<'_>) -> Option<NetDriven> {
     let what = format!("`span` of parameter `{}`", n.name);
     let Value::List(ends) = &span.value else { return None };
     let [from, to] = &ends[..] else {
-        let d = Diag::error("E019", format!("{what} has two ends, not {}", ends.len())).at(span.span, "not a pair");
-        v.diags.push(d.help("write where the port is at `min` and at `max`, e.g. `span = [0, \"20 mm\"]`"));
+        let d =
+            Diag::error("E019", format!("{what} must have two values, not {}", ends.len())).at(span.span, "not a pair");
+        v.diags.push(d.help("write the values of the port at `min` and at `max`, e.g. `span = [0, \"20 mm\"]`"));
         return None;
     };
     let span = [from, to].map(|e| v.constant(e, unit, ANY, &what));
     let [Some(from), Some(to)] = span else { return None };
     if from == to {
-        let d = Diag::error("E009", format!("{what} is a single point")).at(n.span, "declared here");
-        v.diags.push(d.help("write two different places of the port"));
+        let d = Diag::error("E009", format!("{what} has two equal values")).at(n.span, "declared here");
+        v.diags.push(d.help("write two different values of the port"));
         return None;
     }
     Some(NetDriven { input: input as u32, span: [from, to], param: 0, at: n.span })
@@ -349,8 +350,8 @@ fn drives(n: &Named, net: &Resolved, v: &mut Values<'_>) -> Option<NetDriven> {
 /// Reports parameters that no module and no moving point follows.
 pub fn report_unused(net: &Resolved, diags: &mut Diags) {
     for (name, span) in &net.unused {
-        let d = Diag::warning("W109", format!("parameter `{name}` is used by nothing")).at(*span, "declared here");
+        let d = Diag::warning("W109", format!("parameter `{name}` is not used")).at(*span, "declared here");
         let short = name.rsplit('.').next().unwrap_or(name);
-        diags.push(d.help(format!("write `\"{short}\"` where a module should follow it, or remove it")));
+        diags.push(d.help(format!("use `\"{short}\"` as a value in a module, or remove the parameter")));
     }
 }

@@ -108,7 +108,7 @@ fn sets_nothing(preset: &Entry, e: &Entry, net: &Resolved, named: &[Named], diag
         }
         (None, None) => {
             let all: Vec<String> = live().take(12).map(|n| format!("`{n}`")).collect();
-            d.help(format!("its live parameters are {}", all.join(", ")))
+            d.help(format!("the live parameters are {}", all.join(", ")))
         }
     });
 }

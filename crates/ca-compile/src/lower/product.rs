@@ -31,9 +31,9 @@ impl Values<'_> {
         let (v, follows) = self.named_number(name, unit, (f64::MIN, f64::MAX), e, what)?;
         let Some((i, _)) = follows else { return Some(factor * v) };
         let short = name.rsplit('.').next().unwrap_or(name);
-        let d = Diag::error("E025", format!("{what}: `{name}` is live, and only what is not can be scaled"));
+        let d = Diag::error("E025", format!("{what}: `{name}` is live, and a live parameter cannot be scaled"));
         let d = d.at(e.span, format!("a number times `{short}`")).at(self.named[i].span, "live here");
-        self.diags.push(d.help("let it follow a live parameter of its own, or take `live` or `port` from this one"));
+        self.diags.push(d.help("use a separate live parameter here, or remove `live` or `port` from this one"));
         None
     }
 

@@ -20,7 +20,7 @@ pub const CLOCK: (f64, f64) = (1.0, 1e7);
 /// Largest number of ticks per sample.
 pub const FINEST: u32 = 64;
 const OVERSAMPLE: Param =
-    Param::new("oversample", Type::Count { min: 1, max: FINEST }, Need::Default(1.0), "ticks in a sample");
+    Param::new("oversample", Type::Count { min: 1, max: FINEST }, Need::Default(1.0), "ticks per sample");
 
 ca_core::choice! {
     enum GroupRate {
@@ -29,7 +29,7 @@ ca_core::choice! {
     }
 }
 const RATE: Param =
-    Param::new("rate", Type::Choice(GroupRate::WORDS), Need::Default(0.0), "how often a group is computed");
+    Param::new("rate", Type::Choice(GroupRate::WORDS), Need::Default(0.0), "rate at which a group is computed");
 
 ca_core::choice! {
     /// Border between a group at the gesture rate and the sound.
@@ -44,7 +44,7 @@ const BORDER: Param = Param::new(
     "border",
     Type::Choice(GroupBorder::WORDS),
     Need::Default(0.0),
-    "how a group at the gesture rate is tied to the sound",
+    "how a group at the gesture rate is coupled to the sound",
 );
 
 /// Sets the sound rate, the ticks per sample, the tick and the ratio of the rates.
@@ -59,8 +59,8 @@ pub fn rates(model: &Model, options: &Options, net: &mut Resolved, diags: &mut D
     let asked = options.rate.filter(|r| {
         let good = (CLOCK.0..=CLOCK.1).contains(r);
         if !good {
-            let d = Diag::error("E020", format!("no sound rate can be {} Hz", Plain(*r)));
-            diags.push(d.help(format!("ask for {} to {} Hz", Plain(CLOCK.0), Plain(CLOCK.1))));
+            let d = Diag::error("E020", format!("the sound rate cannot be {} Hz", Plain(*r)));
+            diags.push(d.help(format!("use a rate from {} to {} Hz", Plain(CLOCK.0), Plain(CLOCK.1))));
         }
         good
     });
@@ -87,13 +87,13 @@ pub fn rates(model: &Model, options: &Options, net: &mut Resolved, diags: &mut D
             format!("the sound rate, {} Hz, is not a multiple of the gesture rate, {} Hz", Plain(sound), Plain(slow));
         let mut d = Diag::error("E020", title).at(span, "does not divide the sound rate");
         if asked.is_some() {
-            d = d.help(format!("with this gesture rate ask for a sound rate of {} Hz", Plain(slow * ratio)));
+            d = d.help(format!("with this gesture rate, use a sound rate of {} Hz", Plain(slow * ratio)));
         } else {
             if place(written).is_some() {
                 d = d.at(place(written), "the sound rate");
             }
             let near = sound / ratio;
-            d = d.help(format!("the nearest that does is {} Hz", Plain(near)));
+            d = d.help(format!("the nearest rate that does is {} Hz", Plain(near)));
             // A fraction of a hertz is not offered as a fix.
             if near == libm::round(near) {
                 d = d.fix(span, format!("\"{near} Hz\""));
@@ -145,8 +145,11 @@ fn format(model: &Model, v: &mut Values<'_>) -> f64 {
     let Some(e) = model.meta("format") else { return 1.0 };
     let whole = v.constant(e, Unit::NONE, (1.0, f64::MAX), "`format` of `[model]`").unwrap_or(1.0);
     if whole > NEWEST || whole.fract() != 0.0 {
-        let d = Diag::error("E009", format!("format {}: this program reads the formats 1 and 2", Plain(whole)));
-        v.diags.push(d.at(e.span, "not known here").help("write `format = 2`, or use a newer program"));
+        let d = Diag::error(
+            "E009",
+            format!("`format` of `[model]` is {}, but this program reads formats 1 and 2", Plain(whole)),
+        );
+        v.diags.push(d.at(e.span, "unknown format").help("write `format = 2`, or use a newer program"));
         return 1.0;
     }
     whole
@@ -161,7 +164,7 @@ fn medium(props: &[Entry], [owner, name]: [&str; 2], outer: Medium, methods: &Pa
         match e.value {
             Value::Num(n) if [1.0, 2.0, 3.0].contains(&n) => m.dim = n as u8,
             _ => {
-                let d = Diag::error("E009", format!("{what} is the number of axes: 1, 2 or 3"));
+                let d = Diag::error("E009", format!("{what} must be the number of axes: 1, 2 or 3"));
                 let d = d.at(e.span, "neither 1, 2 nor 3");
                 v.diags.push(d.help("1: a line; 2: a plane; 3: space").fix(e.span, "3"));
             }

@@ -12,7 +12,7 @@ pub fn parameters(kind: &Kind, item: &Item, args: &[Arg], diags: &mut Diags) -> 
     let entry = |name: &str| item.args.iter().find(|e| e.key == name);
     let num = |name: &str| kind.param(name).and_then(|i| args[i].num());
     let missing = |name: &str, beside: &str, help: &str| {
-        let d = Diag::error("E005", format!("`{}` needs `{name}` beside `{beside}`", item.name));
+        let d = Diag::error("E005", format!("`{}` needs `{name}` with `{beside}`", item.name));
         let span = entry(beside).map_or(item.name_span, |e| e.key_span);
         d.at(span, format!("without `{name}`")).help(help)
     };
@@ -32,14 +32,17 @@ pub fn parameters(kind: &Kind, item: &Item, args: &[Arg], diags: &mut Diags) -> 
             entry("curve").map_or(d.clone(), |e| d.fix(e.span, "\"table\""))
         }
         "BOW" | "LPR_BOW" if set_valued && CurveShape::of(num("curve")) != CurveShape::Coulomb => {
-            let d =
-                Diag::error("E010", format!("`{}`: `method = \"set-valued\"` is for `curve = \"coulomb\"`", item.name));
+            let d = Diag::error(
+                "E010",
+                format!("`{}`: `method = \"set-valued\"` requires `curve = \"coulomb\"`", item.name),
+            );
             let d = d.at(entry("method").map_or(item.name_span, |e| e.span), "another curve");
             d.help("add `curve = \"coulomb\"`, or choose another method")
         }
         "BOW" | "LPR_BOW" if set_valued && num("fd").zip(num("f")).is_some_and(|(fd, f)| fd > f) => {
             let d = Diag::error("E009", format!("`fd` of `{}` is above `f`", item.name));
-            let d = d.at(entry("fd").map_or(item.name_span, |e| e.span), "what slides is held less than what sticks");
+            let d =
+                d.at(entry("fd").map_or(item.name_span, |e| e.span), "sliding friction cannot exceed static friction");
             d.help("make `f` larger, or `fd` smaller")
         }
         "BOW" if entry("f").is_some() && entry("v0").is_none() && !set_valued => {

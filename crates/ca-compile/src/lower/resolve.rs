@@ -40,7 +40,7 @@ pub const START: Param = Param::new(
     "start",
     Type::Choice(Start::WORDS),
     Need::Default(0.0),
-    "what `dx0` and `v` are at the start: position and speed there, or the positions before it, as in mi.lib",
+    "meaning of `dx0` and `v`: position and speed at the start, or the positions before it, as in mi.lib",
 );
 
 /// Resolves everything except links and outputs.
@@ -213,7 +213,7 @@ fn one_of(kind: &Kind, item: &Item, choice: &OneOf, diags: &mut Diags) -> bool {
             // The first name of a set selects it.
             let head = item.args.iter().any(|a| a.key == set[0]);
             if !head && choice.required {
-                let d = Diag::error("E005", format!("`{}` needs `{}` beside `{}`", item.name, set[0], e.key));
+                let d = Diag::error("E005", format!("`{}` needs `{}` with `{}`", item.name, set[0], e.key));
                 let d = d.at(e.key_span, format!("without `{}`", set[0]));
                 diags.push(d.help(format!("add `{} = {}` ({})", set[0], value(set[0]), title(set[0]))));
             }
@@ -291,11 +291,11 @@ fn nodes(mut item: NetItem, source: &Item, net: &mut Resolved, v: &mut Values<'_
         Role::Generator(g) => {
             if !g.dims.contains(&dim) {
                 let lives = ["on a line", "in a plane", "in space"][usize::from(dim) - 1];
-                let d = Diag::error("E029", format!("`{}`: a {} cannot live {lives}", item.name, kind.code));
+                let d = Diag::error("E029", format!("`{}`: a {} cannot be {lives}", item.name, kind.code));
                 let help = if g.dims.contains(&3) {
                     "put it into a group with `dim = 3`"
                 } else {
-                    "put it into a group without `dim`, and couple the two by an LPR or a link with `along`"
+                    "put it into a group without `dim`, and couple it to this group by an LPR or a link with `along`"
                 };
                 let place = if dim == 1 { "on a line".into() } else { format!("in a group with `dim = {dim}`") };
                 v.diags.push(d.at(source.name_span, place).help(help));
@@ -377,12 +377,12 @@ fn too_many(name: &str, kind: &Kind, source: &Item, will: usize, before: usize) 
         .iter()
         .find(|e| kind.param(&e.key).is_some_and(|i| matches!(kind.params[i].ty, Type::Count { .. })));
     let title = if before == 0 {
-        format!("`{name}` would be {will} modules")
+        format!("`{name}` would make {will} modules")
     } else {
-        format!("`{name}` would be {will} modules beside {before} others")
+        format!("`{name}` would make {will} modules in addition to {before} others")
     };
     let d = Diag::error("E027", title).at(count.map_or(source.name_span, |e| e.span), "too many");
-    d.help(format!("a model holds up to {LARGEST} masses and links; a real-time one some thousands"))
+    d.help(format!("use fewer: a model can have up to {LARGEST} masses and links, in real time some thousands"))
 }
 
 fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {

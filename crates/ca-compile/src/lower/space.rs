@@ -21,11 +21,11 @@ pub fn position(
 ) -> Option<[f64; 3]> {
     let wrong = |is: &str| {
         let (wants, help) = match dim {
-            1 => ("one number, on a line", "write one number, or put it into a group with `dim = 3`"),
-            2 => ("two numbers, in a plane", "write `[x, y]`"),
-            _ => ("three numbers, in space", "write `[x, y, z]`"),
+            1 => ("one number on a line", "write one number, or put the module into a group with `dim = 3`"),
+            2 => ("two numbers in a plane", "write `[x, y]`"),
+            _ => ("three numbers in space", "write `[x, y, z]`"),
         };
-        Diag::error("E006", format!("{what} is {wants}, not {is}")).at(span, "does not fit").help(help)
+        Diag::error("E006", format!("{what} must be {wants}, not {is}")).at(span, "does not fit").help(help)
     };
     match arg {
         None | Some(Arg::Absent) => Some([0.0; 3]),
@@ -33,7 +33,7 @@ pub fn position(
         // Not written: the default.
         Some(Arg::Num(0.0)) if span == Span::NONE => Some([0.0; 3]),
         Some(Arg::Num(_)) => {
-            diags.push(wrong("one"));
+            diags.push(wrong("one number"));
             None
         }
         Some(Arg::List(l)) if l.len() == dim as usize && dim > 1 => {

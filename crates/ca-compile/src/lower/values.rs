@@ -65,7 +65,7 @@ impl Values<'_> {
             Ok(q) if !q.has_unit && (unit.dim.same(Unit::NONE.dim) || q.value == 0.0) => Some(q.value),
             Ok(q) if !q.has_unit => {
                 let d = Diag::error("E008", format!("{what} has no unit: `{}`", text.trim()));
-                let d = d.at(e.span, format!("in quotes a number has its unit, here {}", wanted(unit.symbol)));
+                let d = d.at(e.span, format!("a number in quotes needs its unit, here {}", wanted(unit.symbol)));
                 let new = format!("\"{} {}\"", text.trim(), unit.symbol);
                 self.diags.push(d.help("write the unit, or leave out the quotes").fix(e.span, new));
                 None
@@ -182,7 +182,7 @@ impl Values<'_> {
             let d = Diag::error("E025", format!("{what} cannot change while playing"))
                 .at(e.span, "names a live parameter")
                 .at(self.named[i].span, "live here")
-                .help("write the number itself, or take `live` from the parameter");
+                .help("write the number itself, or remove `live` from the parameter");
             self.diags.push(d);
             return None;
         }
@@ -258,7 +258,7 @@ impl Values<'_> {
                 if !quarters(v) {
                     let near = libm::round(v * 4.0) / 4.0;
                     let d = Diag::error("E009", format!("{what} is not a multiple of 1/4: {}", Plain(v)))
-                        .at(e.span, "the tick has only products and square roots");
+                        .at(e.span, "the tick computes only products and square roots");
                     self.diags.push(d.help(format!("the nearest is {near}")).fix(e.span, format!("{near}")));
                     return None;
                 }
@@ -336,15 +336,16 @@ impl Values<'_> {
         let Value::List(list) = &e.value else { return };
         if let Some(i) = (1..points.len()).find(|i| points[*i][0] <= points[i - 1][0]) {
             let show = |i: usize| quantity::show(points[i][0], x);
-            let title = format!("{what}: the first numbers must rise: {} after {}", show(i), show(i - 1));
-            let d =
-                Diag::error("E019", title).at(list[i].span, "does not rise").at(list[i - 1].span, "the point before");
-            self.diags.push(d.help("write the points from left to right, each place once"));
+            let title = format!("{what}: the first numbers must increase, but {} follows {}", show(i), show(i - 1));
+            let d = Diag::error("E019", title)
+                .at(list[i].span, "does not increase")
+                .at(list[i - 1].span, "the point before");
+            self.diags.push(d.help("write the points in increasing order, each first number once"));
             return;
         }
         let many = ["no point", "one point"].get(points.len()).copied().unwrap_or("too few points");
-        let d = Diag::error("E019", format!("{what} has {many}, a table needs two")).at(e.span, "not a table");
-        let d = d.help("write `[[x, y], [x, y], …]` with x going up; beyond the ends the last value holds");
+        let d = Diag::error("E019", format!("{what} has {many}, but a table needs two")).at(e.span, "not a table");
+        let d = d.help("write `[[x, y], [x, y], …]` with x increasing; beyond the ends, the last value applies");
         self.diags.push(d);
     }
 

@@ -50,7 +50,7 @@ impl Left {
             let item = &items[*item as usize];
             let d = Diag::note("N207", format!("`auto` leaves `{}` explicit: {why}", item.name));
             let d = d.at(model.items[item.model].name_span, "explicit");
-            diags.push(d.help("write `method = \"ca\"` for it if that is meant"));
+            diags.push(d.help("to accept this, write `method = \"ca\"` for the link"));
         }
     }
 }

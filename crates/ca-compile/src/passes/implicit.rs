@@ -111,19 +111,19 @@ pub fn check(model: &Model, net: &mut Wired, diags: &mut Diags) {
         });
         let point = l.all_ends().find(|e| matches!(e, End::Point(_)));
         let (title, label, help) = if l.is_radial() || l.onto.is_some() {
-            let title = format!("`{}` is implicit along a distance in space", l.name);
-            (title, "not between points in space", "give it a direction, `along`, or `method = \"ca\"`")
+            let title = format!("`{}` is implicit, but measures a distance in space", l.name);
+            (title, "not between points in space", "give it a direction with `along`, or use `method = \"ca\"`")
         } else if let Some(point) = point {
             let title = format!("`{}` is implicit at a moving point, `{}`", l.name, net.end_name(point));
-            (title, "not at moving points", "use `method = \"ca\"`, or a mass such as `low[8]` in its place")
+            (title, "not at moving points", "use `method = \"ca\"`, or replace the point by a mass such as `low[8]`")
         } else if let Some((m, other)) = shared {
             let m = &net.mats[m as usize].name;
             if refusals.is_chosen(other.item) {
-                let why = format!("`{}` is implicit, and touches `{m}` too", l.name);
+                let why = format!("`{}` is implicit and also acts on `{m}`", l.name);
                 refusals.refuse(&net.items, other.item, (why, "", ""), diags);
                 continue;
             }
-            let title = format!("`{}` is implicit, and so is `{}`, which touches `{m}` too", l.name, other.name);
+            let title = format!("`{}` and `{}` are both implicit and both act on `{m}`", l.name, other.name);
             (title, "two kinds of implicit links at one mass", "use `method = \"ca\"` for one of them")
         } else {
             continue;

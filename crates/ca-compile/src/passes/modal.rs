@@ -81,7 +81,7 @@ impl MatNode {
 
 fn refuse(model: &Model, net: &Pruned, item: u32, code: &'static str, title: String, help: &str) -> Diag {
     let span: Span = model.items[net.items[item as usize].model].name_span;
-    Diag::error(code, title).at(span, "by its modes").help(help)
+    Diag::error(code, title).at(span, "in a modal group").help(help)
 }
 
 fn one(model: &Model, net: &mut Pruned, group: usize, diags: &mut Diags) {
@@ -115,8 +115,13 @@ fn one(model: &Model, net: &mut Pruned, group: usize, diags: &mut Diags) {
     let tick_dt = net.tick_dt;
     let network = Network { tick_dt, linear, ..Network::default() };
     let Some(mut found) = modes(&network) else {
-        let title = format!("{name} has {} places that move, or numbers beyond computing", network.linear.dofs.len());
-        let help = format!("modes are computed up to {LARGEST} places: use `method = \"ca\"`, or a smaller group");
+        let title = format!(
+            "{name} has {} degrees of freedom, or coefficients that cannot be computed",
+            network.linear.dofs.len()
+        );
+        let help = format!(
+            "modes are computed for up to {LARGEST} degrees of freedom: use `method = \"ca\"`, or a smaller group"
+        );
         diags.push(refuse(model, net, item, "E027", title, &help));
         return;
     };
@@ -184,29 +189,34 @@ fn obstacle(model: &Model, net: &Pruned, within: &[bool], name: &str, item: u32,
         return refuse(
             item,
             "E028",
-            format!("{name} goes by its modes and has weight"),
-            "leave `gravity` to other groups",
+            format!("{name} has `method = \"modal\"`, which does not support gravity"),
+            "use `gravity` only in other groups",
         );
     }
     let mut mats = net.mats.iter().zip(within).filter(|(_, w)| **w).map(|(m, _)| m.item);
     let mut links = net.lias.iter().filter(|l| inside(net, l, within, group)).map(|l| l.item);
     if let Some(i) = mats.find(|i| net.is_live(*i)).or_else(|| links.find(|i| net.is_live(*i))) {
-        let title = format!("{name} goes by its modes, and `{}` follows a live parameter", of(i));
-        return refuse(i, "E028", title, "use a number: modes are computed once; or `method = \"ca\"`");
+        let title = format!("{name} has `method = \"modal\"`, but `{}` follows a live parameter", of(i));
+        return refuse(i, "E028", title, "use a number, because modes are computed once, or `method = \"ca\"`");
     }
     for (i, l) in net.lias.iter().enumerate().filter(|(_, l)| touches(l)) {
         let heard = net.outs.iter().any(|o| o.tap == OutputTap::ForceOf(i as u32));
         if inside(net, l, within, group) && heard {
-            let title = format!("{name} goes by its modes: `{}` has no force of its own", l.name);
-            return refuse(l.item, "E028", title, "hear a mass, or what touches it, or use `method = \"ca\"`");
+            let title = format!("{name} has `method = \"modal\"`, so an output cannot read the force of `{}`", l.name);
+            return refuse(
+                l.item,
+                "E028",
+                title,
+                "read a mass, or a link that is not part of the modes, or use `method = \"ca\"`",
+            );
         }
         if l.law.implicit || !l.law.stage.is_explicit() && l.onto.is_some() {
-            let title = format!("`{}` is implicit at a mass of {name}, which goes by its modes", l.name);
+            let title = format!("`{}` is implicit at a mass of {name}, which has `method = \"modal\"`", l.name);
             return refuse(l.item, "E028", title, "use `method = \"ca\"` for one of them");
         }
     }
     let points = net.points.iter().find(|p| net.families.of(&p.family).nodes.iter().any(|m| within[*m as usize]))?;
-    let title = format!("{name} goes by its modes: nothing moves along it, as `{}` would", points.name);
+    let title = format!("{name} has `method = \"modal\"`, so the point `{}` cannot move along it", points.name);
     refuse(item, "E028", title, "use a mass such as `low[8]`, or `method = \"ca\"`")
 }
 
@@ -214,9 +224,11 @@ fn warn(model: &Model, net: &Pruned, item: u32, list: &[Mode], name: &str, diags
     let most = list.iter().map(|m| m.coupled).fold(0.0, f64::max);
     if most > COUPLED {
         let span = model.items[net.items[item as usize].model].name_span;
-        let title = format!("damping couples the modes of {name}, which is left out");
+        let title = format!("damping couples the modes of {name}, but the scene ignores this coupling");
         let d = Diag::warning("W115", title).at(span, format!("by up to {most:.1e} of their distance"));
-        diags.push(d.help("damp all masses alike (for their weight), or keep `method = \"ca\"` where it matters"));
+        diags.push(
+            d.help("damp all masses in proportion to their mass, or use `method = \"ca\"` where the coupling matters"),
+        );
     }
 }
 

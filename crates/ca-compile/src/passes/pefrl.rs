@@ -21,14 +21,14 @@ pub fn check(model: &Model, net: &Pruned, options: &Options, diags: &mut Diags) 
         return;
     }
     if options.energy {
-        let d = Diag::error("E028", "no energy ledger is kept of `method = \"pefrl\"`");
+        let d = Diag::error("E028", "`method = \"pefrl\"` does not support the energy ledger");
         let at = model.meta("method").map_or(Span::NONE, |e| e.span);
-        diags.push(d.at(at, "for the whole model").help("do without the ledger, or use `method = \"ca\"`"));
+        diags.push(d.at(at, "for the whole model").help("leave out the ledger, or use `method = \"ca\"`"));
     }
     for (g, _) in model.groups.iter().zip(&net.media).filter(|(_, m)| m.method != Method::Pefrl) {
-        let title = format!("`{}` asks for a method of its own, but `pefrl` is for the whole model", g.name);
+        let title = format!("`{}` has another method, but `pefrl` applies to the whole model", g.name);
         let at = g.props.iter().find(|e| e.key == "method").map_or(Span::NONE, |e| e.span);
-        diags.push(Diag::error("E028", title).at(at, "not beside `pefrl`").help("leave one of the two out"));
+        diags.push(Diag::error("E028", title).at(at, "not with `pefrl`").help("remove one of the two methods"));
     }
     let rows = worst_mats(net);
     let mats = net.mats.iter().zip(&rows).zip(&net.alive).filter(|(_, alive)| **alive);
@@ -38,7 +38,7 @@ pub fn check(model: &Model, net: &Pruned, options: &Options, diags: &mut Diags) 
         let why = if tuned {
             (format!("`{}` is tuned to the pitch of the explicit scheme", item.name), "write stiffness, not `f`")
         } else if let MatRole::Port(..) = m.role {
-            (format!("`{}` is moved from outside", m.name), "push a mass by `[ENF]` instead")
+            (format!("`{}` is moved from outside", m.name), "push a mass with `[ENF]` instead")
         } else if row.z != 0.0 {
             (format!("`{}` is damped", m.name), "leave out its `z` or `t60`, and `friction` of the model")
         } else if crate::net::linearisation::own(net, m).implicit != 0.0 {
@@ -53,9 +53,12 @@ pub fn check(model: &Model, net: &Pruned, options: &Options, diags: &mut Diags) 
         let why = if !l.law.stage.is_explicit() || l.law.implicit {
             (format!("`{}` is implicit", l.name), "leave out its `method`")
         } else if b.z != 0.0 || loses(net, l) {
-            (format!("the force of `{}` hangs on motion", l.name), "keep springs and contacts without viscosity")
+            (format!("the force of `{}` depends on motion", l.name), "use springs and contacts without viscosity")
         } else if l.law.mem > 0 {
-            (format!("`{}` remembers", l.name), "keep links whose force hangs on positions alone")
+            (
+                format!("the force of `{}` depends on the past", l.name),
+                "use links whose force depends only on positions",
+            )
         } else {
             return None;
         };
@@ -63,14 +66,14 @@ pub fn check(model: &Model, net: &Pruned, options: &Options, diags: &mut Diags) 
     });
     let of_waves = net.lines.iter().map(|l| {
         let name = &net.items[l.item as usize].name;
-        (l.item, (format!("`{name}` is a string of waves"), "use a `[STRING]`"))
+        (l.item, (format!("`{name}` is a waveguide"), "use a `[STRING]`"))
     });
     let mut reported = BTreeSet::new();
     for (item, (why, help)) in of_waves.chain(of_mats).chain(of_links) {
         if reported.insert(item) {
             let at = model.items[net.items[item as usize].model].name_span;
-            let d = Diag::error("E028", format!("the model goes by `pefrl`, and {why}")).at(at, "not by `pefrl`");
-            diags.push(d.help(format!("{help}; or use `method = \"ca\"`")));
+            let d = Diag::error("E028", format!("`pefrl` cannot compute the model: {why}")).at(at, "not with `pefrl`");
+            diags.push(d.help(format!("{help}, or use `method = \"ca\"`")));
         }
     }
 }

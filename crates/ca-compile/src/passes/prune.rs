@@ -18,15 +18,15 @@ pub fn prune(model: &Model, mut net: Wired, options: &Options, diags: &mut Diags
     if net.mats.is_empty() {
         let help = match model.parts.first() {
             Some(part) => {
-                format!("it has parts alone: `[use]` with `x = {{ part = \"{}\" }}` makes one of it", part.name)
+                format!("it only defines parts: add `[use]` with `x = {{ part = \"{}\" }}`", part.name)
             }
-            None => "add `[MAS]`, `[SOL]` and a link, or `ca new`".into(),
+            None => "add `[MAS]`, `[SOL]` and a link, or start from a model made by `ca new`".into(),
         };
         diags.push(Diag::error("E024", "the model has no modules").help(help));
         return whole(net);
     }
     if !heard_at_all {
-        let d = Diag::warning("W108", "the model has no output: it computes, and nobody hears it");
+        let d = Diag::warning("W108", "the model has no output, so it makes no sound");
         diags.push(d.help("add e.g. `[SOX]` with `out = { from = \"…\" }`"));
         return whole(net);
     }
@@ -141,7 +141,7 @@ fn report(model: &Model, net: &mut Wired, alive: &[bool], keep: &[bool], diags: 
     let lost = |f: &dyn Fn(usize) -> bool| (0..all.len()).filter(|i| f(*i)).map(|i| all[i].0 - all[i].1).sum::<usize>();
     let n = lost(&|_| true);
     if n > 0 {
-        net.left_out.push(format!("{n} modules that nothing hears"));
+        net.left_out.push(format!("{n} modules that no output depends on"));
     }
     // A fixed point without links is not reported if W106 reported its link.
     let zero = diags.list.iter().any(|d| d.code == "W106");
@@ -152,14 +152,14 @@ fn report(model: &Model, net: &mut Wired, alive: &[bool], keep: &[bool], diags: 
         let mut d = Diag::warning(
             "W101",
             if silent.len() == 1 {
-                format!("nothing hears `{}`", net.items[*first].name)
+                format!("no output depends on `{}`", net.items[*first].name)
             } else {
-                format!("nothing hears `{}` and {} more", net.items[*first].name, silent.len() - 1)
+                format!("no output depends on `{}` and {} more", net.items[*first].name, silent.len() - 1)
             },
         );
         for i in silent.iter().take(6) {
             d = d.at(model.items[net.items[*i].model].name_span, "left out");
         }
-        diags.push(d.help("connect it to something with an output, or remove it"));
+        diags.push(d.help("connect it to a module that an output reads, or remove it"));
     }
 }

@@ -46,13 +46,14 @@ pub fn check(model: &Model, net: &Pruned, diags: &mut Diags) {
         loader.load(&net.values(id, values), net.tick_dt, &mut out);
         out
     };
-    let beyond =
-        |name: &dyn core::fmt::Display| Diag::error("E009", format!("a number of `{name}` is beyond single precision"));
-    let (label, help) = ("not from 1e-38 to 3e38 in a tick", "use numbers nearer to 1, or double precision");
+    let beyond = |name: &dyn core::fmt::Display| {
+        Diag::error("E009", format!("a coefficient of `{name}` is out of range for single precision"))
+    };
+    let (label, help) = ("outside 1e-38 to 3e38, per tick", "use values closer to 1, or double precision");
     let mut mobility: Vec<f64> = alloc::vec![0.0; net.mats.len()];
     for (i, m) in net.mats.iter().enumerate().filter(|(i, _)| net.alive[*i]) {
         if m.dx0.iter().chain(&m.v.map(|v| v * net.tick_dt)).any(|v| is_lost(*v, f32::TINY)) {
-            tell(m.item, beyond(&m.name), "not from 1e-30 m to 3e38 m", help);
+            tell(m.item, beyond(&m.name), "outside 1e-30 m to 3e38 m", help);
         }
         let MatRole::Mat(spec) = m.role else { continue };
         let friction = if spec.fixed { 0.0 } else { net.medium(m).friction };
@@ -63,7 +64,7 @@ pub fn check(model: &Model, net: &Pruned, diags: &mut Diags) {
         }
         let (asked, kept) = (1.0 - c[0], 1.0 - f64::from(c[0] as f32));
         if (kept - asked).abs() > FADES * asked.abs() {
-            let d = Diag::warning("W114", format!("`{}` fades too slowly for single precision", m.name));
+            let d = Diag::warning("W114", format!("`{}` decays too slowly for single precision", m.name));
             tell(m.item, d, "its decay is off by more than 1 %", "use a lower rate, no damper, or double precision");
         }
     }
@@ -72,14 +73,21 @@ pub fn check(model: &Model, net: &Pruned, diags: &mut Diags) {
         if c.iter().any(|v| is_lost(*v, f32::MIN_POSITIVE)) {
             tell(l.item, beyond(&l.name), label, help);
         } else if l.is_radial() {
-            let d = Diag::error("E028", format!("`{}` measures a distance in space, in single precision", l.name));
-            tell(l.item, d, "the sound would be its rounding", "use double precision, or `along`");
+            let d = Diag::error(
+                "E028",
+                format!("`{}` measures a distance in space, which single precision does not support", l.name),
+            );
+            tell(
+                l.item,
+                d,
+                "rounding would be as large as the sound",
+                "use double precision, or a direction with `along`",
+            );
         }
         let moved = |e: &End| matches!(e, End::Mat(m) if matches!(net.mats[*m as usize].role, MatRole::Port(..)));
         if core::ptr::eq(l.law, &raw const SET_VALUED) && l.ends.iter().any(moved) {
-            let d =
-                Diag::error("E028", format!("`{}` sticks to what is moved from outside, in single precision", l.name));
-            tell(l.item, d, "rounding of its motion tears it off", "use `method = \"newton\"`, or double precision");
+            let d = Diag::error("E028", format!("`{}` cannot stick to a moving port in single precision", l.name));
+            tell(l.item, d, "rounding of the motion tears it off", "use `method = \"newton\"`, or double precision");
         }
         let ends = l.ends.iter().map(|e| if let End::Mat(m) = e { mobility[*m as usize] } else { 0.0 });
         if l.law.implicit && inertia(&[c[0], c[1], c[2]]) * ends.sum::<f64>() > STIFFEST {
@@ -87,7 +95,7 @@ pub fn check(model: &Model, net: &Pruned, diags: &mut Diags) {
             tell(
                 l.item,
                 d,
-                "is implicit with over 100 times the inertia of its ends",
+                "implicit, with over 100 times the inertia of its ends",
                 "use less stiffness, or double precision",
             );
         }

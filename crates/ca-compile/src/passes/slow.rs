@@ -61,25 +61,25 @@ pub fn find(model: &Model, net: &Pruned, diags: &mut Diags) -> Option<SlowPart> 
     say.groups();
     for m in net.mats.iter().filter(|m| in_slow(m.group) && m.code != MAS.code && m.code != SOL.code) {
         let help = if matches!(m.role, MatRole::Port(..)) {
-            "put the port into a group of its own, and hold a mass of this one by a link"
+            "put the port into a separate group, and link it to a mass of this group"
         } else {
-            "use `[MAS]`, `[SOL]` and links, or let the group go at the sound rate"
+            "use `[MAS]`, `[SOL]` and links, or give the group `rate = \"sound\"`"
         };
-        say.item(m.item, &format!("`{}` is of the kind {}", m.name, m.code), "no mass and no fixed point", help);
+        say.item(m.item, &format!("`{}` is of the kind {}", m.name, m.code), "neither a mass nor a fixed point", help);
     }
     for l in net.lines.iter().filter(|l| in_slow(net.items[l.item as usize].group)) {
         let name = &net.items[l.item as usize].name;
-        say.item(l.item, &format!("`{name}` is a string of waves"), "no masses", "use a `[STRING]`");
+        say.item(l.item, &format!("`{name}` is a waveguide"), "not made of masses", "use a `[STRING]`");
     }
     let slow: Vec<bool> = net.mats.iter().map(|m| in_slow(m.group) && !m.is_fixed()).collect();
     for m in (0..).zip(&net.mats).filter(|(i, m)| slow[*i as usize] && net.is_live(m.item)).map(|(_, m)| m) {
-        say.item(m.item, &format!("`{}` follows a live parameter", m.name), "not the same at all times", LIVE);
+        say.item(m.item, &format!("`{}` follows a live parameter", m.name), "not constant", LIVE);
     }
     let holds = |e: End, slow: &[bool]| net.under(e).iter().any(|m| slow[*m as usize]);
     for p in net.pushes.iter().filter(|p| holds(p.end, &slow)) {
         let name = net.inputs[p.input as usize].name.clone();
         let item = net.under(p.end).first().map_or(0, |m| net.mats[*m as usize].item);
-        let help = "push a mass at the sound rate that a link ties to this one";
+        let help = "push a mass at the sound rate, and link it to this one";
         say.item(item, &format!("`{name}` pushes `{}`", net.end_name(p.end)), "pushed from outside", help);
     }
     let fixed = |m: u32| matches!(net.mats[m as usize].role, MatRole::Mat(s) if s.fixed);
@@ -103,10 +103,10 @@ pub fn find(model: &Model, net: &Pruned, diags: &mut Diags) -> Option<SlowPart> 
     for (l, inner) in net.lias.iter().zip(&part.inner) {
         if *inner {
             if l.law.implicit || !l.law.stage.is_explicit() {
-                let help = "leave out its `method`, or let the group go at the sound rate";
-                say.item(l.item, &format!("`{}` is implicit", l.name), "solved with the motion to come", help);
+                let help = "leave out its `method`, or give the group `rate = \"sound\"`";
+                say.item(l.item, &format!("`{}` is implicit", l.name), "depends on future motion", help);
             } else if net.is_live(l.item) {
-                say.item(l.item, &format!("`{}` follows a live parameter", l.name), "not the same at all times", LIVE);
+                say.item(l.item, &format!("`{}` follows a live parameter", l.name), "not constant", LIVE);
             }
             continue;
         }
@@ -115,7 +115,7 @@ pub fn find(model: &Model, net: &Pruned, diags: &mut Diags) -> Option<SlowPart> 
         }
         if l.all_ends().any(|e| point(e) && holds(e, slow)) {
             let help = "end the link at a mass";
-            say.item(l.item, &format!("`{}` ends at a moving point", l.name), "no mass of its own", help);
+            say.item(l.item, &format!("`{}` ends at a moving point", l.name), "not a mass", help);
             continue;
         }
         if let Some(why) = varies(net, l) {
@@ -143,26 +143,26 @@ pub fn find(model: &Model, net: &Pruned, diags: &mut Diags) -> Option<SlowPart> 
     say.compensated(&part);
     if part.coupled.len() > MOST {
         let title = format!(
-            "{} axes of masses at the gesture rate are held by links across, {MOST} are the most",
+            "links to the sound hold {} axes of masses at the gesture rate, the limit is {MOST}",
             part.coupled.len()
         );
-        let help = "tie them to fewer masses, or let the group go at the sound rate";
+        let help = "link the sound to fewer masses of the group, or give the group `rate = \"sound\"`";
         say.diags.push(Diag::error("E034", title).at(say.group(), "this group").help(help));
     }
     let frame = (net.ratio * net.oversample) as usize;
     if part.reach.len() * frame > REACH {
         let title = format!(
-            "{} modules answer the group within a frame of {frame} ticks; with so many ticks {} are the most",
+            "{} modules respond to the group within a frame of {frame} ticks; with this number of ticks, the limit is {}",
             part.reach.len(),
             REACH / frame
         );
-        let help = "raise `gesture` in `[rate]`, or let the group go at the sound rate";
+        let help = "raise `gesture` in `[rate]`, or give the group `rate = \"sound\"`";
         say.diags.push(Diag::error("E034", title).at(say.group(), "this group").help(help));
     }
     Some(part)
 }
 
-const LIVE: &str = "give it a number, or let the group go at the sound rate";
+const LIVE: &str = "use a number instead, or give the group `rate = \"sound\"`";
 
 /// Returns the reason why the force of a link is not a constant linear function of positions and motion, if it is not.
 fn varies(net: &Pruned, l: &LiaNode) -> Option<String> {
@@ -175,7 +175,7 @@ fn varies(net: &Pruned, l: &LiaNode) -> Option<String> {
             format!("is of the kind {}, which is not linear", l.kind.code)
         }
         () if radial => {
-            "measures a distance in space instead of a difference `along` an axis, which is not linear".into()
+            "measures a distance in space, which is not linear, instead of a difference `along` an axis".into()
         }
         () if l.onto.is_some() => "joins two pairs of ends".into(),
         () => return None,
@@ -216,8 +216,8 @@ fn reach(net: &Pruned, part: &SlowPart, edge: BTreeSet<u32>, say: &mut Findings)
                 MatRole::Port(PortRole::Tgr, _) => continue,
                 MatRole::Port(..) => "is moved from outside in every sample",
                 _ if mat.is_fixed() || part.slow[m as usize] => continue,
-                _ if modal => "goes by its modes",
-                _ if wave => "is part of a string of waves",
+                _ if modal => "is in a group with `method = \"modal\"`",
+                _ if wave => "is part of a waveguide",
                 _ if net.is_live(mat.item) => "follows a live parameter",
                 _ if pushed.contains(&m) && !last => "is pushed from outside in every sample",
                 _ => "",
@@ -252,7 +252,7 @@ fn reach(net: &Pruned, part: &SlowPart, edge: BTreeSet<u32>, say: &mut Findings)
 
 fn within(why: &str, distance: u32) -> String {
     let links = if distance == 1 { "1 link".into() } else { format!("{distance} links") };
-    format!("{why}, and answers a group at the gesture rate within a frame, {links} from it")
+    format!("{why}, but responds to a group at the gesture rate within a frame, {links} from it")
 }
 
 /// Reports findings, at most one per item.
@@ -278,8 +278,8 @@ impl Findings<'_> {
     fn farther(&self) -> String {
         let frame = self.net.ratio * self.net.oversample;
         format!(
-            "more than {frame} links from the group it may be so; or write `border = \"compensated\"` in the group, which is not \
-             proven, or let it go at the sound rate"
+            "place it more than {frame} links from the group, write `border = \"compensated\"` in the group (stability \
+             is then not proven), or give the group `rate = \"sound\"`"
         )
     }
 
@@ -296,7 +296,7 @@ impl Findings<'_> {
         self.unknown = true;
         if !self.compensated && self.said.insert(item) {
             let at = self.model.items[self.net.items[item as usize].model].name_span;
-            let d = Diag::error("E034", title).at(at, "not known as the frame begins");
+            let d = Diag::error("E034", title).at(at, "not known when the frame begins");
             let farther = self.farther();
             self.diags.push(d.help(farther));
         }
@@ -310,8 +310,8 @@ impl Findings<'_> {
     fn held_key(&mut self, item: u32, why: &str, distance: u32) {
         if self.said.insert(item) {
             let at = self.model.items[self.net.items[item as usize].model].name_span;
-            let d = Diag::error("E034", within(why, distance)).at(at, "not known as the frame begins");
-            self.diags.push(d.help("leave out `border` in `[rate]`, or let the group go at the sound rate"));
+            let d = Diag::error("E034", within(why, distance)).at(at, "not known when the frame begins");
+            self.diags.push(d.help("leave out `border` in `[rate]`, or give the group `rate = \"sound\"`"));
         }
     }
 
@@ -319,7 +319,7 @@ impl Findings<'_> {
         let why = format!("`{}` {why}", l.name);
         match distance {
             Some(distance) => self.reached(l.item, &why, distance),
-            None => self.unknown(l.item, format!("{why}, and ties a group at the gesture rate to the sound")),
+            None => self.unknown(l.item, format!("{why}, but links a group at the gesture rate to the sound")),
         }
     }
 
@@ -329,12 +329,12 @@ impl Findings<'_> {
             let at = |key: &str| g.props.iter().find(|e| e.key == key).map_or(Span::NONE, |e| e.span);
             let (title, label, help) = match (m.slow, m.compensated) {
                 (false, true) => (
-                    format!("`{}` goes at the sound rate, and has no border to compensate", g.name),
-                    "of a group at the gesture rate",
+                    format!("`{}` is at the sound rate, where `border` does not apply", g.name),
+                    "only for a group at the gesture rate",
                     "write `rate = \"gesture\"` too, or leave out `border`",
                 ),
                 (true, false) if self.compensated => (
-                    format!("`{}` has an exact border, and another group a compensated one", g.name),
+                    format!("`{}` has an exact border, but another group has a compensated one", g.name),
                     "groups at the gesture rate are computed as one",
                     "write `border = \"compensated\"` in all of them, or in none",
                 ),
@@ -348,14 +348,14 @@ impl Findings<'_> {
     /// Warns that stability with a compensated border is not proven.
     fn compensated(&mut self, part: &SlowPart) {
         if part.compensated && !self.diags.has_errors() {
-            let title = "stability is not proven: `border = \"compensated\"` expects what links across do from the frames before";
+            let title = "stability is not proven: `border = \"compensated\"` predicts forces from the frames before";
             let of = self.model.groups.iter().flat_map(|g| &g.props).find(|e| e.key == "border");
-            let d = Diag::warning("W107", title).at(of.map_or(Span::NONE, |e| e.span), "may make energy");
-            let help = "`ca render --energy` says how much; with a higher `gesture` in `[rate]` it is less";
+            let d = Diag::warning("W107", title).at(of.map_or(Span::NONE, |e| e.span), "may add energy");
+            let help = "measure it with `ca render --energy`, or raise `gesture` in `[rate]` to reduce it";
             let d = match self.lightest() {
                 Some((m, a)) if a > LIGHT => d.help(format!(
-                    "`{}` is light for the links across: T²K/M is {:.2}, and on what does not give way it diverges from {LIGHT} on; make it \
-                     heavier or them softer, or raise `gesture` in `[rate]`",
+                    "`{}` is too light for its links to the sound: T²K/M is {:.2}, and with a fixed point at the other \
+                     end it diverges above {LIGHT}; make it heavier, soften the links, or raise `gesture` in `[rate]`",
                     self.net.mats[m as usize].name,
                     Plain(a)
                 )),
@@ -377,14 +377,14 @@ impl Findings<'_> {
         for (g, m) in self.model.groups.iter().zip(&self.net.media).filter(|(_, m)| m.slow) {
             let at = |key: &str| g.props.iter().find(|e| e.key == key).map_or(Span::NONE, |e| e.span);
             if !matches!(m.method, Method::Ca | Method::Auto) {
-                let title = format!("`{}` is at the gesture rate, which only `method = \"ca\"` has", g.name);
-                let d = Diag::error("E034", title).at(at("rate"), "not by this method");
-                self.diags.push(d.help("leave out one of the two"));
+                let title = format!("`{}` is at the gesture rate, which only `method = \"ca\"` supports", g.name);
+                let d = Diag::error("E034", title).at(at("rate"), "not with this method");
+                self.diags.push(d.help("leave out `rate` or `method` of the group"));
             }
             if self.net.as_milib {
-                let title = format!("`{}` is at the gesture rate, and the model starts as mi.lib does", g.name);
+                let title = format!("`{}` is at the gesture rate, but the model has `start = \"mi.lib\"`", g.name);
                 let d = Diag::error("E034", title).at(at("rate"), "mi.lib has one rate");
-                self.diags.push(d.help("leave out one of the two"));
+                self.diags.push(d.help("leave out `rate` of the group or `start` of the model"));
             }
         }
     }
@@ -402,9 +402,9 @@ impl Findings<'_> {
             };
             let item = o.item.map(|i| net.items[i as usize].model);
             let at = item.map_or(Span::NONE, |i| self.model.items[i].name_span);
-            let title = format!("`{}` hears {what} in a group at the gesture rate", o.name);
-            let d = Diag::error("E034", title).at(at, "no part of the sound");
-            self.diags.push(d.help("hear the position of a mass, or a link that ties the group to the sound"));
+            let title = format!("`{}` reads {what} in a group at the gesture rate", o.name);
+            let d = Diag::error("E034", title).at(at, "not part of the sound");
+            self.diags.push(d.help("read the position of a mass, or a link between the group and the sound"));
         }
     }
 }

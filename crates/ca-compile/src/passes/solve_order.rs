@@ -27,7 +27,7 @@ pub fn choose(model: &Model, net: &mut Pruned, arithmetic: Option<u32>, diags: &
         if let Some(point) = l.all_ends().find(|e| matches!(e, End::Point(_))) {
             let title =
                 format!("the method of `{}` does not work at a moving point, `{}`", l.name, net.end_name(point));
-            let help = "use `method = \"ca\"`, or a mass such as `low[8]` in its place";
+            let help = "use `method = \"ca\"`, or replace the point by a mass such as `low[8]`";
             refusals.refuse(&net.items, l.item, (title, "not at moving points", help), diags);
         }
         for (m, axis) in places(net, l) {
@@ -38,8 +38,10 @@ pub fn choose(model: &Model, net: &mut Pruned, arithmetic: Option<u32>, diags: &
     for l in net.lias.iter().filter(|l| !l.law.stage.is_explicit() && l.onto.is_some()) {
         // No method solves four ends together with other links.
         if let Some((m, _)) = twice(l) {
-            let title =
-                format!("`{}` shares `{}` with another link by such a method", l.name, net.mats[m as usize].name);
+            let title = format!(
+                "`{}` shares `{}` with another link that is solved implicitly",
+                l.name, net.mats[m as usize].name
+            );
             let help = "use `method = \"ca\"` for one of them";
             refusals.refuse(&net.items, l.item, (title, "not together with others", help), diags);
         }
@@ -70,11 +72,12 @@ fn refuse_shared(net: &Pruned, shared: &[bool], refusals: &mut Refusals<'_>, dia
     for ((l, _), i) in links() {
         let SolveStage::Single(laws) = l.law.stage else { continue };
         let (title, label, help) = if l.measure == Measure::Radial {
-            let title = format!("the method of `{}` is for links on a line", l.name);
+            let title = format!("the method of `{}` is only for links on a line", l.name);
             (title, "in space", "use `method = \"ca\"`, or `along` for a difference along one direction")
         } else if laws.line.is_none() || bounds[i].active {
-            let title = format!("the force of `{}` falls, and other links by such a method move its masses", l.name);
-            (title, "not together with others", "use `method = \"ca\"` for this one")
+            let title =
+                format!("the force of `{}` falls, and other links that are solved implicitly move its masses", l.name);
+            (title, "not together with others", "use `method = \"ca\"` for this link")
         } else {
             continue;
         };

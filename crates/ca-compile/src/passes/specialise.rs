@@ -52,15 +52,15 @@ pub fn specialise(model: &Model, net: &mut Wired, diags: &mut Diags) {
             if reported != Some(l.item) && !generated {
                 reported = Some(l.item);
                 let span = model.items[item.model].name_span;
-                let d = Diag::warning("W106", format!("`{}` does nothing: its parameters are 0", l.name));
-                diags.push(d.at(span, "left out").help("remove it, or declare its parameter live"));
+                let d = Diag::warning("W106", format!("`{}` has no effect: its parameters are 0", l.name));
+                diags.push(d.at(span, "left out").help("remove it, or use a parameter with `live = true`"));
             }
         }
         keep.push(!nothing);
         last = Some((l.item, l.values.clone(), l.law, nothing));
     }
     if zero > 0 {
-        net.left_out.push(format!("{zero} links that do nothing"));
+        net.left_out.push(format!("{zero} links without effect"));
         net.drop_links(lias, &keep);
     } else {
         net.lias = lias;

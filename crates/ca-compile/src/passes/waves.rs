@@ -41,17 +41,19 @@ pub fn settle(model: &Model, net: &mut Pruned, diags: &mut Diags) {
                     let corner = line.asked.z / (PI * low);
                     if corner < LOW_CORNER * net.rate {
                         let title = format!(
-                            "above {:.0} Hz a junction of `{}` moves by its mass, not by the string",
+                            "above {:.0} Hz, the mass of a junction of `{}` dominates over the string",
                             Plain(corner),
                             item.name
                         );
                         let d = Diag::note("N203", title)
                             .at(source.name_span, quantity::show(round_up(low), Unit::KILOGRAM));
-                        diags.push(d.help("softer links, a larger `z` or a higher sound rate raise it"));
+                        diags.push(
+                            d.help("to raise this frequency, use softer links, a larger `z` or a higher sound rate"),
+                        );
                     }
                     if let (Some(t60), Some([f, _])) = (tuned.reached, line.asked.high) {
                         let title = format!(
-                            "`{}` cannot decay so fast at {} Hz: it takes {:.3} s",
+                            "`{}` cannot decay that fast at {} Hz: it takes {:.3} s",
                             item.name,
                             Plain(f),
                             Plain(t60)
@@ -60,7 +62,7 @@ pub fn settle(model: &Model, net: &mut Pruned, diags: &mut Diags) {
                         let entry = source.args.iter().find(|e| e.key == "t60_high");
                         let d = d.at(entry.map_or(source.name_span, |e| e.span), "out of reach");
                         diags.push(d.help(
-                            "beside `t60` the filter of three taps takes no more; \
+                            "the filter with three taps cannot do more with this `t60`; \
                                           use a longer `t60_high`, or a shorter `t60`",
                         ));
                     }

@@ -27,43 +27,50 @@ pub const HEAR: Param = Param::new(
     "hear",
     Type::Choice(Hear::WORDS),
     Need::Default(0.0),
-    "what of it: its position, its speed as a coil does [m/s], its acceleration [m/s^2], or the force on it [N]",
+    "quantity of the MAT: displacement from rest [m], speed [m/s] as a coil measures, acceleration [m/s^2], or the \
+     force on it [N]",
 );
-const MINUS: Param =
-    Param::new("minus", Type::Module, Need::Optional, "the MAT of which the same is taken away, as of two coils");
+const MINUS: Param = Param::new(
+    "minus",
+    Type::Module,
+    Need::Optional,
+    "MAT whose same quantity is subtracted, as with two opposed coils",
+);
 
 /// All port kinds, in the order of the documentation.
 pub const KINDS: &[&Kind] = &[&ENX, &ENF, &SOX, &SOF, &TGR];
 
-const X: Param = Param::new(
-    "x",
-    Type::Position { unit: Unit::METRE },
-    Need::Default(0.0),
-    "where it stands before anything is heard",
-);
+const X: Param =
+    Param::new("x", Type::Position { unit: Unit::METRE }, Need::Default(0.0), "position at load, before any input");
 const ALONG: Param =
-    Param::new("along", Type::Direction, Need::Optional, "in space: the direction it hears or pushes; required there");
+    Param::new("along", Type::Direction, Need::Optional, "direction of the output or of the force; required in space");
 const MIDI: Param = Param::new(
     "midi",
     Type::Midi,
     Need::Optional,
     "how a MIDI note or controller moves it: { note = \"C4\", to = \"5 mm\" }",
 );
-const GAIN: Param =
-    Param::number("gain", Unit::NONE, ANY, Need::Default(1.0), "factor to full scale; a value of 1 is the loudest");
+const GAIN: Param = Param::number(
+    "gain",
+    Unit::NONE,
+    ANY,
+    Need::Default(1.0),
+    "factor from the quantity to the sample value; full scale is 1",
+);
 const DC: Param = Param::number(
     "dc",
     Unit::HERTZ,
     POSITIVE,
     Need::Optional,
-    "takes away what is steady, by a high pass of this cut-off; 0 for none; 7 Hz where an LPR feeds it, else none",
+    "cut-off of a high pass that removes the steady part; 0 for none; if left out, 7 Hz where an LPR feeds the output, \
+     else none",
 )
 .for_good();
 const CHANNEL: Param = Param::new(
     "channel",
     Type::Count { min: 0, max: 255 },
     Need::Optional,
-    "sound channel, from 0; one of its own, in document order, if left out",
+    "sound channel, from 0; if left out, a separate one for each output, in document order",
 );
 
 /// Position in.
@@ -71,8 +78,9 @@ pub static ENX: Kind = Kind {
     code: "ENX",
     title: "position input",
     equation: "x = input",
-    doc: "A point moved from outside, once per sound sample: by a gesture file, a MIDI file, a WAV channel or the \
-          `[gesture]` of the model. It feels the force of its links and does not yield. The first value only places it.",
+    doc: "A point whose position comes from outside, once per sound sample: from a gesture file, a MIDI file, a WAV \
+          channel or the `[gesture]` of the model. The forces of its links act on it but do not move it. The first \
+          value sets its position without a speed.",
     source: &["CMJ 1993"],
     params: &[X, MIDI],
     one_of: &[],
@@ -96,9 +104,9 @@ pub static ENF: Kind = Kind {
     code: "ENF",
     title: "force input",
     equation: "f += input",
-    doc: "A force from outside on a MAT, once per sound sample.",
+    doc: "A force on a MAT that comes from outside, once per sound sample.",
     source: &["CMJ 1993"],
-    params: &[Param::new("to", Type::Module, Need::Required, "the MAT it pushes"), MIDI, ALONG],
+    params: &[Param::new("to", Type::Module, Need::Required, "MAT on which the force acts"), MIDI, ALONG],
     one_of: &[],
     example: r#"
 [CEL]
@@ -117,13 +125,13 @@ blow = [[0, 0], [0.001, "2 N"], [0.002, 0]]
 pub static SOX: Kind = Kind {
     code: "SOX",
     title: "position output",
-    equation: "out = gain (x - rest), or of its speed, its acceleration, the force on it",
-    doc: "A pickup on a MAT: its displacement from rest in metres, or what `hear` says, times `gain`. One channel each \
-          unless they share a `channel`. `minus` takes away the same of another MAT. Speed is the mean over the tick \
-          before: late by half a tick.",
+    equation: "out = gain (x - rest), or gain times the speed, the acceleration or the force on it",
+    doc: "A pickup on a MAT: its displacement from rest in metres, or the quantity chosen by `hear`, times `gain`. \
+          Each output has a separate channel unless several name the same `channel`. `minus` subtracts the same \
+          quantity of another MAT. The speed is the mean over the last tick, so it is late by half a tick.",
     source: &["CMJ 1993"],
     params: &[
-        Param::new("from", Type::Module, Need::Required, "the MAT it hears; a point `low@0.3` may move"),
+        Param::new("from", Type::Module, Need::Required, "MAT to measure; a point such as `low@0.3` may move"),
         GAIN,
         CHANNEL,
         DC,
@@ -147,9 +155,16 @@ pub static SOF: Kind = Kind {
     code: "SOF",
     title: "force output",
     equation: "out = gain F",
-    doc: "Hears the force of a LIA, or the summed force on a MAT: the bridge of a string, the bow on the hair.",
+    doc: "Outputs the force of a LIA, or the sum of the forces on a MAT, for example at the bridge of a string or at \
+          the hair of a bow.",
     source: &["CMJ 1993"],
-    params: &[Param::new("from", Type::Module, Need::Required, "the LIA or MAT it hears"), GAIN, CHANNEL, DC, ALONG],
+    params: &[
+        Param::new("from", Type::Module, Need::Required, "LIA or MAT whose force is the output"),
+        GAIN,
+        CHANNEL,
+        DC,
+        ALONG,
+    ],
     one_of: &[],
     example: r#"
 [SOL]
@@ -169,8 +184,8 @@ pub static TGR: Kind = Kind {
     code: "TGR",
     title: "device key",
     equation: "x = position of the device, f = force to the hand",
-    doc: "One degree of freedom of a force-feedback device: position in and force out at the gesture rate, across an \
-          exact border to the sound rate. Offline it is moved by a gesture like an ENX.",
+    doc: "One degree of freedom of a force-feedback device. It receives a position and returns a force at the gesture \
+          rate; the conversion to and from the sound rate conserves energy. Offline, a gesture moves it like an ENX.",
     source: &["ICMC 2013"],
     params: &[
         Param::new("device", Type::Text, Need::Optional, "name of the device"),
@@ -178,7 +193,8 @@ pub static TGR: Kind = Kind {
             "dof",
             Type::Counts { min: 0, max: 127 },
             Need::Default(0.0),
-            "degree of freedom of the device, which moves at most 32; in space a list, for x, y and z in this order: axes without one are fixed",
+            "degree of freedom of the device, which has at most 32; in space a list for x, y and z, in this order; \
+             axes that are not listed are fixed",
         ),
         X,
         MIDI,

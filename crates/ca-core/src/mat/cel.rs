@@ -16,14 +16,27 @@ pub static KIND: Kind = Kind {
     code: "CEL",
     title: "oscillator cell",
     equation: "x' = (2 - a - b) x + (b - 1) x1 + (T²/m) f,  a = kT²/m, b = zT/m",
-    doc: "A mass with its own spring and damper to its rest position. Written by `f` and `t60` it sounds at exactly \
-          that frequency and decays by 60 dB in exactly that time, at any sound rate; `m` then says how hard it is to move.",
+    doc: "A mass with a spring and a damper to its rest position. With `f` and `t60` it oscillates at exactly that \
+          frequency and decays by 60 dB in exactly that time, at any sound rate. `m` then sets how much it resists a \
+          force.",
     source: &["CMJ 1993", "SMC 2007"],
     params: &[
         Param::number("m", Unit::KILOGRAM, ABOVE_ZERO, Need::Required, "inertia"),
-        Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Optional, "stiffness to the rest position"),
-        Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Optional, "viscosity to the rest position; 0 if left out"),
-        Param::number("f", Unit::HERTZ, ABOVE_ZERO, Need::Optional, "frequency as heard, below half the sound rate"),
+        Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Optional, "stiffness of the spring to the rest position"),
+        Param::number(
+            "z",
+            Unit::VISCOSITY,
+            POSITIVE,
+            Need::Optional,
+            "viscosity of the damper to the rest position; 0 if left out",
+        ),
+        Param::number(
+            "f",
+            Unit::HERTZ,
+            ABOVE_ZERO,
+            Need::Optional,
+            "frequency of the oscillation, below half the sound rate",
+        ),
         Param::number("t60", Unit::SECOND, ABOVE_ZERO, Need::Optional, "time to decay by 60 dB; no decay if left out"),
         X,
         DX0,

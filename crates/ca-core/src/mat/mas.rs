@@ -11,9 +11,9 @@ use crate::kind::{ABOVE_ZERO, Kind, Need, Param, Role, Unit};
 /// MAS in the catalog.
 pub static KIND: Kind = Kind {
     code: "MAS",
-    title: "punctual mass",
+    title: "point mass",
     equation: "x' = 2x - x1 + (T²/m) f",
-    doc: "Inertia and nothing else: it moves by what its links pull. Heavier is slower.",
+    doc: "A mass that moves only by the forces on it. The heavier it is, the less it accelerates.",
     source: &["CMJ 1993", "SMC 2007"],
     params: &[Param::number("m", Unit::KILOGRAM, ABOVE_ZERO, Need::Required, "inertia"), X, DX0, V],
     one_of: &[],

@@ -14,19 +14,19 @@ pub static KIND: Kind = Kind {
     code: "ATT",
     title: "attractor (detent)",
     equation: "F = k e for |e| < rho d, then straight to 0 at d",
-    doc: "Holds its ends together while they are closer than `d` and lets go smoothly: the click of a knob, or a \
-          pluck that can take hold again from either side.",
+    doc: "Pulls its ends together while they are closer than `d` and releases them smoothly: the click of a knob, or a \
+          pluck that can engage again from either side.",
     source: &["HSP v2", "LAC 2019"],
     params: &[
         BETWEEN,
         Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Required, "stiffness near the centre"),
-        Param::number("d", Unit::METRE, ABOVE_ZERO, Need::Required, "reach: nothing acts beyond"),
+        Param::number("d", Unit::METRE, ABOVE_ZERO, Need::Required, "reach: the force is 0 beyond"),
         Param::number(
             "rho",
             Unit::NONE,
             (1e-6, 0.999_999),
             Need::Default(0.5),
-            "where the force peaks, as a share of d",
+            "elongation of the largest force, as a share of d",
         ),
         Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity inside d"),
         PAIRS,

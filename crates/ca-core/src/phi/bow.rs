@@ -51,22 +51,28 @@ pub static KIND: Kind = Kind {
     code: "BOW",
     title: "bow friction",
     equation: "F = f g(v / v0),  v = de/dt",
-    doc: "Grips while the ends move together and slips when they do not: the stick–slip of a bow. Connect the bow \
-          (an ENX or TGR) to a point of the string and draw it. With light masses and much force the explicit law rings \
-          where it should stick; `method = \"newton\"` does not.",
+    doc: "Dry friction, with the stick–slip motion of a bow: the ends stick while they move together and slip \
+          otherwise. Connect the bow (an ENX or TGR) to a point of the string and move it. With light masses and a \
+          large force the explicit law rings where it should stick; `method = \"newton\"` does not.",
     source: &["ICMC 2013", "LAC 2019", "HSP v2"],
     params: &[
         BETWEEN,
-        Param::new("curve", Type::Choice(CurveShape::WORDS), Need::Default(0.0), "shape"),
+        Param::new("curve", Type::Choice(CurveShape::WORDS), Need::Default(0.0), "shape of the force over speed"),
         Param::number("f", Unit::NEWTON, POSITIVE, Need::Optional, "largest friction force"),
-        Param::number("v0", Unit::SPEED, ABOVE_ZERO, Need::Optional, "speed of the largest force"),
-        Param::number("v1", Unit::SPEED, ABOVE_ZERO, Need::Optional, "piecewise: speed where the fall ends; 3 v0"),
+        Param::number("v0", Unit::SPEED, ABOVE_ZERO, Need::Optional, "speed at which the force is largest"),
+        Param::number(
+            "v1",
+            Unit::SPEED,
+            ABOVE_ZERO,
+            Need::Optional,
+            "piecewise: speed at which the fall ends; 3 v0 if left out",
+        ),
         Param::number(
             "fd",
             Unit::NEWTON,
             POSITIVE,
             Need::Optional,
-            "force of sliding: of piecewise, 0 if left out; of set-valued, `f`",
+            "sliding force; if left out, 0 for piecewise and `f` for set-valued",
         ),
         Param::new("points", Type::Points { x: Unit::SPEED, y: Unit::NEWTON }, Need::Optional, "table: [speed, force]"),
         PAIRS,
@@ -75,8 +81,9 @@ pub static KIND: Kind = Kind {
             "method",
             Type::Choice(FrictionMethod::WORDS),
             Need::Default(0.0),
-            "ca: explicit, as in the field; secant: only resists, at any slope; newton: the same and more exact; where \
-             the slope is too steep or the place is shared, secant; set-valued, of the curve coulomb: what sticks stands still",
+            "ca: explicit; secant: passive at any slope; newton: passive too, and more exact, but uses secant where \
+             the slope is too steep or the place is shared; set-valued, for the curve coulomb: sticking ends do not \
+             slip at all",
         ),
     ],
     one_of: &[crate::kind::OneOf { sets: &[&["f", "v0", "v1", "fd"], &["points"]], required: true }],

@@ -20,19 +20,24 @@ pub static KIND: Kind = Kind {
     code: "BUT",
     title: "buffer (contact)",
     equation: "F = k (e - d) + z de/dt  while e < d (outside) or e > d (inside)",
-    doc: "Acts only when its ends come closer than `d`, counted along the axis from the first to the second: it keeps \
+    doc: "Acts only while its ends are closer than `d`, measured along the axis from the first to the second: it keeps \
           the second above the first. With `sense = \"inside\"` it acts beyond `d` and contains the second instead. \
-          Hammers, felt, frets, rattles. As in the field it may pull a little while it lets go, which `sticky = false` \
-          clips, and makes or takes energy at a blow, the more the stiffer it is; `method = \"stable\"` does not at any \
-          stiffness.",
+          Use it for hammers, felt, frets and rattles. It may pull a little as the contact ends, which `sticky = \
+          false` prevents. The explicit method adds or removes energy at an impact, more at a higher stiffness; \
+          `method = \"stable\"` does not, at any stiffness.",
     source: &["CMJ 1993", "ICMC 2013"],
     params: &[
         BETWEEN,
         Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Required, "stiffness in contact"),
         Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity in contact"),
-        Param::number("d", Unit::METRE, ANY, Need::Default(0.0), "threshold of the distance second − first"),
-        Param::new("sense", Type::Choice(Sense::WORDS), Need::Default(0.0), "keeps apart, or contains"),
-        Param::new("sticky", Type::Flag, Need::Default(1.0), "false clips the pull while letting go"),
+        Param::number("d", Unit::METRE, ANY, Need::Default(0.0), "threshold of the signed distance second − first"),
+        Param::new(
+            "sense",
+            Type::Choice(Sense::WORDS),
+            Need::Default(0.0),
+            "outside: keeps the ends apart; inside: contains the second",
+        ),
+        Param::new("sticky", Type::Flag, Need::Default(1.0), "false: the force never pulls"),
         PAIRS,
         ALONG,
         METHOD,

@@ -16,8 +16,8 @@ pub static KIND: Kind = Kind {
     code: "CUB",
     title: "hardening spring (cubic)",
     equation: "F = k e + k3 e³ + z de/dt",
-    doc: "A spring that stiffens as it is drawn out: pitch rises with loudness, and partials appear that a linear \
-          spring does not have.",
+    doc: "A spring that becomes stiffer as it is stretched: the pitch rises with loudness, and partials appear that a \
+          linear spring does not have.",
     source: &["SMC 2019"],
     params: &[
         BETWEEN,

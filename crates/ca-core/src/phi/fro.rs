@@ -14,7 +14,7 @@ pub static KIND: Kind = Kind {
     code: "FRO",
     title: "damper",
     equation: "F = z de/dt",
-    doc: "Resists the relative speed of its ends; turns motion into heat.",
+    doc: "Resists the relative speed of its ends, and turns motion into heat.",
     source: &["CMJ 1993"],
     params: &[
         BETWEEN,

@@ -20,8 +20,8 @@ pub static KIND: Kind = Kind {
     title: "Hertz contact",
     equation: "F = -k n^p max(0, 1 + h dn/dt),  n = d - e > 0",
     doc: "The contact of rounded bodies: soft at first touch, hard when pressed, so that loud strokes are brighter. \
-          `h` takes energy at each blow and never makes the bodies stick. Its blow makes or takes a little energy, as that of a `BUT`; with \
-          `method = \"stable\"` it does not.",
+          `h` removes energy at each impact and never makes the bodies stick. As with `BUT`, the explicit method adds \
+          or removes a little energy at an impact; `method = \"stable\"` does not.",
     source: &["Bilbao 2009", "Hunt 1975"],
     params: &[
         BETWEEN,
@@ -32,10 +32,15 @@ pub static KIND: Kind = Kind {
             Unit { symbol: "s/m", dim: Dim::new(-1.0, 0.0, 1.0) },
             POSITIVE,
             Need::Default(0.0),
-            "loss at a blow, relative to the elastic force per unit of speed",
+            "loss at an impact: ratio of damping force to elastic force, per unit of speed",
         ),
-        Param::number("d", Unit::METRE, ANY, Need::Default(0.0), "threshold of the distance second − first"),
-        Param::new("sense", Type::Choice(Sense::WORDS), Need::Default(0.0), "keeps apart, or contains"),
+        Param::number("d", Unit::METRE, ANY, Need::Default(0.0), "threshold of the signed distance second − first"),
+        Param::new(
+            "sense",
+            Type::Choice(Sense::WORDS),
+            Need::Default(0.0),
+            "outside: keeps the ends apart; inside: contains the second",
+        ),
         PAIRS,
         ALONG,
         METHOD,

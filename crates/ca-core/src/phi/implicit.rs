@@ -18,24 +18,24 @@ pub const METHOD: Param = Param::new(
     "method",
     Type::Choice(Method::OF_LINK),
     Need::Optional,
-    "ca: explicit, as in the field; centred: viscosity without a limit and of second order; implicit: stiffness without \
-     a limit too. Of the group or the model if left out",
+    "ca: explicit; centred: stable at any viscosity, of second order; implicit: also stable at any stiffness; if left \
+     out, as in the group or the model",
 );
 /// Parameter `method` of a group: the methods of links, `modal` and `auto`.
 pub const OF_GROUP: Param = Param::new(
     "method",
     Type::Choice(Method::OF_GROUP),
     Need::Optional,
-    "how linear links and cells are computed; auto: as by ca, and each other link by the method that conserves its energy, \
-     unless its line names a method",
+    "method for linear links and cells; auto: ca for these, and for each other link the method that conserves its \
+     energy, unless the link names one",
 );
 /// Parameter `method` of the model: the methods of a group, and `pefrl` for all masses at once.
 pub const OF_MODEL: Param = Param::new(
     "method",
     Type::Choice(Method::WORDS),
     Need::Optional,
-    "how linear links and cells are computed, or, by pefrl, everything; auto: as by ca, and each other link by the method that \
-     conserves its energy, unless its line names a method; with format 2 auto if left out",
+    "method for linear links and cells, or, with pefrl, for everything; auto: ca for these, and for each other link \
+     the method that conserves its energy, unless the link names one; with format 2, auto if left out",
 );
 /// Parameter `theta`: weight of the positions before and after the tick, each.
 pub const THETA: Param = Param::number(
@@ -43,8 +43,8 @@ pub const THETA: Param = Param::number(
     Unit::NONE,
     (0.0, 1.0),
     Need::Optional,
-    "implicit: share of the force from the tick before and the tick after, each; from 1/4 on without a limit, 1/2 does \
-     not ring; 1/2 if left out",
+    "implicit: weight of the positions before and after the tick, each; from 1/4 on stable at any stiffness, at 1/2 \
+     without ringing; 1/2 if left out",
 )
 .for_good();
 

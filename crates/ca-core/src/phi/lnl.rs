@@ -19,8 +19,9 @@ pub static KIND: Kind = Kind {
     code: "LNL",
     title: "non-linear interaction by table",
     equation: "F = spring(e) + friction(de/dt)",
-    doc: "A law you draw: `spring` gives the force against elongation, `friction` against relative speed, as points \
-          joined by straight lines and held beyond the ends. F > 0 pulls the ends together.",
+    doc: "A law given by points: `spring` gives the force over elongation, `friction` the force over relative speed. \
+          Straight lines join the points, and the force is constant beyond the first and last point. F > 0 pulls the \
+          ends together.",
     source: &["ICMC 2013"],
     params: &[
         BETWEEN,

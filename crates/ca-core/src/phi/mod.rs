@@ -39,10 +39,10 @@ pub use ref_::KIND as REF;
 
 /// Parameter `between`: the two ends of a link.
 pub const BETWEEN: Param =
-    Param::new("between", Type::Between, Need::Required, "the two ends, first and second; lists pair one to one");
+    Param::new("between", Type::Between, Need::Required, "the two ends, first and second; lists are paired one to one");
 /// Parameter `l0`: the rest length.
 pub const L0: Param =
-    Param::number("l0", Unit::METRE, ANY, Need::Optional, "length at which it is slack; the rest distance if left out")
+    Param::number("l0", Unit::METRE, ANY, Need::Optional, "length without force; if left out, the distance at rest")
         .for_good();
 
 /// Parameter `along`: a direction, for links with one end on a line, or with a difference along one direction of space.
@@ -50,7 +50,7 @@ pub const ALONG: Param = Param::new(
     "along",
     Type::Direction,
     Need::Optional,
-    "in space: acts on the difference along this direction, as on a line, and not on the distance",
+    "in space: the difference along this direction counts, as on a line, instead of the distance",
 );
 /// Parameter `soften`: the softening length.
 pub const SOFTEN: Param = Param::number(
@@ -58,7 +58,7 @@ pub const SOFTEN: Param = Param::number(
     Unit::METRE,
     POSITIVE,
     Need::Default(0.0),
-    "in space: distances are sqrt(D² + soften²), so that ends may pass through each other",
+    "in space: the distance D becomes sqrt(D² + soften²), so that the ends may pass through each other",
 )
 .for_good();
 
@@ -118,8 +118,8 @@ pub const METHOD: Param = Param::new(
     "method",
     Type::Choice(ContactMethod::WORDS),
     Need::Default(0.0),
-    "ca: explicit, as in the field; stable: keeps energy at any stiffness; stable3d: the same by the method for \
-     space, which stable takes there",
+    "ca: explicit; stable: conserves energy at any stiffness; stable3d: the same by the method for space, which stable \
+     uses there",
 );
 
 /// Parameter [`ElasticMethod`].
@@ -127,7 +127,7 @@ pub const ELASTIC_METHOD: Param = Param::new(
     "method",
     Type::Choice(ElasticMethod::WORDS),
     Need::Default(0.0),
-    "ca: explicit, as in the field; stable: keeps energy at any stiffness, on a line or with `along`",
+    "ca: explicit; stable: conserves energy at any stiffness, on a line or with `along`",
 );
 
 fn by_potential(p: &[ParamBinding], at: usize) -> bool {
@@ -139,7 +139,7 @@ pub const PAIRS: Param = Param::new(
     "pairs",
     Type::Choice(Pairs::WORDS),
     Need::Default(0.0),
-    "each: lists pair one to one; all: every pair, once",
+    "each: lists are paired one to one; all: every pair, once",
 );
 
 /// Returns the linear energy between two ticks, with the negative mass of the damper (docs/numerics.md §2.1).

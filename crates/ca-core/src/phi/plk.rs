@@ -40,23 +40,28 @@ impl Side {
 pub static KIND: Kind = Kind {
     code: "PLK",
     title: "pluck with hysteresis",
-    equation: "F = k e + z de/dt while engaged; lets go at |e| >= d, engages when e changes sign",
-    doc: "Holds like a spring until it is drawn out by `d`, then lets go for good: it takes hold again only when the \
-          plectrum has come back through the string. One note per passage, however slow. With `side = \"up\"` it passes freely \
-          on its way down; with `engaged = false` it takes hold at its first passage, and not at load.",
+    equation: "F = k e + z de/dt while engaged; releases at |e| >= d, engages when e changes sign",
+    doc: "Acts as a spring until its elongation reaches `d`, then releases. It engages again only when the plectrum \
+          has come back through the string, so each passage plays one note, at any speed. With `side = \"up\"` it \
+          passes freely on its way down. With `engaged = false` it engages at its first passage and not at load.",
     source: &["HSP v2"],
     params: &[
         BETWEEN,
         Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Required, "stiffness while engaged"),
         Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity while engaged"),
-        Param::number("d", Unit::METRE, ABOVE_ZERO, Need::Required, "elongation at which it lets go"),
+        Param::number("d", Unit::METRE, ABOVE_ZERO, Need::Required, "elongation at which it releases"),
         Param::new(
             "side",
             Type::Choice(Side::WORDS),
             Need::Default(0.0),
-            "the way of the second end on which it plucks",
+            "direction of the second end in which it plucks",
         ),
-        Param::new("engaged", Type::Flag, Need::Default(1.0), "whether it holds at load, where its ends are that near"),
+        Param::new(
+            "engaged",
+            Type::Flag,
+            Need::Default(1.0),
+            "whether it is engaged at load, if its ends are closer than d",
+        ),
         PAIRS,
         ALONG,
         ELASTIC_METHOD,

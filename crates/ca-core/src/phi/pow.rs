@@ -20,7 +20,7 @@ pub static KIND: Kind = Kind {
     code: "POW",
     title: "power-law spring",
     equation: "F = k e + q sgn(e) |e|^p + z de/dt",
-    doc: "A spring that is soft near rest and hard beyond (p > 1), the same in both directions.",
+    doc: "A spring that is soft near rest and stiffer further out (p > 1), the same in both directions.",
     source: &["SMC 2019"],
     params: &[
         BETWEEN,

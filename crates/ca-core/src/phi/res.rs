@@ -14,7 +14,7 @@ pub static KIND: Kind = Kind {
     code: "RES",
     title: "spring",
     equation: "F = k e",
-    doc: "Pulls its ends together in proportion to how far they have been drawn apart. Loses nothing.",
+    doc: "Pulls its ends together in proportion to their elongation, and loses no energy.",
     source: &["CMJ 1993"],
     params: &[
         BETWEEN,

@@ -34,10 +34,8 @@ pub enum Unbound {
 impl fmt::Display for Unbound {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Unbound::Law(code) => write!(f, "the law `{code}` is made in double precision only"),
-            Unbound::Table => {
-                f.write_str("a table has points that coincide, or are beyond computing, in this precision")
-            }
+            Unbound::Law(code) => write!(f, "the law `{code}` exists in double precision only"),
+            Unbound::Table => f.write_str("a table has points that coincide or are out of range in this precision"),
             Unbound::Kernels => f.write_str("the scene was compiled for double precision"),
         }
     }

@@ -13,7 +13,7 @@ pub enum Level {
     /// like `Proven`, for small motions about the pose at load; distances conserve energy up to [`Certificate::ripple`]
     Linearised,
     /// the linear links are proven, others judged by rules of thumb; set-valued friction of shared masses creeps, and
-    /// contacts beyond kT²/m = 1e8 may make energy by rounding
+    /// contacts beyond kT²/m = 1e9 may add energy by rounding
     RuleOfThumb,
     /// neither bounds nor a factorisation decide, or groups at the gesture rate have a compensated border
     #[default]

@@ -43,7 +43,8 @@ impl core::fmt::Display for Growth {
         let Growth { stiffness, grew } = self;
         write!(
             f,
-            "at {stiffness}, energy passed {TIMES} times that at load in {grew} of {STARTS} starts within {SECONDS} s"
+            "measured at kT²/m = {stiffness}: the energy exceeded {TIMES} times its initial value in {grew} of \
+             {STARTS} runs of {SECONDS} s"
         )
     }
 }

@@ -40,15 +40,16 @@ pub enum NotRestored {
 impl fmt::Display for NotRestored {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            NotRestored::NoSnapshot => write!(f, "not a snapshot of a state"),
+            NotRestored::NoSnapshot => write!(f, "the bytes are not a snapshot of a state"),
             NotRestored::Version(v) => {
-                write!(f, "a snapshot of version {v}; this program reads version {SNAPSHOT_VERSION}")
+                write!(f, "the snapshot has version {v}, but this program reads version {SNAPSHOT_VERSION}")
             }
             NotRestored::OtherScene => write!(
                 f,
-                "a snapshot of another scene: the model, its values, its rate, probes or the energy ledger are not those it was taken with"
+                "the snapshot is of another scene: the model, its values, its rate, the probes or the energy ledger \
+                 differ"
             ),
-            NotRestored::Damaged => write!(f, "a snapshot that is cut off or was changed"),
+            NotRestored::Damaged => write!(f, "the snapshot is cut short or was changed"),
         }
     }
 }

@@ -107,7 +107,7 @@ fn problem<T>(param: &'static str, title: impl Into<alloc::string::String>, help
 /// # Errors
 /// If no delay line has this pitch and decay, with the parameter to change.
 pub fn tune(asked: &WaveguideSpec, masses: &[f64], tick_dt: f64) -> Result<Tuned, Problem> {
-    let dies = || problem("t60", "it dies out before it has swung once", "use a longer `t60`");
+    let dies = || problem("t60", "it decays before it has oscillated once", "use a longer `t60`");
     if asked.f * asked.t60 < 0.25 {
         return dies();
     }
@@ -143,8 +143,8 @@ pub fn tune(asked: &WaveguideSpec, masses: &[f64], tick_dt: f64) -> Result<Tuned
     if wrapped || left.is_nan() || left < 2.5 {
         return problem(
             if asked.m.is_some() { "m" } else { "at" },
-            format!("{} Hz leaves no room for the far end", Plain(asked.f)),
-            "use lighter junctions, place them further from the end, ask for a lower pitch, or raise `rate.sound`",
+            format!("{} Hz leaves no samples for the far end", Plain(asked.f)),
+            "use lighter junctions, place them further from the end, use a lower pitch, or raise `rate.sound`",
         );
     }
     let n = libm::floor(left - 1.5);
@@ -172,8 +172,8 @@ fn places(asked: &WaveguideSpec, tick_dt: f64) -> Result<Vec<usize>, Problem> {
     if whole > LONGEST {
         return problem(
             "f",
-            format!("{} Hz is a string of more than {LONGEST:e} samples", Plain(asked.f)),
-            "ask for a higher pitch",
+            format!("{} Hz needs a string of more than {LONGEST:e} samples", Plain(asked.f)),
+            "use a higher pitch",
         );
     }
     let mut delays = Vec::with_capacity(asked.at.len() + 1);
@@ -185,8 +185,11 @@ fn places(asked: &WaveguideSpec, tick_dt: f64) -> Result<Vec<usize>, Problem> {
         if delay < 1.0 {
             return problem(
                 "at",
-                format!("the point at {at} is less than {:.4} behind what stands before it", 0.5 / (share * whole)),
-                "let the points rise from the near end at 0 to the far end at 1, further apart, or raise `rate.sound`",
+                format!(
+                    "the point at {at} is less than {:.4} behind the point or end before it",
+                    0.5 / (share * whole)
+                ),
+                "order the points from the near end at 0 to the far end at 1, further apart, or raise `rate.sound`",
             );
         }
         before += delay / share;
@@ -195,8 +198,8 @@ fn places(asked: &WaveguideSpec, tick_dt: f64) -> Result<Vec<usize>, Problem> {
     if whole - before < 2.5 {
         return problem(
             "at",
-            format!("{} Hz leaves no room behind the last point", Plain(asked.f)),
-            "place it further from the far end, ask for a lower pitch, or raise `rate.sound`",
+            format!("{} Hz leaves no samples behind the last point", Plain(asked.f)),
+            "place it further from the far end, use a lower pitch, or raise `rate.sound`",
         );
     }
     Ok(delays)

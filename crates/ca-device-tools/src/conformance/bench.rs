@@ -36,7 +36,8 @@ const REACH: f64 = 1.0;
 /// Connection to one device, with the frames exchanged.
 pub struct Bench {
     lines: Gateway,
-    name: String,
+    /// Name of the device.
+    pub name: String,
     calibration: Calibration,
     /// Frames of the device since [`Bench::forget`], with positions in metres.
     pub frames: Vec<DeviceFrame>,
@@ -211,5 +212,5 @@ fn scene(name: &str, n: usize, x: &[f64; DOF], rest: &[[f64; DOF]; 2]) -> Result
     let (model, found) = read::read(&text, "conformance", &catalog());
     ca_compile::load::finish(&model, found, &catalog(), &Compile::default())
         .map(|compiled| compiled.scene)
-        .map_err(|d| ToolError::Failed(format!("the scene of this test: {:?}", d.list)))
+        .map_err(|d| ToolError::Failed(format!("the test scene does not compile: {:?}", d.list)))
 }

@@ -75,7 +75,7 @@ pub(super) fn forces(
         if !on(b, p, profile)? {
             let (mode, cause) = b.mode();
             let waits =
-                if mode == Mode::Off { ", which waits until it is calibrated, fresh and nothing pushes" } else { "" };
+                if mode == Mode::Off { ", waiting for a calibrated device, fresh frames and no push" } else { "" };
             t.row("arms", false, format!("mode {}{waits}, {}", mode.name(), cause.name()));
             return Ok(false);
         }
@@ -90,7 +90,7 @@ pub(super) fn forces(
         t.row("arms", mode == Mode::On, format!("mode {}, {}", mode.name(), cause.name()));
         let held = b.frames.iter().filter(|f| Cause::read(f.cause) == Cause::None).count();
         let most = held * 10 >= b.frames.len() * 9 && held > 0;
-        t.row("forces", most, format!("of {} frames {held} have them", b.frames.len()));
+        t.row("forces", most, format!("{held} of {} frames have forces", b.frames.len()));
         let reported = measured(b);
         match reported {
             Some((is, want)) => {
@@ -98,7 +98,7 @@ pub(super) fn forces(
                 t.row(
                     "measured",
                     near,
-                    format!("{} N, {} N were asked of the first axis", short(is[0]), short(want[0])),
+                    format!("{} N on the first axis, {} N requested", short(is[0]), short(want[0])),
                 );
             }
             None => t.row("measured", true, "not reported"),
@@ -124,7 +124,7 @@ pub(super) fn spring(
         b.play(p, REST);
         let moved = travelled(&b.frames);
         if !on(b, p, profile)? {
-            never_on(b, t, "the spring");
+            never_on(b, t, "the spring test");
             return Ok(());
         }
         let k = force / p.stretch;
@@ -155,7 +155,7 @@ pub(super) fn spring(
         let limit = 2.0 * BEYOND * force + GUARD * profile.force;
         let pass = most <= limit && off <= 0.1 * force;
         let what = format!(
-            "{} N/m, stretched by {} mm, is {} N: at most {} N, of {}; half of all within {} N of the spring",
+            "{} N/m stretched by {} mm is {} N: largest {} N, limit {} N; half of all forces within {} N of the spring",
             short(k),
             short(1e3 * p.stretch),
             short(force),
@@ -165,9 +165,9 @@ pub(super) fn spring(
         );
         let hint = if !pass && moved > MOVED * p.stretch {
             let moved = short(1e3 * moved);
-            format!("; the hand moved by {moved} mm without a force: hold it still, and test again")
+            format!("; the hand moved {moved} mm without a force: hold it still and test again")
         } else if most > limit {
-            "; do positions and forces have the same sign?".into()
+            "; check that positions and forces have the same sign".into()
         } else {
             String::new()
         };
@@ -231,7 +231,7 @@ pub(super) fn silence(
         }
     }
     let Some(last) = last else {
-        never_on(b, t, "the engine falls silent");
+        never_on(b, t, "the watchdog test");
         return Ok(());
     };
     b.forget();
@@ -242,7 +242,7 @@ pub(super) fn silence(
     // skips the frame under way when the force expires, and the next one
     expired.drain(..expired.len().min(2));
     let goes_on = expired.len() * 2 > LOOK;
-    t.row("goes on", goes_on, format!("{} frames after the engine fell silent", expired.len()));
+    t.row("goes on", goes_on, format!("{} frames after the engine stopped sending", expired.len()));
     let bad = unexpected_forces(&expired);
     let found = bad.clone().unwrap_or_else(|| {
         let cause = expired.last().map_or(Cause::None, |f| Cause::read(f.cause));
@@ -259,11 +259,12 @@ pub(super) fn another(b: &mut Bench, profile: &mut Profile, force: f64, t: &mut 
     let sent = b.sent.last().map_or(0, |f| f.seq);
     let ack = late(b).iter().all(|f| (1..=sent).contains(&f.ack)) && !late(b).is_empty();
     let found = late(b).last().map_or(0, |f| f.ack);
-    t.row("restart", ack, format!("number {found} of {sent} of the new engine is used"));
+    let found = format!("the new engine sent {sent} forces; the device reports that it used number {found}");
+    t.row("restart", ack, found);
     let bad = unexpected_forces(late(b));
-    t.row("at rest", bad.is_none(), bad.unwrap_or_else(|| "the new engine is at rest, and so is the device".into()));
+    t.row("at rest", bad.is_none(), bad.unwrap_or_else(|| "no force while the new engine is at rest".into()));
     if !on(b, &mut p, profile)? {
-        never_on(b, t, "it is disarmed");
+        never_on(b, t, "the disarm test");
         return Ok(());
     }
     p.pull(force)?;
@@ -272,6 +273,6 @@ pub(super) fn another(b: &mut Bench, profile: &mut Profile, force: f64, t: &mut 
     b.forget();
     b.play(&mut p, REST);
     let bad = unexpected_forces(late(b));
-    t.row("disarm", bad.is_none(), bad.unwrap_or_else(|| "no force once disarmed".into()));
+    t.row("disarm", bad.is_none(), bad.unwrap_or_else(|| "no force after disarming".into()));
     Ok(())
 }

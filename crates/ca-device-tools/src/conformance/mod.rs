@@ -45,7 +45,7 @@ pub fn run(asked: &Conformance, say: &mut dyn FnMut(Message)) -> Result<CheckTab
         profile.guard.edge = 0.0;
         profile.guard.brake = force / profile.guard.speed;
         if force > 0.0 {
-            say(Message::Note(format!("`{}` is given forces of up to {} N", asked.name, short(force))));
+            say(Message::Note(format!("the test applies forces of up to {1} N to `{0}`", asked.name, short(force))));
         }
         quiet::alive(&mut bench, &about, &mut table);
         quiet::served(&mut bench, asked, &about, &mut table, say)?;

@@ -22,12 +22,15 @@ pub(super) fn presented(b: &mut Bench, t: &mut CheckTable) -> Result<Option<Abou
     b.listen(1, PATIENCE);
     if b.frames.is_empty() {
         if b.foreign > 0 {
-            t.row("frames", false, "of another version or for another device; build it anew");
+            t.row(
+                "frames",
+                false,
+                "of another version or for another device; rebuild the device with this release of ca",
+            );
             return Ok(None);
         }
-        return Err(ToolError::Failed(
-            "no device of that name speaks; start it, `ca device list` shows those that do".into(),
-        ));
+        let fix = "start it (`ca device list` shows running devices)";
+        return Err(ToolError::Failed(format!("no running device `{}`; {fix}", b.name)));
     }
     // a device sends its description once a second
     for _ in 0..20 {
@@ -37,7 +40,7 @@ pub(super) fn presented(b: &mut Bench, t: &mut CheckTable) -> Result<Option<Abou
         b.listen(usize::MAX, 100_000_000);
     }
     let Some(a) = b.about() else {
-        t.row("about", false, "never says who it is");
+        t.row("about", false, "the device does not send its description (`About`)");
         return Ok(None);
     };
     let n = (a.n as usize).min(DOF);
@@ -71,16 +74,17 @@ pub(super) fn alive(b: &mut Bench, a: &About, t: &mut CheckTable) {
     let last = frames.len().saturating_sub(1);
     t.row("frames", b.foreign == 0 && last > 0, format!("{} of this version, {} others", frames.len(), b.foreign));
     let same = frames.iter().all(|f| f.session == a.session && f.session != 0 && f.n == a.n);
-    t.row("session", same, format!("{:x}, as said of itself", a.session));
+    t.row("session", same, format!("{:x} in the description", a.session));
     let grows = last > 0 && frames.windows(2).all(|w| w[1].seq > w[0].seq);
     let lost = frames.last().map_or(0, |f| f.seq.saturating_sub(frames[0].seq).saturating_sub(last as u64));
     t.row(
         "numbers",
         grows,
-        format!("{} the frames, {lost} not seen", if grows { "grow with" } else { "do not grow with" }),
+        format!("{} from frame to frame, {lost} missed", if grows { "increase" } else { "do not increase" }),
     );
     let clocks = frames.windows(2).all(|w| w[1].t_host_ns > w[0].t_host_ns && w[1].t_device_ns >= w[0].t_device_ns);
-    t.row("clocks", clocks, "of host and device run forward");
+    let found = if clocks { "host and device run forward" } else { "host or device does not run forward" };
+    t.row("clocks", clocks, found);
     // the median between consecutive frames, since delays by this machine do not count
     let mut gaps: Vec<u64> = frames
         .windows(2)
@@ -90,7 +94,7 @@ pub(super) fn alive(b: &mut Bench, a: &About, t: &mut CheckTable) {
     gaps.sort_unstable();
     let rate = gaps.get(gaps.len() / 2).filter(|g| **g > 0).map_or(0.0, |g| 1e9 / *g as f64);
     let near = (rate / f64::from(a.rate) - 1.0).abs() <= 0.05;
-    t.row("rate", near, format!("{rate:.1} a second, {} were said", a.rate));
+    t.row("rate", near, format!("{rate:.1} frames a second, {} in the description", a.rate));
     let finite = frames.iter().all(|f| f.pos[..n].iter().all(|x| x.is_finite()));
     let outside = frames.iter().flat_map(|f| (0..n).map(move |k| (k, f.pos[k]))).find(|(k, x)| {
         let [low, high] = [a.low[*k], a.high[*k]].map(f64::from);
@@ -98,12 +102,12 @@ pub(super) fn alive(b: &mut Bench, a: &About, t: &mut CheckTable) {
         !(low - slack..=high + slack).contains(x)
     });
     let found = match outside {
-        Some((k, x)) => format!("axis {k} is at {} m, its range is {} to {} m", Plain(x), a.low[k], a.high[k]),
+        Some((k, x)) => format!("axis {k} is at {} m, outside its range of {} to {} m", Plain(x), a.low[k], a.high[k]),
         None => "inside the range".into(),
     };
     t.row("positions", finite && outside.is_none(), found);
     let ready = frames.iter().all(|f| f.status & (status::CONNECTED | status::POWERED) == 3);
-    t.row("status", ready, "connected and powered");
+    t.row("status", ready, if ready { "connected and powered" } else { "not always connected and powered" });
 }
 
 /// Tests that `ca serve` would use the frames of the device with its profile, and would give it forces.
@@ -128,8 +132,8 @@ pub(super) fn served(
     };
     let by = format!("profile `{}`, at most {} N", profile.name, profile.force);
     if u32::from(a.n) < profile.dof {
-        let what = format!("{by}: it has {} degrees of freedom, the profile {}: no frame is used", a.n, profile.dof);
-        t.row("serve", false, what);
+        let what = format!("{by}: the profile needs {} degrees of freedom, the device has {}", profile.dof, a.n);
+        t.row("serve", false, format!("{what}; no frame is used"));
         return Ok(());
     }
     b.forget();
@@ -150,7 +154,7 @@ pub(super) fn served(
     let used = taken > 0 && dropped * 100 <= taken;
     let mut found = format!("{by}: {taken} of {} frames used", taken + dropped);
     if wait != Wait::Nothing {
-        found = format!("{found}; forces stay off once armed: {wait}");
+        found = format!("{found}; forces stay off after arming: {wait}");
     }
     t.row("serve", used && wait == Wait::Nothing, found);
     Ok(())
@@ -162,7 +166,7 @@ pub(super) fn unexpected_forces(frames: &[DeviceFrame]) -> Option<String> {
     let pushes = |f: &DeviceFrame| f.force_measured[..(f.n as usize).min(DOF)].iter().any(|x| *x != 0.0);
     let (silent, pushing) = (frames.iter().filter(none).count(), frames.iter().filter(|f| pushes(f)).count());
     (silent + pushing > 0)
-        .then(|| format!("of {} frames {silent} give no reason and {pushing} give a force", frames.len()))
+        .then(|| format!("of {} frames, {silent} report cause NONE and {pushing} report a force", frames.len()))
 }
 
 /// Returns the second half of the frames of a phase, in which the device must have received the first force frames.
@@ -176,7 +180,7 @@ pub(super) fn rest(b: &mut Bench, p: &mut Player, t: &mut CheckTable) {
     let (sent, frames) = (b.sent.last().map_or(0, |f| f.seq), late(b));
     let (first, last) = (frames.first().map_or(0, |f| f.ack), frames.last().map_or(0, |f| f.ack));
     let follows = last > first && last <= sent && frames.windows(2).all(|w| w[1].ack >= w[0].ack);
-    t.row("ack", follows, format!("{sent} forces were sent, it says it used number {last}"));
+    t.row("ack", follows, format!("{sent} forces sent; the device reports that it used number {last}"));
     let bad = unexpected_forces(frames);
     t.row("rest", !frames.is_empty() && bad.is_none(), bad.unwrap_or_else(|| "no force from an engine at rest".into()));
 }
@@ -201,7 +205,7 @@ pub(super) fn strangers(b: &mut Bench, t: &mut CheckTable) {
     };
     send(b, &|_| {});
     let bad = unexpected_forces(late(b));
-    t.row("unrested", bad.is_none(), bad.unwrap_or_else(|| "no force from an engine that was not seen at rest".into()));
+    t.row("unrested", bad.is_none(), bad.unwrap_or_else(|| "no force from an engine that was never at rest".into()));
     let wrong: [Wrong; 4] = [
         ("layout", |f| (f.layout, f.seq) = (f.layout ^ 1, f.seq + FAR)),
         ("address", |f| (f.device[0], f.seq) = (f.device[0] ^ 1, f.seq + FAR)),
@@ -212,7 +216,7 @@ pub(super) fn strangers(b: &mut Bench, t: &mut CheckTable) {
         let sent = send(b, &change);
         let used = late(b).iter().find(|f| f.ack > sent || f.ack == 1);
         let found = match used {
-            Some(f) => format!("it says it used number {}", f.ack),
+            Some(f) => format!("the device reports that it used number {}", f.ack),
             None => "not used".into(),
         };
         t.row(name, used.is_none() && !late(b).is_empty(), found);

@@ -118,7 +118,7 @@ impl Simulator {
         let Simulation { name, profile, hand, script, delay, seed, seconds, waits, lockstep, force_log, priority } =
             options;
         if delay >= DOF {
-            return Err(ToolError::Usage(format!("a delay of {delay} frames; at most {} are possible", DOF - 1)));
+            return Err(ToolError::Usage(format!("a delay of {delay} frames is too long; use at most {}", DOF - 1)));
         }
         let n = profile.dof as usize;
         let device = Device::new(&profile, hand, script, delay, seed);
@@ -215,7 +215,7 @@ impl Simulator {
                     break *f;
                 }
                 if patience.is_some_and(|p| now_ns() > asked + p) {
-                    say(Message::Warning(format!("no server answered frame {}: ended", self.frame.seq)));
+                    say(Message::Warning(format!("stopped, because no server answered frame {}", self.frame.seq)));
                     return Ok(());
                 }
                 if now_ns() > at + AGAIN {
@@ -300,5 +300,5 @@ impl Simulator {
 }
 
 fn said(cause: Cause) -> String {
-    if cause == Cause::None { "forces come".into() } else { format!("no force, {}", cause.name()) }
+    if cause == Cause::None { "receiving forces".into() } else { format!("no force, {}", cause.name()) }
 }

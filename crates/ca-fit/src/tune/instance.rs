@@ -17,7 +17,7 @@ pub(super) fn variable(
     let (u, index, rest) = model.uses.iter().find_map(|u| of(u, &item.name))?;
     let refuse = |what: String| Some(Err(Failure::Usage(format!("`{}`: {what}", item.name))));
     if rest.contains(['[', '.']) {
-        return refuse("it is of an instance within an instance; tune it by the parameters of these".into());
+        return refuse("it belongs to an instance inside an instance; tune it with their parameters".into());
     }
     let prefix = index.map_or(format!("{}.", u.name), |i| format!("{}[{i}].", u.name));
     // the first number of a bank is its pitch
@@ -36,18 +36,19 @@ pub(super) fn variable(
             Some(_) if index.is_none() => return made(Place::keys(["use", &u.name, "with", name]), None),
             Some(_) => {
                 let n = "a list with one value for each";
-                return refuse(format!("all instances of `{}` have one `{name}`; write {n} in `with`", u.name));
+                return refuse(format!("all instances of `{}` share one `{name}`; write {n} in `with`", u.name));
             }
             None => {}
         }
     }
     if let Some((_, name)) = text.and_then(quantity::product) {
         return refuse(format!(
-            "its `{key}` is a number times `{name}`, which other pitches follow; tune one of these"
+            "its `{key}` is a multiple of `{name}`, which other pitches follow; tune one of those instead"
         ));
     }
     if listed && param.is_none() {
-        let what = "is a list of the part, for all; make its first number a parameter and give it in `with`";
+        let what =
+            "is a list in the part, shared by all instances; make its first number a parameter and set it in `with`";
         return refuse(format!("its `{key}` {what}"));
     }
     let part = u.part.as_ref().map(|e| &e.value);
@@ -61,10 +62,12 @@ pub(super) fn variable(
         },
         _ => refuse(match param {
             Some(name) => {
-                format!("its `{key}` is `{name}` of the part, one number for all; give each its own in `with`")
+                format!("its `{key}` is `{name}` of the part, shared by all instances; set it for each in `with`")
             }
             None => {
-                format!("its `{key}` is one number of the part, for all; make it a parameter and give it in `with`")
+                format!(
+                    "its `{key}` is a number in the part, shared by all instances; make it a parameter and set it in `with`"
+                )
             }
         }),
     }

@@ -97,8 +97,8 @@ pub fn tune(loaded: &mut Loaded, targets: &[PitchTarget], mode: u32) -> Result<(
     for (t, (variable, _)) in done.iter_mut().zip(&variables) {
         t.heard = heard(loaded, &t.part, variable, mode)?;
         if t.off().abs() > NEAR {
-            let what = format!("`{}` cannot be {} Hz beside the others: it is {} Hz", t.part, t.wanted, t.heard);
-            return Err(Failure::Failed(format!("{what}; do they follow one parameter?")));
+            let what = format!("`{}` cannot be {} Hz together with the others: it is {} Hz", t.part, t.wanted, t.heard);
+            return Err(Failure::Failed(format!("{what}; check whether they follow the same parameter")));
         }
     }
     Ok((text.to_string(), done))
@@ -109,8 +109,7 @@ fn variable(model: &Model, part: &str, cell: Option<usize>) -> Result<Variable, 
     let Some(item) = model.items.iter().find(|i| i.name == part) else {
         let names = || model.items.iter().map(|i| i.name.as_str());
         let near = ca_model::suggest::nearest(part, names());
-        let hint =
-            near.map_or_else(|| format!("there is {}", load::ticked(names())), |n| format!("did you mean `{n}`?"));
+        let hint = near.map_or_else(|| format!("it has {}", load::ticked(names())), |n| format!("did you mean `{n}`?"));
         return Err(Failure::Usage(format!("the model has no `{part}`; {hint}")));
     };
     let of = |key: &str| item.args.iter().find(|e| e.key == key);
@@ -118,7 +117,7 @@ fn variable(model: &Model, part: &str, cell: Option<usize>) -> Result<Variable, 
         (Some(_), _) => ("f", "Hz", 1.0),
         (None, Some(_)) => ("k", "N/m", 0.5),
         (None, None) => {
-            return Err(Failure::Usage(format!("`{part}` has neither `f` nor `k`, so nothing of it can be tuned")));
+            return Err(Failure::Usage(format!("`{part}` has neither `f` nor `k`, so it cannot be tuned")));
         }
     };
     let entry = of(key).map(|e| &e.value);
@@ -128,7 +127,7 @@ fn variable(model: &Model, part: &str, cell: Option<usize>) -> Result<Variable, 
     if let (Some(Value::List(list)), None) = (entry, cell) {
         let n = list.len();
         return Err(Failure::Usage(format!(
-            "`{part}` has {n} pitches: give it a scale, `--scale equal --root A4 {part}`"
+            "`{part}` has {n} pitches; tune it to a scale, e.g. `--scale equal --root A4 {part}`"
         )));
     }
     // a part that follows a parameter is tuned by it
@@ -153,7 +152,7 @@ fn one(
 ) -> Result<Tuned, Failure> {
     let name = variable.cell.map_or(variable.part.clone(), |k| format!("{}[{k}]", variable.part));
     let Some(Number { value: mut v, has_unit }) = number::read(text, &variable.place) else {
-        return Err(Failure::Failed(format!("`{name}`: `{}` is not a number that can be tuned", variable.place)));
+        return Err(Failure::Failed(format!("`{name}` cannot be tuned: `{}` is not a number", variable.place)));
     };
     let before = heard(loaded, &name, variable, mode)?;
     let (mut slope, mut now, mut written) = (variable.slope, before, format!("{v:?}"));
@@ -165,7 +164,10 @@ fn one(
         // a number that is itself the pitch is right at once
         let next = if step == 0 && variable.slope == 1.0 && has_unit { wanted } else { v * (off / slope).exp2() };
         let outside = || {
-            Failure::Failed(format!("`{name}` cannot sound at {wanted} Hz: `{}` would leave its range", variable.place))
+            Failure::Failed(format!(
+                "`{name}` cannot be tuned to {wanted} Hz: `{}` would leave its range",
+                variable.place
+            ))
         };
         if !(next.is_finite() && next > 0.0) {
             return Err(outside());
@@ -181,9 +183,9 @@ fn one(
     }
     let left = 1200.0 * (wanted / now).log2();
     if left.abs() > NEAR {
-        let what = format!("`{name}` comes no nearer to {wanted} Hz than {now} Hz ({left:+.3} cents)");
+        let what = format!("`{name}` cannot be tuned to {wanted} Hz: the search ended at {now} Hz ({left:+.3} cents)");
         return Err(Failure::Failed(format!(
-            "{what}: what hangs on it holds its pitch, or it is near half the sound rate"
+            "{what}; modules connected to it fix its pitch, or it is near half the sound rate"
         )));
     }
     Ok(Tuned { part: name, wanted, before, heard: now, number: written })
@@ -196,13 +198,13 @@ fn heard(loaded: &Loaded, name: &str, variable: &Variable, mode: u32) -> Result<
         .map_err(|diags| Failure::Found(Box::new(Found { diags, model: loaded.model.clone() })))?;
     if let Some((_, code)) = network.left_out.iter().find(|(n, _)| n == name) {
         return Err(Failure::Usage(format!(
-            "`{name}` is a {code}: it sounds at its `f` as written; `--set {name}.f=…`"
+            "`{name}` is a {code}, which sounds at its `f` as written; set it with `--set {name}.f=…`"
         )));
     }
     let Some(found) = modes::modes(&network) else {
         let n = network.names.len();
         return Err(Failure::Failed(format!(
-            "{n} places move, which is too much for modes: at most {}",
+            "{n} moving places are too many to compute modes; the limit is {}",
             modes::LARGEST
         )));
     };
@@ -210,7 +212,7 @@ fn heard(loaded: &Loaded, name: &str, variable: &Variable, mode: u32) -> Result<
     if own.is_empty() && network.unheard.iter().any(|u| u == name || (*u == variable.part && variable.cell.is_some())) {
         let from = if variable.cell.is_some() { format!("{}[*]", variable.part) } else { name.into() };
         return Err(Failure::Failed(format!(
-            "nothing hears `{name}`, so it is left out of the scene; hear it with an output, such as `[SOX]` with \
+            "no output depends on `{name}`, so it is left out of the scene; add an output, such as `[SOX]` with \
              `from = \"{from}\"`"
         )));
     }
@@ -218,7 +220,7 @@ fn heard(loaded: &Loaded, name: &str, variable: &Variable, mode: u32) -> Result<
     let Some(m) = most.clone().nth(mode as usize - 1) else {
         let n = most.count();
         return Err(Failure::Failed(format!(
-            "`{name}` has {n} modes that are mostly its own; number {mode} is asked for"
+            "`{name}` has only {n} modes that belong mostly to it, so mode {mode} does not exist"
         )));
     };
     Ok(m.heard)

@@ -108,7 +108,7 @@ fn basis(op: &Op) -> Option<Basis> {
 
 /// Error for a scene without reverse mode.
 pub fn no(what: &str) -> Error {
-    Error::refused(format!("no reverse mode of this scene: {what}; ask for forward mode"))
+    Error::refused(format!("no reverse mode for this scene: {what}; use forward mode"))
 }
 
 /// Error for a pass that reverse mode does not support.
@@ -127,7 +127,7 @@ impl Parts {
     pub fn of(scene: &Scene) -> Result<Parts, Error> {
         let pass = unknown;
         if scene.oversample() > 1 {
-            return Err(no("its samples have several ticks"));
+            return Err(no("it has several ticks per sample"));
         }
         if scene.rates.slow.is_some() {
             return Err(no("it has groups at the gesture rate"));
@@ -165,7 +165,7 @@ impl Parts {
         parts.driven.dedup();
         let of_links: Vec<std::ops::Range<usize>> = scene.passes.summed().iter().filter_map(coefficients).collect();
         if parts.driven.iter().any(|c| !of_links.iter().any(|r| r.contains(c))) {
-            return Err(no("a port drives a number of it that is of no link"));
+            return Err(no("a port drives a number that does not belong to a link"));
         }
         let points: Vec<usize> = scene.layout.places.moving_points.iter().map(|p| p.mat as usize).collect();
         let mut together = Vec::new();

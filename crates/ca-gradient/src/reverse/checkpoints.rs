@@ -56,7 +56,7 @@ impl Checkpoints {
         let outputs = self.reverse.outputs().max(1);
         if frames_of(cotangent, outputs)? != self.kept.frames {
             let what = format!(
-                "a cotangent of {} samples, of {} that were heard",
+                "the cotangent has {} samples, but {} were played",
                 cotangent.len() / outputs,
                 self.kept.frames
             );
@@ -90,7 +90,7 @@ impl Kept {
         let mut p = Performance::new(scene, gesture)?;
         known(scene, &p)?;
         if let Some(port) = reverse.starting_port(&p) {
-            return Err(no(&format!("where the port `{port}` is at load is part of the start")));
+            return Err(no(&format!("its initial state depends on the position of the port `{port}` at load")));
         }
         let (inputs, stretch) = (scene.inputs.len(), stretch(frames));
         let mut kept = Kept { frames, stretch, states: Vec::new(), coef: None, given: zeros(frames, inputs, 1)? };

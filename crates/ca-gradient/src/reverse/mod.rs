@@ -93,19 +93,19 @@ impl Reverse {
         let coef = &self.place.initial.coef;
         let mut wanted: Vec<(f64, &str)> = Vec::new();
         for t in &mut place.tables {
-            t.numbers(&mut |v| wanted.push((*v, "a table of a law")));
+            t.numbers(&mut |v| wanted.push((*v, "the table of a law")));
         }
-        wanted.extend(self.place.initial.f.iter().map(|v| (*v, "the forces at load, by the start of mi.lib")));
+        wanted.extend(self.place.initial.f.iter().map(|v| (*v, "the forces at load, which start as in mi.lib")));
         wanted.extend(place.out.lowpass.iter().map(|v| (*v, "the low-pass of the outputs")));
         for p in &place.places.moving_points {
             let at =
                 p.at.iter()
                     .filter_map(|at| if let CoordinateSource::Coef(c) = at { Some(coef[*c as usize]) } else { None });
-            wanted.extend(at.map(|v| (v, "where a point is on a string or a skin")));
+            wanted.extend(at.map(|v| (v, "the position of a point on a string or a skin")));
         }
         match wanted.into_iter().find(|(v, _)| self.needed[number(*v)]) {
             Some((_, what)) => {
-                Err(Error::refused(format!("no reverse mode: a parameter changes {what}; ask for forward mode")))
+                Err(Error::refused(format!("no reverse mode: a parameter changes {what}; use forward mode")))
             }
             None => Ok(()),
         }

@@ -13,20 +13,24 @@ fn refused(text: &str, name: &str) -> String {
 #[test]
 fn what_has_no_derivative_is_named() {
     for (name, why) in [
-        ("low.n", "`low.n` is a whole number"),
-        ("hit.p", "`hit.p` is an exponent"),
-        ("hit.method", "`hit.method` is one of several words"),
-        ("hit.between", "`hit.between` is not a number"),
-        ("bob.w", "`bob.w`: MAS has no such parameter"),
+        ("low.n", "no derivative by `low.n`: it is a whole number"),
+        ("hit.p", "no derivative by `hit.p`: it is an exponent"),
+        ("hit.method", "no derivative by `hit.method`: it is one of several words"),
+        ("hit.between", "no derivative by `hit.between`: it is not a number"),
+        ("bob.w", "`bob.w`: `MAS` has no such parameter"),
         ("bop.m", "the model has no `bop.m`; did you mean `bob.m`?"),
-        ("bob.v[0]", "`bob.v[0]`: `bob.v` is no list"),
+        ("bob.v[0]", "`bob.v[0]`: `bob.v` is not a list"),
         ("rate.sound", "the model has no `rate.sound`"),
     ] {
         let said = refused(STRING, name);
         assert!(said.starts_with(why), "{name}: {said}");
     }
     let rate = format!("[rate]\nsound = '48 kHz'\n{STRING}");
-    assert!(refused(&rate, "rate.sound").contains("changes what is built"), "{}", refused(&rate, "rate.sound"));
+    assert!(
+        refused(&rate, "rate.sound").contains("changes the structure of the scene"),
+        "{}",
+        refused(&rate, "rate.sound")
+    );
 }
 
 /// At the end of its range a parameter has a one-sided derivative. A value that is almost 0 needs a step greater than
@@ -105,7 +109,7 @@ fn what_moves_a_gesture_is_refused() {
     let text = "[param]\ndeep = '5 mm'\n[CEL]\nbar = { m = '2 g', f = '440 Hz', t60 = '0.2 s' }\n[ENX]\nkey = {}\n[REF]\npress = { between = ['key', 'bar'], k = '100 N/m', z = 0 }\n[gesture]\nkey = { sine = 'deep', f = '5 Hz', to = 4 }\n[SOX]\nout = { from = 'bar', gain = 50 }\n";
     assert_eq!(
         refused(text, "deep"),
-        "`deep` moves a gesture of the model, and what ports are given is not differentiated"
+        "no derivative by `deep`: it changes a gesture of the model, and gestures are not differentiated"
     );
     assert!(tangents(&read(text), 500, &["press.k"]).tangents.iter().any(|t| *t != 0.0));
 }

@@ -214,7 +214,7 @@ fn by_what_is_given(text: &str, names: &[&str]) {
     assert_eq!((played.frames(), &played.output), (ticks, &heard));
     assert_eq!(played.gradient(&heard, &mut || true).expect("a gradient"), found);
     let short = played.gradient(&heard[reverse.outputs()..], &mut || true).expect_err("a sample is missing");
-    assert_eq!(short.to_string(), "a cotangent of 599 samples, of 600 that were heard");
+    assert_eq!(short.to_string(), "the cotangent has 599 samples, but 600 were played");
     let loss = |heard: &[f64]| 0.5 * heard.iter().map(|y| y * y).sum::<f64>();
     for k in [0, 1, 2, 16, 32, 150, 400, 576, 592, 598, 599] {
         for (port, name) in names.iter().enumerate() {

@@ -107,7 +107,7 @@ impl core::fmt::Display for FixedPart {
             FixedPart::Outputs => "the outputs",
             FixedPart::Devices => "the devices",
         };
-        write!(f, "{what} cannot change while it plays; end it, and start it again")
+        write!(f, "{what} cannot change while the model plays; stop it and start it again")
     }
 }
 

@@ -50,8 +50,8 @@ impl FrameMismatch {
             FrameMismatch::Magic(_) | FrameMismatch::Version(_) | FrameMismatch::Layout(_) => {
                 "build the device process with this release of ca"
             }
-            FrameMismatch::Size(_) => "set `n` of its frames",
-            FrameMismatch::Device(_) => "write the name of the line into its frames",
+            FrameMismatch::Size(_) => "set `n` of its frames to its degrees of freedom",
+            FrameMismatch::Device(_) => "write the name of the device into its frames",
         }
     }
 }
@@ -59,10 +59,10 @@ impl FrameMismatch {
 impl fmt::Display for FrameMismatch {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            FrameMismatch::Magic(m) => write!(f, "begin with {m:08x}, which no frame does"),
-            FrameMismatch::Version(v) => write!(f, "are of version {v}, and this is version {VERSION}"),
+            FrameMismatch::Magic(m) => write!(f, "begin with {m:08x} instead of the magic number"),
+            FrameMismatch::Version(v) => write!(f, "are of version {v} instead of {VERSION}"),
             FrameMismatch::Layout(l) => write!(f, "are of version {VERSION} but of another layout ({l:016x})"),
-            FrameMismatch::Size(n) => write!(f, "have {n} degrees of freedom; a frame has 1 to {DOF}"),
+            FrameMismatch::Size(n) => write!(f, "have {n} degrees of freedom instead of 1 to {DOF}"),
             FrameMismatch::Device(d) => write!(f, "are for `{d}`"),
         }
     }
@@ -81,7 +81,7 @@ mod tests {
             ("are of version 7", |f| f.version = 7),
             ("of another layout", |f| f.layout ^= 1),
             ("of another layout", |f| f.layout = ForceFrame::LAYOUT),
-            ("which no frame does", |f| f.magic = About::MAGIC),
+            ("instead of the magic number", |f| f.magic = About::MAGIC),
             ("have 0 degrees", |f| f.n = 0),
             ("have 33 degrees", |f| f.n = 33),
             ("are for `keys`", |f| f.device = uid("keys")),

@@ -45,17 +45,19 @@ impl Wait {
     pub fn said(&self, name: &dyn Fn(u32) -> String) -> String {
         match *self {
             Wait::Nothing => "nothing".into(),
-            Wait::Stale => "it sends no position".into(),
-            Wait::Undescribed => "nobody has described it, and it does not say what it is (`About`)".into(),
-            Wait::NotReady => "it does not say that it is calibrated and has power".into(),
-            Wait::OnTheWay => "the model is on its way to where the device is".into(),
+            Wait::Stale => "the device sends no position".into(),
+            Wait::Undescribed => {
+                "the device does not have a profile (`--profile`) and does not describe itself (`About`)".into()
+            }
+            Wait::NotReady => "the device does not report that it is calibrated and powered".into(),
+            Wait::OnTheWay => "the model is still moving to the position of the device".into(),
             Wait::Fast { dof, speed, limit } => {
                 format!("{} moves at {} m/s; hold it still, below {} m/s", name(dof), short(speed), short(limit))
             }
             Wait::Presses { dof, force, limit, count } => {
-                let others = if count > 1 { format!(" (and {} more press)", count - 1) } else { String::new() };
+                let others = if count > 1 { format!(" (and on {} more)", count - 1) } else { String::new() };
                 format!(
-                    "{} presses with {} N{others}; move it to where it presses with less than {} N",
+                    "the model pushes on {} with {} N{others}; move it to where the force is below {} N",
                     name(dof),
                     short(force),
                     short(limit)
@@ -95,7 +97,7 @@ mod tests {
         let w = Wait::Presses { dof: 3, force: 0.61, limit: 0.1, count: 2 };
         assert_eq!(
             w.to_string(),
-            "degree of freedom 3 presses with 0.61 N (and 1 more press); move it to where it presses with less than 0.1 N"
+            "the model pushes on degree of freedom 3 with 0.61 N (and on 1 more); move it to where the force is below 0.1 N"
         );
     }
 }

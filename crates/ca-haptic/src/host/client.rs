@@ -90,7 +90,9 @@ impl DeviceClient {
 
     fn tell(&mut self, now: u64) -> Result<(), HostError> {
         self.reported = now;
-        self.says.send_copy(self.about).map_err(|e| HostError::system("what the device is cannot be said", e))?;
+        self.says
+            .send_copy(self.about)
+            .map_err(|e| HostError::system("the description of the device cannot be sent", e))?;
         Ok(())
     }
 

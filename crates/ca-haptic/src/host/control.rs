@@ -50,12 +50,12 @@ impl ControlServer {
     /// If another server runs at this site, or the folder cannot be written.
     pub fn open(site: &Site) -> Result<ControlServer, HostError> {
         super::stale_shm::strangers(site)?;
-        let failed = |e: io::Error| HostError::system(format!("`{}` cannot be served", socket(site).display()), e);
+        let failed = |e: io::Error| HostError::system(format!("cannot listen at `{}`", socket(site).display()), e);
         let lock = match locked(site).map_err(failed)? {
             Ok(lock) => lock,
             Err(holder) => {
-                let what = format!("a server runs at `{}` already: {holder}", site.root().display());
-                return Err(HostError::new(HostErrorKind::Busy, what, "stop it, or set another CA_SHM_ROOT"));
+                let what = format!("a server is already running at `{}`: {holder}", site.root().display());
+                return Err(HostError::new(HostErrorKind::Busy, what, "stop it, or set CA_SHM_ROOT to another folder"));
             }
         };
         let socket = socket(site);
@@ -94,7 +94,7 @@ impl Drop for ControlServer {
         let end = Instant::now() + READ;
         self.calls.retain(|call| call.answer.is_some());
         while !self.calls.is_empty() && Instant::now() < end {
-            self.calls.retain_mut(|call| call.turn(&mut |_| Reply::refused("the server ends")));
+            self.calls.retain_mut(|call| call.turn(&mut |_| Reply::refused("the server is stopping")));
             sleep(Duration::from_millis(1));
         }
         // the lock is still held, so this is the socket of this server
@@ -145,7 +145,7 @@ impl Call {
             if let Some(length) = there {
                 let reply = match serde_json::from_slice(&self.asked[..length]) {
                     Ok(request) => answer(request),
-                    Err(e) => Reply::refused(format!("not a request: {e}")),
+                    Err(e) => Reply::refused(format!("invalid request: {e}")),
                 };
                 let mut text = serde_json::to_vec(&reply).unwrap_or_default();
                 text.push(b'\n');
@@ -201,18 +201,18 @@ pub fn ask(site: &Site, request: &Request, patience: Duration) -> Result<Reply, 
         | ErrorKind::ConnectionReset
         | ErrorKind::BrokenPipe
         | ErrorKind::UnexpectedEof => super::stale_shm::strangers(site).err().unwrap_or_else(|| {
-            let what = format!("no server runs at `{}`", site.root().display());
+            let what = format!("no server is running at `{}`", site.root().display());
             HostError::new(HostErrorKind::Absent, what, "start one: `ca serve MODEL`")
         }),
         ErrorKind::WouldBlock | ErrorKind::TimedOut => {
             let what = format!("the server at `{}` does not answer within {patience:?}", site.root().display());
-            HostError::new(HostErrorKind::Absent, what, "see whether it is stopped, or start it again")
+            HostError::new(HostErrorKind::Absent, what, "check if it is suspended, or start it again")
         }
-        _ => HostError::system(format!("`{}` cannot be asked", socket(site).display()), e),
+        _ => HostError::system(format!("cannot send a request to `{}`", socket(site).display()), e),
     })?;
     serde_json::from_slice(&answer).map_err(|e| {
-        let what = format!("the server at `{}` answers what is not a reply: {e}", site.root().display());
-        HostError::new(HostErrorKind::Answer, what, "run both sides from one release of ca")
+        let what = format!("the server at `{}` sent an invalid reply: {e}", site.root().display());
+        HostError::new(HostErrorKind::Answer, what, "use the same release of ca for both processes")
     })
 }
 

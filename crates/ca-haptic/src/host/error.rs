@@ -42,7 +42,7 @@ impl HostError {
         HostError::new(
             HostErrorKind::System,
             format!("{what}: {why:?}"),
-            "see `ca shm list`; `ca shm clean` removes what ended processes have left",
+            "see `ca shm list`; `ca shm clean` removes the files of ended processes",
         )
     }
 }

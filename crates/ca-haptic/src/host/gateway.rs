@@ -151,8 +151,8 @@ impl Gateway {
         for name in names {
             check_name(name)?;
             if places.iter().any(|p| p.name == *name) {
-                let what = format!("the device `{name}` is wanted twice");
-                return Err(HostError::new(HostErrorKind::Name, what, "name it once"));
+                let what = format!("device `{name}` is given twice");
+                return Err(HostError::new(HostErrorKind::Name, what, "give it once"));
             }
             let line = Frames::open(&node, name, Line::Out, 0)?;
             places.push(Place {
@@ -315,8 +315,9 @@ impl Gateway {
                     let _ = tell.send(Err(e));
                 }
             })
-            .map_err(|e| HostError::system("no thread", e))?;
-        let (traffic, granted) = reported.recv().map_err(|e| HostError::system("the gateway ended", e))??;
+            .map_err(|e| HostError::system("cannot start a thread", e))?;
+        let stopped = |e| HostError::system("the gateway thread stopped unexpectedly", e);
+        let (traffic, granted) = reported.recv().map_err(stopped)??;
         Ok(Running { traffic, granted, stop, thread: Some(thread) })
     }
 }

@@ -64,8 +64,8 @@ pub fn check_name(name: &str) -> Result<(), HostError> {
     if (1..=16).contains(&name.len()) && plain {
         return Ok(());
     }
-    let what = format!("a device cannot be named `{}`", name.escape_debug());
-    Err(HostError::new(HostErrorKind::Name, what, "take 1 to 16 of a-z A-Z 0-9 _ - ."))
+    let what = format!("invalid device name `{}`", name.escape_debug());
+    Err(HostError::new(HostErrorKind::Name, what, "use 1 to 16 characters from a-z A-Z 0-9 _ - ."))
 }
 
 fn service_name(name: &str) -> Result<ServiceName, HostError> {
@@ -136,8 +136,8 @@ impl<T: Debug + Copy + ZeroCopySend + 'static> Frames<T> {
                     sleep(Duration::from_millis(5));
                 }
                 Err(SubscriberCreateError::ExceedsMaxSupportedSubscribers) => {
-                    let what = format!("`{}` has {READERS} readers, and no room for more", self.name);
-                    return Err(HostError::new(HostErrorKind::Busy, what, "end one of them"));
+                    let what = format!("`{}` already has {READERS} readers, the most that it can have", self.name);
+                    return Err(HostError::new(HostErrorKind::Busy, what, "stop one of them"));
                 }
                 Err(e) => return Err(HostError::system(format!("`{}` cannot be read", self.name), e)),
             }
@@ -161,11 +161,11 @@ impl<T: Debug + Copy + ZeroCopySend + 'static> Frames<T> {
     fn busy(&self, site: &Site) -> HostError {
         let who = self.holder(site).unwrap_or_else(|| "another process".into());
         let (role, fix) = if self.name.ends_with("/out") {
-            ("a server", "one server plays a device: stop that one, or set another CA_SHM_ROOT")
+            ("a server", "only one server can use a device: stop it, or set CA_SHM_ROOT to another folder")
         } else {
-            ("a device", "end that process, or give this device another name")
+            ("a device", "stop that process, or give this device another name")
         };
-        HostError::new(HostErrorKind::Busy, format!("`{}` has {role} already: {who}", self.device), fix)
+        HostError::new(HostErrorKind::Busy, format!("`{}` already has {role}: {who}", self.device), fix)
     }
 }
 
@@ -185,8 +185,8 @@ fn refused(name: &str, e: Either) -> HostError {
     match e {
         O(Open::IncompatibleTypes) => HostError::new(
             kind,
-            format!("`{name}` is open, with frames of another layout"),
-            "build or install both sides from one release of ca",
+            format!("`{name}` is already open with another frame layout"),
+            "build or install the same release of ca for both processes",
         ),
         O(
             Open::IncompatibleOverflowBehavior
@@ -199,18 +199,18 @@ fn refused(name: &str, e: Either) -> HostError {
             | Open::IncompatibleMessagingPattern,
         ) => HostError::new(
             kind,
-            format!("`{name}` is open, with other queues ({e:?})"),
+            format!("`{name}` is already open with other queue settings ({e:?})"),
             "open it as the examples of ca-haptic do: overflow, buffer 4, one writer",
         ),
         O(Open::VersionMismatch) => HostError::new(
             kind,
-            format!("`{name}` was made by another release of iceoryx2"),
-            "`ca shm clean`, then start both sides from one release of ca",
+            format!("`{name}` was created by another release of iceoryx2"),
+            "run `ca shm clean`, then start both processes with the same release of ca",
         ),
         O(Open::ServiceInCorruptedState) => HostError::new(
             HostErrorKind::System,
-            format!("`{name}` is broken: its maker was killed while making it"),
-            "`ca shm clean`",
+            format!("`{name}` is incomplete: the process that created it was killed"),
+            "run `ca shm clean`",
         ),
         e => HostError::system(format!("`{name}` cannot be opened"), e),
     }
@@ -274,7 +274,7 @@ impl Wakeup {
     fn port<P, E: Debug>(&self, site: &Site, make: impl Fn() -> Result<P, E>) -> Result<P, HostError> {
         make().or_else(|_| {
             site.swept();
-            make().map_err(|e| HostError::system(format!("`{}` has no room", self.name), e))
+            make().map_err(|e| HostError::system(format!("cannot connect to `{}`", self.name), e))
         })
     }
 }

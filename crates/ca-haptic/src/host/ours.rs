@@ -40,8 +40,8 @@ pub(super) fn blamed(site: &Site, e: HostError) -> HostError {
     match foreign(site.prefix()).first() {
         Some((path, about)) if e.kind == HostErrorKind::System => {
             let what = format!("{}; `{}` of user {} may block it", e.what, path.display(), about.uid());
-            let fix = "end all servers and devices of this place, which then takes other names; \
-                       or remove that file (its user or root can)";
+            let fix = "stop all servers and devices that use this folder, so that the next one uses other file names; \
+                       or let that user or root remove the file";
             HostError::new(e.kind, what, fix)
         }
         _ => e,
@@ -62,8 +62,8 @@ pub(super) fn unmixed(site: &Site, before: &[(PathBuf, Metadata)]) -> Result<(),
         let inode = line.split_whitespace().nth(4).and_then(|n| n.parse().ok());
         if inode.is_some_and(|n| foreign.contains(&n)) {
             let path = &line[line.find(&names).unwrap_or_default()..];
-            let what = format!("`{path}` belongs to another user and could change under us");
-            let fix = "end all servers and devices of this place, which then takes other names";
+            let what = format!("`{path}` belongs to another user, who could change it at any time");
+            let fix = "stop all servers and devices that use this folder, so that the next one uses other file names";
             return Err(HostError::new(HostErrorKind::Site, what, fix));
         }
     }
@@ -72,7 +72,7 @@ pub(super) fn unmixed(site: &Site, before: &[(PathBuf, Metadata)]) -> Result<(),
 
 fn failed(path: &Path, what: &str, e: &io::Error) -> HostError {
     let text = format!("`{}` {what}: {e}", path.display());
-    HostError::new(HostErrorKind::Site, text, "see `ca shm list`, or set another CA_SHM_ROOT")
+    HostError::new(HostErrorKind::Site, text, "see `ca shm list`, or set CA_SHM_ROOT to another folder")
 }
 
 /// Closes the files of this user to other users, removes those that no process can use, and makes the counter.
@@ -111,7 +111,7 @@ fn look(site: &Site) -> Result<Vec<PathBuf>, HostError> {
         } else if about.mode() & 0o077 != 0 && !is_counter(site, &path) {
             match fs::set_permissions(&path, Permissions::from_mode(0o600)) {
                 Err(e) if e.kind() != ErrorKind::NotFound => {
-                    return Err(failed(&path, "is open to other users and cannot be closed", &e));
+                    return Err(failed(&path, "is open to other users, and its mode cannot be changed", &e));
                 }
                 _ => {}
             }
@@ -154,7 +154,7 @@ fn counter(site: &Site) -> Result<(), HostError> {
     let made = made.and_then(|mut f| f.write_all(&bytes)).and_then(|()| fs::rename(&fresh, &path));
     made.map_err(|e| {
         let _ = fs::remove_file(&fresh);
-        failed(&path, "cannot be made", &e)
+        failed(&path, "cannot be created", &e)
     })
 }
 
@@ -166,7 +166,7 @@ pub(super) fn reserve(site: &Site) -> Result<(), HostError> {
             continue;
         }
         let Ok(file) = OpenOptions::new().write(true).open(&path) else { continue };
-        room::take(&file, about.len()).map_err(|e| failed(&path, "has no room", &e))?;
+        room::take(&file, about.len()).map_err(|e| failed(&path, "does not fit into memory", &e))?;
     }
     Ok(())
 }

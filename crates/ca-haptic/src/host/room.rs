@@ -20,9 +20,9 @@ pub(super) fn check(need: u64) -> Result<(), HostError> {
     if free >= need {
         return Ok(());
     }
-    let what = format!("`{SHM}` has {} kB free, and {} kB are needed", free >> 10, need.div_ceil(1 << 10));
-    let fix = "make room: `ca shm clean`, or a larger one (`mount -o remount,size=64M /dev/shm`; \
-               in a container `--shm-size 64m`)";
+    let what = format!("`{SHM}` has {} kB free, but {} kB are needed", free >> 10, need.div_ceil(1 << 10));
+    let fix = "free memory with `ca shm clean`, or enlarge it with `mount -o remount,size=64M /dev/shm` \
+               (in a container, `--shm-size 64m`)";
     Err(HostError::new(HostErrorKind::System, what, fix))
 }
 

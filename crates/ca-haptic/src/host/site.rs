@@ -77,15 +77,15 @@ impl Site {
         let fix = "set CA_SHM_ROOT to a short folder of your own, e.g. /tmp/ca-me";
         let text = root.to_str().ok_or_else(|| bad("is not UTF-8", fix))?.trim_end_matches('/');
         if !text.starts_with('/') {
-            return Err(bad("is no absolute path", fix));
+            return Err(bad("is not an absolute path", fix));
         }
         if text.len() > LONGEST {
-            return Err(bad(&format!("has {} bytes; shared memory wants at most {LONGEST}", text.len()), fix));
+            return Err(bad(&format!("has {} bytes; at most {LONGEST} are allowed", text.len()), fix));
         }
         let root = PathBuf::from(text);
         let safe = || match unsafe_step(&root) {
             None => Ok(()),
-            Some((step, what)) => Err(bad(&format!("goes by way of `{}`, {what}", step.display()), fix)),
+            Some((step, what)) => Err(bad(&format!("passes through `{}`, {what}", step.display()), fix)),
         };
         safe()?;
         if !root.exists() {
@@ -93,19 +93,19 @@ impl Site {
                 .mode(0o700)
                 .recursive(true)
                 .create(&root)
-                .map_err(|e| bad(&format!("cannot be made: {e}"), fix))?;
+                .map_err(|e| bad(&format!("cannot be created: {e}"), fix))?;
         }
         // again, because another process may have made a part of the path meanwhile
         safe()?;
-        let about = fs::metadata(&root).map_err(|e| bad(&format!("cannot be looked at: {e}"), fix))?;
+        let about = fs::metadata(&root).map_err(|e| bad(&format!("cannot be read: {e}"), fix))?;
         if !about.is_dir() {
-            return Err(bad("is no folder", fix));
+            return Err(bad("is not a folder", fix));
         }
         if about.uid() != uid() {
             return Err(bad(&format!("belongs to user {}, who could read and change every frame", about.uid()), fix));
         }
         if about.mode() & 0o022 != 0 {
-            return Err(bad("can be written by other users", "close it: `chmod 700`"));
+            return Err(bad("can be written by other users", &format!("run `chmod 700 {}`", root.display())));
         }
         LOGS.call_once(|| set_log_level_from_env_or(LogLevel::Fatal));
         let claimed = prefix::claim(
@@ -114,7 +114,7 @@ impl Site {
             |digits| files::remove_hash(&root, digits),
         );
         let (digits, claim) =
-            claimed.map_err(|e| bad(&format!("does not give a prefix for shared memory: {e}"), fix))?;
+            claimed.map_err(|e| bad(&format!("does not provide a name prefix for shared memory: {e}"), fix))?;
         Ok(Site { root, prefix: names::prefix(&digits), _claim: Arc::new(claim) })
     }
 
@@ -211,16 +211,17 @@ fn unsafe_step(path: &Path) -> Option<(PathBuf, String)> {
         let Ok(about) = fs::symlink_metadata(&at) else { continue };
         if about.is_symlink() {
             if about.uid() != uid() && about.uid() != 0 {
-                return Some((at, format!("a symbolic link of user {}", about.uid())));
+                return Some((at, format!("a symbolic link owned by user {}", about.uid())));
             }
             links += 1;
             let Some(to) = fs::read_link(&at).ok().filter(|_| links <= LINKS) else {
-                return Some((at, "a symbolic link that leads nowhere".into()));
+                return Some((at, "a symbolic link that does not lead to a folder".into()));
             };
             at.pop();
             left.extend(to.components().rev().map(|c| PathBuf::from(c.as_os_str())));
         } else if !left.is_empty() && about.is_dir() && about.mode() & 0o1002 == 0o002 {
-            return Some((at, "in which everybody can put another in its place (`chmod +t` prevents it)".into()));
+            let fix = format!("`chmod +t {}` prevents this", at.display());
+            return Some((at, format!("a folder in which every user can replace files ({fix})")));
         }
     }
     None

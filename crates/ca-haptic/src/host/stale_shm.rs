@@ -156,12 +156,12 @@ pub(super) fn strangers(site: &Site) -> Result<(), HostError> {
     let me = uid();
     let who = group.alive.iter().map(|(id, name)| format!("{id} (`{name}`)")).collect::<Vec<_>>().join(", ");
     let what = format!(
-        "process {who} at `{}` speaks frames {} over iceoryx2 {}; this is frames {VERSION} over iceoryx2 {}",
+        "process {who} at `{}` uses frame version {} and iceoryx2 {}; this process uses {VERSION} and {}",
         site.root().display(),
         group.frames,
         group.iox,
         IOX,
     );
-    let fix = format!("run both sides from one release of ca, or apart with CA_SHM_ROOT=/tmp/ca-{me}-b");
+    let fix = format!("use the same release of ca for both, or separate them with `CA_SHM_ROOT=/tmp/ca-{me}-b`");
     Err(HostError::new(HostErrorKind::Version, what, fix))
 }

@@ -60,14 +60,15 @@ fn limited<T: Send + 'static>(
             // after the limit, the receiver no longer exists
             let _ = tell.send(act(&here));
         })
-        .map_err(|e| HostError::system("no thread", e))?;
+        .map_err(|e| HostError::system("cannot start a thread", e))?;
     reported.recv_timeout(limit).unwrap_or_else(|e| {
         let root = site.root().display();
         let what = match e {
             RecvTimeoutError::Timeout => format!("shared memory at `{root}` does not open within {limit:?}"),
-            RecvTimeoutError::Disconnected => format!("iceoryx2 gave up on the shared memory at `{root}`"),
+            RecvTimeoutError::Disconnected => format!("iceoryx2 failed to open the shared memory at `{root}`"),
         };
-        let fix = "see `ca shm list`; `ca shm clean` removes what ended processes have left, another CA_SHM_ROOT is another place";
+        let fix = "see `ca shm list`; remove the files of ended processes with `ca shm clean`, or set CA_SHM_ROOT to another \
+                   folder";
         Err(HostError::new(HostErrorKind::System, what, fix))
     })
 }

@@ -39,24 +39,30 @@ impl fmt::Display for ProfileFault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         use ProfileFault as P;
         match self {
-            P::Negative(name, v) => write!(f, "`{name}` must not be negative, it is {v}"),
-            P::Short(name, least, v) => write!(f, "`{name}` is at least {least} s, it is {v}: less is a jump"),
-            P::NotAbove(name, v) => write!(f, "`{name}` must be more than 0, it is {v}"),
+            P::Negative(name, v) => write!(f, "`{name}` is {v}; it must not be negative"),
+            P::Short(name, least, v) => {
+                write!(f, "`{name}` is {v} s; it must be at least {least} s, because less is a jump")
+            }
+            P::NotAbove(name, v) => write!(f, "`{name}` is {v}; it must be more than 0"),
             P::Large(name, most, v, unit) => {
-                write!(f, "`{name}` is at most {most} {unit}, it is {v}: more would leave a hand without this limit")
+                write!(f, "`{name}` is {v}; it must be at most {most} {unit}, because more would not protect a hand")
             }
-            P::Dof(n) => write!(f, "`dof` lies between 1 and {DOF}, it is {n}"),
-            P::Axes(axes, dof) => write!(f, "`axes` is 1, 2 or 3 and divides `dof` = {dof}, it is {axes}"),
-            P::Range => f.write_str("`range` = [least, largest] in metres"),
+            P::Dof(n) => write!(f, "`dof` is {n}; it must be from 1 to {DOF}"),
+            P::Axes(axes, dof) => write!(f, "`axes` is {axes}; it must be 1, 2 or 3 and divide `dof` = {dof}"),
+            P::Range => f.write_str("`range` must be [least, largest] in metres"),
             P::Zero => f.write_str("`guard.zero` must be later than `guard.hold`"),
-            P::Band => {
-                f.write_str("`guard.oscillation_band` = [lowest, highest] in hertz, more than 0; `inf` for all above")
-            }
-            P::Bad(n) => write!(f, "`guard.bad` lies between 1 and 64, it is {n}"),
-            P::Edge => f.write_str("`guard.edge` is less than half of the travel"),
-            P::SaysDof(n) => write!(f, "it says that it has {n} degrees of freedom; 1 to {DOF} are possible"),
+            P::Band => f.write_str(
+                "`guard.oscillation_band` must be [lowest, highest] in hertz, more than 0; the highest may be `inf`",
+            ),
+            P::Bad(n) => write!(f, "`guard.bad` is {n}; it must be from 1 to 64"),
+            P::Edge => f.write_str("`guard.edge` must be less than half of the travel"),
+            P::SaysDof(n) => write!(f, "the device reports {n} degrees of freedom; it must have 1 to {DOF}"),
             P::SaysAxes(axes, n) => {
-                write!(f, "it says that {axes} axes of its {n} make a force; 1, 2 or 3 that divide {n} are possible")
+                write!(
+                    f,
+                    "the device reports {axes} axes per force vector; it must have 1, 2 or 3, and they must divide its {n} \
+                     degrees of freedom"
+                )
             }
         }
     }

@@ -176,7 +176,7 @@ impl<T: Sink + Send + 'static> AsyncSink<T> {
                     }
                 }
             })
-            .map_err(|e| FileError::content(format!("no thread to write with: {e}")))?;
+            .map_err(|e| FileError::content(format!("cannot start a writer thread: {e}")))?;
         let line = SinkHandle {
             name: name.strip_prefix("ca ").unwrap_or(name).into(),
             to: to.clone(),
@@ -258,7 +258,7 @@ impl SinkHandle {
             self.shared.done.fetch_max(self.newest, Relaxed);
         }
         self.shared.bytes.fetch_add(thing.bytes(), Relaxed);
-        let gone = || FileError::content("the thread that wrote it has ended");
+        let gone = || FileError::content("the writer thread stopped unexpectedly");
         self.to.send(thing).map_err(|_| self.shared.failed().unwrap_or_else(gone))
     }
 
@@ -301,18 +301,15 @@ impl Sink for SinkHandle {
         let first = self.reported == [0; 3];
         if lost != self.reported && (first || (self.newest - self.reported_at) as f64 >= self.room.rate) {
             (self.reported, self.reported_at) = (lost, self.newest);
-            let why = "it is written slower than it is played: write to a faster disk, or end what else keeps this machine busy";
-            return Some((true, format!("{}: {} are missing so far; {why}", self.name, missing(lost))));
+            let why = "writing is slower than playing; write to a faster disk, or close other programs";
+            return Some((true, format!("{}: {} lost so far, because {why}", self.name, missing(lost))));
         }
         let behind = self.behind();
         // beyond the limit, the losses are reported
         if behind >= self.next && behind < self.room.seconds {
             self.next = 2.0 * behind;
             let most = self.room.seconds;
-            return Some((
-                true,
-                format!("{}: written {behind:.1} s late; beyond {most} s something is lost", self.name),
-            ));
+            return Some((true, format!("{}: written {behind:.1} s late; data are lost beyond {most} s", self.name)));
         }
         if self.next > LATE && behind < 0.5 * LATE {
             self.next = LATE;

@@ -47,7 +47,8 @@ impl KeptSink {
     fn save(&mut self) {
         let Some(Save { to, tell }) = self.saving.lock().unwrap_or_else(PoisonError::into_inner).take() else { return };
         let saved = self.writer.flush().and_then(|()| recover(&self.path, &to));
-        let said = |s: Recovered| format!("saved {:.1} s as {}; `ca replay` plays it again", s.seconds, to.display());
+        let said =
+            |s: Recovered| format!("saved {:.1} s as {1}; play it with `ca replay {1}`", s.seconds, to.display());
         let _ = tell.send(saved.map(said));
     }
 }

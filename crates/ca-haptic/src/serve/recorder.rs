@@ -165,8 +165,8 @@ impl Recorder {
         let (lost, (reported, at)) = (self.shared.lost(), self.reported);
         if lost != reported && (reported == [0; 3] || self.frames - at >= self.rate) {
             self.reported = (lost, self.frames);
-            let why = "this process did not run for longer than the rings of the engine hold";
-            self.say(true, format!("all files: {} are missing so far; {why}", missing(lost)));
+            let why = "this process was paused for longer than its buffers last";
+            self.say(true, format!("all files: {} lost so far, because {why}", missing(lost)));
         }
     }
 

@@ -30,7 +30,7 @@ impl WavSink {
     /// # Errors
     /// If it cannot be written, or has ended before.
     pub fn finish(self) -> Result<Written, FileError> {
-        self.out.map_or_else(|| Err(FileError::content("it was ended before")), WavOut::finish)
+        self.out.map_or_else(|| Err(FileError::content("the file is already finished")), WavOut::finish)
     }
 
     fn write(&mut self, frames: &[f64]) -> Result<(), FileError> {
@@ -38,7 +38,7 @@ impl WavSink {
         let Err(e) = out.write(frames) else { return Ok(()) };
         let kept = self.out.take().map(WavOut::finish_short);
         Err(match kept {
-            Some(Ok(w)) => e.fix(format!("its first {:.1} s are kept", w.duration())),
+            Some(Ok(w)) => e.fix(format!("the first {:.1} s are kept", w.duration())),
             _ => e,
         })
     }

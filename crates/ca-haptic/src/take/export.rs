@@ -55,8 +55,8 @@ pub fn attachment(take: &Take, name: &str, to: impl AsRef<Path>) -> Result<u64, 
             _ => {}
         }
     }
-    let e = FileError::usage(format!("no `{name}` is attached to it")).file(take.path.display());
-    Err(e.fix("`ca log info` shows what is"))
+    let e = FileError::usage(format!("no attachment `{name}`")).file(take.path.display());
+    Err(e.fix("`ca log info` lists the attachments"))
 }
 
 /// Writes a topic to a `.csv` or `.npy` file and returns the number of messages.
@@ -70,8 +70,8 @@ pub fn messages(take: &Take, topic: &str, to: impl AsRef<Path>) -> Result<u64, F
         Some("npy") => true,
         Some("csv") => false,
         _ => {
-            let e = FileError::unsupported("a topic is exported as `.csv` or `.npy`").file(to.display());
-            return Err(e.fix("choose one of them; `sound` becomes a `.wav`"));
+            let e = FileError::unsupported("a topic can only be exported as `.csv` or `.npy`").file(to.display());
+            return Err(e.fix("use one of these extensions; only `sound` can be a `.wav`"));
         }
     };
     let mut table: Option<ChannelTable> = None;
@@ -85,7 +85,7 @@ pub fn messages(take: &Take, topic: &str, to: impl AsRef<Path>) -> Result<u64, F
             none => {
                 let schema = channel.schema.as_ref().filter(|s| s.encoding == "ros2msg");
                 let Some(schema) = schema else {
-                    let e = FileError::unsupported(format!("`{topic}` is for viewers, and not exported"));
+                    let e = FileError::unsupported(format!("topic `{topic}` is for viewers and cannot be exported"));
                     return Err(e.file(take.path.display()).fix("read it with `mcap-protobuf-support` in Python"));
                 };
                 let fields = cdr::fields(&String::from_utf8_lossy(&schema.data));
@@ -96,8 +96,8 @@ pub fn messages(take: &Take, topic: &str, to: impl AsRef<Path>) -> Result<u64, F
         table.row(seconds, &data).ok_or_else(|| torn(topic, sequence).file(take.path.display()))??;
     }
     let Some(table) = table else {
-        let e = FileError::usage(format!("there is nothing on `{topic}`")).file(take.path.display());
-        return Err(e.fix("`ca log info` shows what there is"));
+        let e = FileError::usage(format!("no messages on topic `{topic}`")).file(take.path.display());
+        return Err(e.fix("`ca log info` lists the topics"));
     };
     table.finish()
 }
@@ -121,7 +121,8 @@ struct ChannelTable<'a> {
 impl<'a> ChannelTable<'a> {
     fn begin(to: &'a Path, fields: Vec<Field>, array: bool, shown: usize) -> Result<ChannelTable<'a>, FileError> {
         if array && !fields.iter().all(Field::is_fixed) {
-            let e = FileError::unsupported("its messages differ in length, so they are no array").file(to.display());
+            let e = FileError::unsupported("the messages differ in length, so they do not fit into an array")
+                .file(to.display());
             return Err(e.fix("use `.csv`"));
         }
         let staged = AtomicFile::create(to)?;

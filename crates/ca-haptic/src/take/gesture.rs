@@ -49,13 +49,13 @@ pub fn gesture(path: impl AsRef<Path>, catalog: &Catalog) -> Result<Gesture, Fil
         &mut |_| Ok(()),
     )?;
     if let Some(d) = verdict.difference {
-        let e = FileError::content(format!("its replay is not as it was: {d}")).file(path.display());
+        let e = FileError::content(format!("the replay differs from the take: {d}")).file(path.display());
         return Err(e.fix("play it with the version of `ca` that wrote it"));
     }
     if let Some(t) = verdict.hole {
-        let what = format!("records are missing in it at {t:.3} s, so what came after is not known");
+        let what = format!("records are missing at {t:.3} s, so the motion after that is unknown");
         let e = FileError::content(what).file(path.display());
-        return Err(e.fix("`ca log export` gives the frames that are there"));
+        return Err(e.fix("`ca log export` writes the recorded frames"));
     }
     let rate = scene.rate / f64::from(scene.rates.ratio);
     let mut tracks = Vec::new();

@@ -133,7 +133,8 @@ impl Header {
         };
         for (name, value) in &self.changes {
             if !model.set(name, value) {
-                return Err(FileError::content(format!("its model has no `{name}`, which was set to `{value}`")));
+                let what = format!("`{name}` was set to `{value}`, but the model of the take does not contain it");
+                return Err(FileError::content(what));
             }
         }
         Ok((model, found))
@@ -153,12 +154,13 @@ impl Header {
         let options = Options { arithmetic: Some(self.arithmetic), ..self.options.clone() };
         let compiled = ca_compile::load::finish(&model, found, catalog, &options).map_err(|d| {
             let first = d.list.first().map_or("", |d| d.title.as_str());
-            FileError::content(format!("its model does not compile: {first}")).fix(self.other())
+            FileError::content(format!("the model of the take does not compile: {first}")).fix(self.other())
         })?;
         let scene = &compiled.scene;
         let others = self.is_exact(scene) && scene.state().bits() != self.start;
         if (scene.rate, scene.rates.ratio) != (self.rate, self.ratio) || others {
-            return Err(FileError::content("its model compiles to other numbers here").fix(self.other()));
+            let what = "the model of the take compiles to different numbers here";
+            return Err(FileError::content(what).fix(self.other()));
         }
         Ok(compiled)
     }
@@ -189,7 +191,7 @@ impl Header {
 
     fn other(&self) -> String {
         let ca = self.host.get("ca").map_or("", String::as_str);
-        format!("it was written by `ca` {ca}, this is {}: use that version", env!("CARGO_PKG_VERSION"))
+        format!("use `ca` {ca}, which wrote it; this is {}", env!("CARGO_PKG_VERSION"))
     }
 
     /// Returns the attachments of a take, and the metadata for the rest.
@@ -252,16 +254,19 @@ impl Header {
         let format: Option<u32> = meta.get("format").and_then(|f| f.parse().ok());
         if format != Some(FORMAT) {
             let by = meta.get("host.ca").map_or("?", String::as_str);
-            let e = FileError::unsupported(format!("a take of another format, written by `ca` {by}"));
+            let e = FileError::unsupported(format!("this take has another format, written by `ca` {by}"));
             return Err(e.fix(format!("use that version; this one is {}", env!("CARGO_PKG_VERSION"))));
         }
         let text = |key: &str| {
-            let e = || FileError::format(format!("its metadata has no `{key}`")).fix("`ca log recover` what is left");
+            let e = || {
+                FileError::format(format!("the metadata does not contain `{key}`"))
+                    .fix("`ca log recover` copies the intact part")
+            };
             meta.get(key).cloned().ok_or_else(e)
         };
-        let bad = |key: &str| FileError::format(format!("its metadata has no sensible `{key}`"));
+        let bad = |key: &str| FileError::format(format!("the metadata has an invalid `{key}`"));
         let file_of = |name: &str| {
-            let e = || FileError::format(format!("`{name}` is not attached to it"));
+            let e = || FileError::format(format!("the attachment `{name}` is missing"));
             files.iter().find(|f| f.0 == name).map(|f| f.1.clone()).ok_or_else(e)
         };
         let number = |key: &str| text(key)?.parse::<f64>().map_err(|_| bad(key));

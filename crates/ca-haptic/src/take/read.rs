@@ -85,9 +85,9 @@ impl Take {
         let Some(meta) = meta else {
             let what = match source.end().and_then(End::early) {
                 Some((why, _)) => format!("it ends before its first frame: {why}"),
-                None => "an MCAP file, but no take of `ca`".into(),
+                None => "this is an MCAP file, but not a take of `ca`".into(),
             };
-            return Err(name(FileError::format(what).fix("give a file that `ca` wrote while playing")));
+            return Err(name(FileError::format(what).fix("give a take that `ca` recorded")));
         };
         let header = Header::read(&files, &meta).map_err(name)?;
         Ok(Take { path: path.to_owned(), header })

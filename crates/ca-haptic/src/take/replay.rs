@@ -140,7 +140,7 @@ impl Replay {
         let now = self.engine.due();
         let late = |what: &str, tick: u64| (what.to_owned(), format!("at tick {tick}"), format!("due at {now}"));
         let odd = match event {
-            Event::Device(_, f) if f.tick != now => Some(late("a device frame between frames", f.tick)),
+            Event::Device(_, f) if f.tick != now => Some(late("a device frame at a wrong tick", f.tick)),
             Event::Change(tick, _)
             | Event::Order(tick, ..)
             | Event::Hand(tick, _)
@@ -148,10 +148,10 @@ impl Replay {
             | Event::Profile(tick, ..)
                 if tick != now =>
             {
-                Some(late("an act between frames", tick))
+                Some(late("a command at a wrong tick", tick))
             }
-            Event::Reload(r) if r.tick != now => Some(late("a reload between frames", r.tick)),
-            Event::Hash(h) if h.tick != now => Some(late("a hash between frames", h.tick)),
+            Event::Reload(r) if r.tick != now => Some(late("a reload at a wrong tick", r.tick)),
+            Event::Hash(h) if h.tick != now => Some(late("a hash at a wrong tick", h.tick)),
             Event::Device(k, frame) => {
                 self.device(k, &frame);
                 None
@@ -269,7 +269,8 @@ impl Replay {
         let (state, _) = version::begin(&scene, &next.moved);
         let swap = Swap::new(&self.engine.scene, scene, state, &self.setups, (self.verdict.versions, next.anew));
         self.verdict.versions += 1;
-        let swap = swap.map_err(|why| FileError::content(format!("another version of its model: {why}")))?;
+        let swap =
+            swap.map_err(|why| FileError::content(format!("the take loads another version of its model: {why}")))?;
         self.engine.command(EngineCommand::Swap(Box::new(swap)));
         Ok(())
     }
@@ -298,7 +299,7 @@ impl Replay {
                 forces.see(f64::from(*was_n), f64::from(*is_n), || Difference {
                     tick: was.tick,
                     time: was.tick as f64 / self.rate,
-                    what: format!("the force of degree {k} of force frame {} of `{name}`", was.seq),
+                    what: format!("the force at degree of freedom {k} in force frame {} of `{name}`", was.seq),
                     was: format!("{was_n:e} N"),
                     is: format!("{is_n:e} N"),
                 });

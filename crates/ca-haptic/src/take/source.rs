@@ -64,10 +64,10 @@ impl End {
 impl fmt::Display for End {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            End::Whole => f.write_str("the file is whole"),
-            End::Cut(why, bytes) => write!(f, "the file was cut off: {why}; {bytes} bytes at its end are of no use"),
+            End::Whole => f.write_str("the file is complete"),
+            End::Cut(why, bytes) => write!(f, "the file was cut off: {why}; the last {bytes} bytes are not used"),
             End::Damaged(why, bytes) => {
-                write!(f, "the file is damaged: {why}; {bytes} bytes from there on are not used")
+                write!(f, "the file is damaged: {why}; the last {bytes} bytes are not used")
             }
         }
     }
@@ -100,7 +100,7 @@ impl Source {
         if !about.is_file() {
             // `/dev/zero` never ends
             let e = FileError::format("not a regular file").file(path.display());
-            return Err(e.fix("give a file that `ca` wrote while playing"));
+            return Err(e.fix("give a take that `ca` recorded"));
         }
         let size = about.len();
         let mut tail = Vec::new();
@@ -112,8 +112,8 @@ impl Source {
         let mut magic = Vec::new();
         file.by_ref().take(mcap::MAGIC.len() as u64).read_to_end(&mut magic).map_err(|e| io(&e))?;
         if magic != mcap::MAGIC {
-            let e = FileError::format("it is no MCAP file").file(path.display());
-            return Err(e.fix("give a file that `ca` wrote while playing"));
+            let e = FileError::format("it is not an MCAP file").file(path.display());
+            return Err(e.fix("give a take that `ca` recorded"));
         }
         let most = CHUNK.saturating_add(size as usize);
         let options = LinearReaderOptions::default()
@@ -185,7 +185,7 @@ impl Source {
             }
             // kinds from 0x80 on are free for private use
             Record::Unknown { opcode, .. } if opcode < 0x80 => {
-                let why = format!("a record of kind {opcode:#04x}, which no take has");
+                let why = format!("it has a record of unknown kind {opcode:#04x}");
                 self.end = Some(End::Damaged(why, self.size.saturating_sub(self.used)));
                 None
             }
@@ -241,5 +241,5 @@ fn hand(reader: &mut LinearReader, bytes: &[u8]) {
 
 /// Returns the error for a message that does not match its topic.
 pub fn torn(topic: &str, sequence: u32) -> FileError {
-    FileError::new(FileErrorKind::Format, format!("message {sequence} of `{topic}` is not what its topic holds"))
+    FileError::new(FileErrorKind::Format, format!("message {sequence} of topic `{topic}` does not match its schema"))
 }

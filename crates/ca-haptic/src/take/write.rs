@@ -89,7 +89,7 @@ impl TakeWriter {
         let path = path.as_ref().to_owned();
         let file = new_file(&path, 0o600).map_err(|e| {
             let fix = match e.kind() {
-                std::io::ErrorKind::AlreadyExists => "give another name: takes are never overwritten",
+                std::io::ErrorKind::AlreadyExists => "choose another name: takes are never overwritten",
                 std::io::ErrorKind::NotFound => "make the directory first",
                 _ => "",
             };
@@ -174,7 +174,7 @@ impl TakeWriter {
                 let [places, coefs] = shape(old).map(|n| n as u32);
                 cdr::body(&mut self.data, &Reloaded { tick, bits: old.bits(), places, coefs });
                 self.put(self.ids.reload, tick)?;
-                self.log(tick, Level::Info, "scene", "put back to its state at load")
+                self.log(tick, Level::Info, "scene", "reset to its state at load")
             }
             Record::Retired { tick, retired: Retired::Port(ref old) } => {
                 self.tick = tick;
@@ -182,8 +182,10 @@ impl TakeWriter {
                 self.put(self.ids.profile, tick)?;
                 let name = self.hands.get(old.which as usize).map_or_else(String::new, |h| h.name.clone());
                 let p = &old.profile;
-                let said =
-                    format!("{}: {} degrees of freedom, {} to a force, at most {} N", p.title, p.dof, p.axes, p.force);
+                let said = format!(
+                    "{}: {} degrees of freedom, {} per force vector, at most {} N",
+                    p.title, p.dof, p.axes, p.force
+                );
                 self.log(tick, Level::Info, &name, &said)
             }
             Record::Order { tick, port, order } => {
@@ -361,7 +363,7 @@ impl TakeWriter {
         self.reported.lost += records + samples;
         cdr::body(&mut self.data, &Lost { tick: self.tick, records, samples, views });
         self.put(self.ids.lost, self.tick)?;
-        let what = format!("{records} records, {samples} sound samples and {views} views found no room");
+        let what = format!("{records} records, {samples} sound samples and {views} views were lost: a buffer was full");
         self.log(self.tick, Level::Warning, "take", &what)
     }
 

@@ -46,7 +46,7 @@ fn another_version_is_named_not_met() {
     // with one that has the file open, they do
     let held = fs::File::open(&shm).unwrap();
     let e = Gateway::open(&place.site, &["key"]).err().expect("two versions at one place");
-    assert!(e.kind == HostErrorKind::Version && e.what.contains("frames 9"), "{e}");
+    assert!(e.kind == HostErrorKind::Version && e.what.contains("frame version 9"), "{e}");
     assert!(e.what.contains(&std::process::id().to_string()), "{e}");
     assert_eq!(DeviceClient::open(&place.site, about("key", 1)).err().unwrap().kind, HostErrorKind::Version);
     assert!(clean(&place.site).kept.iter().any(|g| g.frames == "9"));
@@ -68,11 +68,11 @@ fn frames_of_another_layout_under_our_name_are_refused() {
     let _older = node.service_builder(&name).publish_subscribe::<u64>().create().unwrap();
     let e = DeviceClient::open(&place.site, about("key", 1)).err().expect("another layout");
     assert!(e.kind == HostErrorKind::Version && e.what.contains("ca/v1/key/in"), "{e}");
-    assert!(Gateway::open(&place.site, &["key"]).err().unwrap().what.contains("another layout"));
+    assert!(Gateway::open(&place.site, &["key"]).err().unwrap().what.contains("another frame layout"));
     // opened with other queue settings
     let name = ServiceName::new("ca/v1/other/in").unwrap();
     let frames = node.service_builder(&name).publish_subscribe::<ca_haptic::frame::DeviceFrame>();
     let _careless = frames.enable_safe_overflow(false).create().unwrap();
     let e = DeviceClient::open(&place.site, about("other", 1)).err().expect("other queues");
-    assert!(e.kind == HostErrorKind::Version && e.what.contains("other queues"), "{e}");
+    assert!(e.kind == HostErrorKind::Version && e.what.contains("other queue settings"), "{e}");
 }

@@ -96,10 +96,10 @@ fn params(net: &Net, used: &BTreeSet<usize>, model: &mut Model, diags: &mut Diag
         }
         let d = match (&p.folded, kept) {
             (Some(by), true) => Diag::note("N201", format!("`{by}` keeps the value of `{}`, not the name", p.name))
-                .at(p.span, "goes into a product there"),
-            (Some(by), false) => Diag::note("N201", format!("`{}` is left out: its value went into `{by}`", p.name))
-                .at(p.span, "goes into a product there"),
-            (None, false) => Diag::note("N201", format!("`{}` is left out", p.name)).at(p.span, "used by nothing"),
+                .at(p.span, "part of a product there"),
+            (Some(by), false) => Diag::note("N201", format!("`{}` is left out: `{by}` contains its value", p.name))
+                .at(p.span, "part of a product there"),
+            (None, false) => Diag::note("N201", format!("`{}` is left out", p.name)).at(p.span, "not used"),
             (None, true) => continue,
         };
         losses.add(&p.name, d);

@@ -23,14 +23,14 @@ pub(super) fn notes(net: &Net, losses: &mut Losses) {
         let d = get("d");
         if link.kind == "BUT" && get("z") * d != 0.0 && place(net, b) - place(net, a) < d {
             let title = format!("`{}` touches in the first sample, without the force of its threshold", link.name);
-            let d = Diag::note("N201", title).at(link.span, "mi.lib takes the threshold for a speed there");
+            let d = Diag::note("N201", title).at(link.span, "mi.lib treats the threshold as a speed there");
             losses.add("touches", d);
         }
         let viscous = get("z") != 0.0 || link.kind == "BOW";
         if let Some(port) = [a, b].into_iter().find(|p| p.kind == "ENX" && viscous) {
-            let d = Diag::note("N201", format!("`{}` is placed by its first value, without a speed", port.name))
-                .at(port.span, "mi.lib takes the first value for a jump from 0")
-                .help("let what moves it begin at 0, and the two are the same");
+            let d = Diag::note("N201", format!("`{}` starts at its first value, without a speed", port.name))
+                .at(port.span, "mi.lib treats the first value as a jump from 0")
+                .help("start its gesture at 0 to get the same motion");
             losses.add(&format!("first {}", port.name), d);
         }
     }

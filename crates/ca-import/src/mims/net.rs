@@ -87,9 +87,12 @@ impl<'a> Reader<'a, '_> {
         let label = line.label;
         if ty.what == What::AudioParam && token.text.starts_with('@') {
             self.diags.push(
-                Diag::error("E028", format!("a parameter driven by a signal is not read: `{}`", shown(label.text)))
-                    .at(token.span, "the signal")
-                    .help("give it an initial value instead, as in `audioParam 0.1`"),
+                Diag::error(
+                    "E028",
+                    format!("a parameter driven by a signal is not supported: `{}`", shown(label.text)),
+                )
+                .at(token.span, "the signal")
+                .help("give it an initial value instead, as in `audioParam 0.1`"),
             );
             return;
         }
@@ -97,7 +100,7 @@ impl<'a> Reader<'a, '_> {
             self.diags.push(
                 Diag::error("E007", format!("not a number: `{}`, of `{}`", shown(token.text), shown(label.text)))
                     .at(token.span, "expected a number")
-                    .help("a parameter is one number; expressions are not read"),
+                    .help("a parameter is one number; expressions are not supported"),
             );
             return;
         };
@@ -105,7 +108,7 @@ impl<'a> Reader<'a, '_> {
             self.losses.add(
                 &format!("audio {}", label.text),
                 Diag::note("N201", format!("`{}` keeps its initial value: {value}", shown(label.text)))
-                    .at(line.ty.span, "no signal moves a parameter")
+                    .at(line.ty.span, "a signal cannot move a parameter")
                     .help("write `live = true` on it to move it by hand or by a gesture"),
             );
         }
@@ -138,7 +141,8 @@ impl<'a> Reader<'a, '_> {
         let nums: Vec<Arg> = read.into_iter().map(|arg| arg.unwrap_or(Arg::Num(0.0))).collect();
         if line.args.len() > ty.ends + ty.numbers.len() {
             let first = &line.args[ty.ends + ty.numbers.len()];
-            let what = Diag::note("N201", "where a module is drawn is not kept").at(first.span, "buffer, x and y");
+            let what = Diag::note("N201", "the drawing position of a module is not imported")
+                .at(first.span, "buffer, x and y");
             self.losses.add("drawn", what);
         }
         let (span, rest) = (line.label.span, Arg::Num(0.0));
@@ -156,7 +160,7 @@ impl<'a> Reader<'a, '_> {
             "K" if ty.what == What::NlPluck && x.abs() <= HUGE => return,
             "K" | "Q" | "Z" if x < 0.0 => "0 or more",
             "M" if x < 1.0 / HUGE => "1e-290 or more",
-            _ if x.abs() > HUGE => "at most 1e290 in size",
+            _ if x.abs() > HUGE => "at most 1e290 in magnitude",
             _ => return,
         };
         let title = format!("`{name}` of `{}` is out of range: {}", shown(line.label.text), Plain(x));
@@ -174,7 +178,8 @@ impl<'a> Reader<'a, '_> {
                 part.kind = "ENX";
                 part.rest = x;
                 if x != Arg::Num(0.0) {
-                    let d = Diag::note("N201", format!("`{}` stays where it starts until it is moved", part.name));
+                    let d =
+                        Diag::note("N201", format!("`{}` stays at its start position until it is moved", part.name));
                     let d = d.at(line.args[0].span, "mi.lib adds this to the first sample only");
                     self.losses.add(&format!("start {}", part.name), d);
                 }
@@ -214,7 +219,7 @@ impl<'a> Reader<'a, '_> {
         }
         let at = self.net.value(x);
         let (key, title) = if v != 0.0 {
-            ("velocity", format!("`{}` starts at a velocity: {v} per sample", part.name))
+            ("velocity", format!("`{}` starts with the velocity {v} per sample", part.name))
         } else if at != 0.0 {
             ("at rest", format!("`{}` starts at rest, at {at}", part.name))
         } else {
@@ -224,7 +229,7 @@ impl<'a> Reader<'a, '_> {
         let unclear = ty.younger.is_some();
         if let Some(last) = line.args.get(ty.numbers.len() - 1).filter(|_| unclear || v != 0.0) {
             let d = Diag::note("N201", title).at(last.span, "read as the position one sample before");
-            let help = "MIMS4Max writes a velocity per second here; this line does not tell which it is";
+            let help = "MIMS4Max writes a velocity per second here; this line does not show which of the two it is";
             self.losses.add(key, if unclear { d.help(help) } else { d });
         }
     }

@@ -47,7 +47,7 @@ pub(super) fn lines<'a>(text: &'a str, diags: &mut Diags) -> Option<Vec<Line<'a>
         }
     }
     if let Some((token, number)) = strange {
-        let more = if n_strange > 1 { format!(", and {} more like it", n_strange - 1) } else { String::new() };
+        let more = if n_strange > 1 { format!(", and {} more such lines", n_strange - 1) } else { String::new() };
         let found = shown(token.text);
         diags.push(
             Diag::error("E030", format!("not a line of a MIMS model: `{found}`, line {number}{more}"))
@@ -57,7 +57,8 @@ pub(super) fn lines<'a>(text: &'a str, diags: &mut Diags) -> Option<Vec<Line<'a>
         return None;
     }
     if lines.is_empty() {
-        diags.push(Diag::error("E030", "not a MIMS model: no line says `@label type …`").at(Span { start: 0, end: 0 }, "begins here"));
+        let d = Diag::error("E030", "not a MIMS model: no line has the form `@label type …`");
+        diags.push(d.at(Span { start: 0, end: 0 }, "begins here"));
         return None;
     }
     Some(lines)
@@ -66,9 +67,11 @@ pub(super) fn lines<'a>(text: &'a str, diags: &mut Diags) -> Option<Vec<Line<'a>
 /// Reports once that the younger dialect is not read, at its first sign.
 pub(super) fn refuse_younger(number: usize, span: Span, what: &str, diags: &mut Diags) {
     diags.push(
-        Diag::error("E028", format!("a model of MIMS4Max, the younger dialect, is not read: line {number}"))
+        Diag::error("E028", format!("the younger dialect, MIMS4Max, is not supported: line {number}"))
             .at(span, what)
-            .help("only `mass M x0 xDelayed` models are read; in the younger dialect the last number is a velocity"),
+            .help(
+                "only `mass M x0 xDelayed` models are supported; in the younger dialect the last number is a velocity",
+            ),
     );
 }
 

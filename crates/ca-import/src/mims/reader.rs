@@ -37,7 +37,7 @@ impl<'a> Reader<'a, '_> {
     pub fn name(&mut self, label: Token<'a>) -> String {
         let wanted = legal(label.text);
         if wanted.is_empty() {
-            let d = Diag::error("E014", "not a name: `@` alone");
+            let d = Diag::error("E014", "the name after `@` is missing");
             self.diags.push(d.at(label.span, "expected a label"));
         }
         let name = self.net.names.unique(&wanted);
@@ -45,7 +45,7 @@ impl<'a> Reader<'a, '_> {
             let d = Diag::note("N201", format!("`{}` is used twice; this one is now `{name}`", shown(label.text)));
             self.losses.add(&name, d.at(label.span, "renamed"));
         } else if wanted != label.text {
-            let d = Diag::note("N201", format!("`{}` is not a name here; it is now `{name}`", shown(label.text)));
+            let d = Diag::note("N201", format!("`{}` is not a valid name; it is now `{name}`", shown(label.text)));
             self.losses.add("renamed", d.at(label.span, "letters, digits and `_`"));
         }
         name
@@ -55,7 +55,7 @@ impl<'a> Reader<'a, '_> {
         let d = Diag::error("E012", format!("name used twice: `{}`", shown(line.label.text)))
             .at(line.label.span, "again here")
             .at(first, "first here")
-            .help("references to it would not say which one; rename one of them");
+            .help("references to it would be ambiguous; rename one of them");
         self.diags.push(d);
     }
 

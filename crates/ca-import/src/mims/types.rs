@@ -121,7 +121,12 @@ pub(super) fn typed<'l, 'a>(lines: &'l [Line<'a>], diags: &mut Diags) -> Vec<(&'
         }
         if Some(line.args.len()) == ty.younger.map(|n| n + ty.ends) {
             *diags = Diags::new();
-            refuse_younger(line.number, line.ty.span, "so many numbers only in the younger dialect", diags);
+            refuse_younger(
+                line.number,
+                line.ty.span,
+                "this count of numbers exists only in the younger dialect",
+                diags,
+            );
             return Vec::new();
         }
         if fits(ty, line) {

@@ -21,7 +21,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Drawing, FileError> {
             row.truncate(row.len() - 1);
         }
         if columns.is_some() && row.len() > width {
-            let e = FileError::content(format!("{} cells where the first row has {width}", row.len()));
+            let e = FileError::content(format!("the row has {} cells, but the first row has {width}", row.len()));
             return Err(e.at(format!("line {line}")).fix(COLUMNS));
         }
         let [x, y, z] = if let Some(known) = columns {
@@ -61,7 +61,7 @@ fn number(row: &ByteRecord, column: usize, line: u64) -> Result<f64, FileError> 
     };
     match text.parse::<f64>() {
         Ok(v) if v.is_finite() => Ok(v),
-        _ if text.is_empty() => Err(wrong("there is no number".into())),
+        _ if text.is_empty() => Err(wrong("the number is missing".into())),
         _ => Err(wrong(format!("`{}` is not a number", shown(&text)))),
     }
 }

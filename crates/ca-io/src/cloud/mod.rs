@@ -42,7 +42,8 @@ pub fn open(path: impl AsRef<Path>) -> Result<Cloud, FileError> {
         Some("obj") => obj::read,
         Some("csv") => csv::read,
         _ => {
-            let e = FileError::unsupported("the extension says no format of points").file(path.display());
+            let e =
+                FileError::unsupported("points cannot be read from a file with this extension").file(path.display());
             return Err(e.fix("use `.ply`, `.obj` or `.csv`"));
         }
     };
@@ -72,8 +73,8 @@ pub fn of_model(model: &Model, catalog: &Catalog, folder: &Path) -> Clouds {
     let read = |name: &String| {
         open(folder.join(name)).map(Arc::new).map_err(|e| {
             let help = match (e.fix.as_str(), e.kind) {
-                ("", FileErrorKind::Io) => "the path starts from the folder of the model".into(),
-                ("", _) => "export it anew".into(),
+                ("", FileErrorKind::Io) => "paths are relative to the folder of the model".into(),
+                ("", _) => "export it again".into(),
                 (fix, _) => fix.to_owned(),
             };
             Unread { what: FileError { fix: String::new(), ..e }.to_string(), help }
@@ -107,17 +108,19 @@ fn not_too_many(points: usize) -> Result<(), FileError> {
     if points <= LARGEST {
         return Ok(());
     }
-    Err(FileError::content(format!("{points} points are more than the {LARGEST} a model holds")).fix("simplify it"))
+    Err(FileError::content(format!("it has {points} points, but a model can have at most {LARGEST}"))
+        .fix("reduce its number of points"))
 }
 
 /// Merges equal points and collects the edges.
 fn cloud(d: &Drawing) -> Result<Cloud, FileError> {
     not_too_many(d.points.len())?;
     if d.points.is_empty() {
-        return Err(FileError::content("it holds no points"));
+        return Err(FileError::content("it contains no points"));
     }
     if let Some(i) = d.points.iter().position(|p| !p.iter().all(|v| v.is_finite())) {
-        return Err(FileError::content(format!("point {i} is nowhere: {:?}", d.points[i])).fix("write finite numbers"));
+        return Err(FileError::content(format!("the coordinates of point {i} are not finite: {:?}", d.points[i]))
+            .fix("write finite numbers"));
     }
     let mut cloud = Cloud::default();
     let mut seen: HashMap<[u64; 3], u32> = HashMap::with_capacity(d.points.len());
@@ -136,8 +139,8 @@ fn cloud(d: &Drawing) -> Result<Cloud, FileError> {
         let mut own = Vec::with_capacity(corners.len());
         for c in corners {
             let Some(c) = number.get(*c as usize) else {
-                let what = format!("a {} names point {c}", if closed { "face" } else { "line" });
-                let fix = format!("there are {}, counted from 0", d.points.len());
+                let what = format!("a {} uses point {c}, which does not exist", if closed { "face" } else { "line" });
+                let fix = format!("the points are counted from 0, and there are {}", d.points.len());
                 return Err(FileError::content(what).fix(fix));
             };
             own.push(*c);
@@ -154,8 +157,8 @@ fn cloud(d: &Drawing) -> Result<Cloud, FileError> {
             }
         }
         if edges.len() > LARGEST {
-            let what = format!("it has more than the {LARGEST} edges a model holds");
-            return Err(FileError::content(what).fix("simplify it"));
+            let what = format!("it has more than {LARGEST} edges, the limit of a model");
+            return Err(FileError::content(what).fix("reduce its number of points"));
         }
     }
     cloud.edges = edges.into_iter().collect();

@@ -35,7 +35,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Drawing, FileError> {
                             format!("`{}` is not a number", shown(word))
                         };
                         let comma = word.contains(',');
-                        return wrong(what, if comma { super::POINT } else { "a point is `v x y z`" });
+                        return wrong(what, if comma { super::POINT } else { "write a point as `v x y z`" });
                     }
                 }
                 d.points.push(p);
@@ -50,8 +50,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Drawing, FileError> {
                     match u32::try_from(at) {
                         Ok(at) if (at as usize) < d.points.len() => corners.push(at),
                         _ => {
-                            let what = format!("`{}` is not a point", shown(word));
-                            return wrong(what, "points count from 1, and stand above");
+                            let what = format!("`{}` is not the number of a point", shown(word));
+                            return wrong(what, "points are counted from 1 and defined before they are used");
                         }
                     }
                 }

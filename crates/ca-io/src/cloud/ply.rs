@@ -142,23 +142,23 @@ impl Tidy<'_> {
     }
 
     fn wrong(&self, e: &ParseError, element: Option<&ElementDef>) -> FileError {
-        const ANEW: &str = "export it anew, as text or binary PLY";
+        const ANEW: &str = "export it again, as text or binary PLY";
         let (what, fix) = match (element, e.line().and_then(|n| self.line(n))) {
             (Some(element), _) if e.kind() == ErrorKind::UnexpectedEof => {
-                (format!("it ends before all {} of its `{}`", element.count, element.name), ANEW)
+                (format!("it ends before the last of its {} elements `{}`", element.count, element.name), ANEW)
             }
-            (None, _) if e.kind() == ErrorKind::UnexpectedEof => ("its header has no `end_header`".into(), ANEW),
+            (None, _) if e.kind() == ErrorKind::UnexpectedEof => ("its header lacks `end_header`".into(), ANEW),
             (element, Some((n, text))) => {
                 let comma = |word: &&str| word.contains(',') && word.replace(',', ".").parse::<f64>().is_ok();
                 let (what, fix) = match (element, text.split_whitespace().find(comma)) {
                     (Some(_), Some(word)) => (format!("`{}` is not a number", shown(word)), super::POINT),
                     (Some(element), None) => {
                         let names: Vec<&str> = element.properties.keys().map(String::as_str).collect();
-                        let has = format!("a `{}`, which has {}", element.name, names.join(", "));
+                        let has = format!("a `{}` with the properties {}", element.name, names.join(", "));
                         (format!("`{}` is not {has}", shown(text.trim())), ANEW)
                     }
-                    (None, _) if n == 1 => (format!("`{}` is not `ply`", shown(&text)), ANEW),
-                    (None, _) => (format!("`{}` is not a line of a header", shown(&text)), ANEW),
+                    (None, _) if n == 1 => (format!("the first line is `{}`, not `ply`", shown(&text)), ANEW),
+                    (None, _) => (format!("`{}` is not a header line", shown(&text)), ANEW),
                 };
                 return FileError::new(FileErrorKind::Format, what).at(format!("line {n}")).fix(fix);
             }
@@ -189,7 +189,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Drawing, FileError> {
         if name == "vertex" {
             super::not_too_many(element.count)?;
             if let Some(missing) = ["x", "y", "z"].into_iter().find(|p| !element.properties.contains_key(*p)) {
-                return Err(FileError::content(format!("its points have no `{missing}`")).fix("export x, y and z"));
+                return Err(FileError::content(format!("its points lack `{missing}`")).fix("export x, y and z"));
             }
         }
         let all = parser.read_payload_for_element(&mut reader, element, &header);
@@ -204,8 +204,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Drawing, FileError> {
     }
     let corners = |all: &[Vec<u32>]| all.iter().flatten().any(|c| *c >= NEXT);
     if let Some((what, _)) = [("face", &d.faces), ("line", &d.lines)].into_iter().find(|(_, all)| corners(all)) {
-        let what = format!("a {what} names a point by a number that is negative, too large or not a number");
-        return Err(FileError::content(what).fix(format!("there are {}, counted from 0", d.points.len())));
+        let what = format!("a {what} refers to a point by a value that is negative, too large or not a number");
+        return Err(
+            FileError::content(what).fix(format!("the points are counted from 0, and there are {}", d.points.len()))
+        );
     }
     Ok(d)
 }

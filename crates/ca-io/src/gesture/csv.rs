@@ -32,7 +32,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<Gesture, FileError> {
             row.truncate(names.len() + 1);
         }
         if row.len() != names.len() + 1 {
-            let e = FileError::content(format!("{} where the header has {}", cells(row.len()), names.len() + 1));
+            let e = FileError::content(format!(
+                "the line has {}, but the header has {}",
+                cells(row.len()),
+                names.len() + 1
+            ));
             return Err(e.at(format!("line {line}")).fix("leave a cell blank, between commas, to interpolate"));
         }
         let Some(time) = number(line, 0, "time", &row[0])? else {
@@ -53,7 +57,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Gesture, FileError> {
         }
     }
     if before == f64::NEG_INFINITY {
-        return Err(FileError::content("there is a header and nothing under it").fix("write one line per moment"));
+        return Err(FileError::content("no line follows the header").fix("write one line for each time"));
     }
     let tracks = names.into_iter().zip(columns).enumerate().map(|(c, (name, points))| {
         if points.is_empty() {
@@ -84,7 +88,7 @@ fn header(line: u64, head: &ByteRecord) -> Result<Vec<String>, FileError> {
             });
         }
         if name.is_empty() {
-            return Err(FileError::content("the column has no name").at(at).fix("name the port it moves"));
+            return Err(FileError::content("the column has no name").at(at).fix("name it after the port it moves"));
         }
         if let Some(first) = names.iter().position(|n| n == name) {
             let e = FileError::content(format!("`{}` already names column {}", shown(name), first + 1)).at(at);
@@ -93,8 +97,8 @@ fn header(line: u64, head: &ByteRecord) -> Result<Vec<String>, FileError> {
         names.push(name.to_owned());
     }
     if names.len() < 2 {
-        let e = FileError::content("there is no column but `time`").at(format!("line {line}"));
-        return Err(e.fix("add one named after the port it moves"));
+        let e = FileError::content("`time` is the only column").at(format!("line {line}"));
+        return Err(e.fix("add a column named after the port it moves"));
     }
     names.remove(0);
     Ok(names)
@@ -116,7 +120,8 @@ fn number(line: u64, column: usize, name: &str, cell: &[u8]) -> Result<Option<f6
     match text.parse::<f64>() {
         Ok(v) if v.is_finite() => Ok(Some(v)),
         Ok(_) => {
-            let e = FileError::content(format!("`{}` is no finite number", shown(&text))).at(place(line, column, name));
+            let e =
+                FileError::content(format!("`{}` is not a finite number", shown(&text))).at(place(line, column, name));
             Err(e.fix("leave the cell blank to interpolate"))
         }
         Err(_) => {
@@ -212,22 +217,22 @@ mod tests {
     fn says_where_and_what_to_do() {
         says("", &["empty", "header"]);
         says("# only\n\n", &["empty"]);
-        says("time,key\n", &["nothing under it"]);
+        says("time,key\n", &["no line follows the header"]);
         says("0,1\n2,3\n", &["line 1, column 1", "`0`, not `time`", "begin the file with a header"]);
         says("Time,key\n0,0\n", &["lower case"]);
         says("time;key\n0;0\n", &["separate columns by commas"]);
-        says("time\n0\n", &["no column but `time`"]);
+        says("time\n0\n", &["`time` is the only column"]);
         says("time,,b\n0,0,0\n", &["line 1, column 2", "no name"]);
         says("time,a,b,a\n0,0,0,0\n", &["line 1, column 4", "already names column 2"]);
         says("time,time\n0,0\n", &["already names column 1"]);
         says("time,key\n0,0\n# c\n\n0.1,abc\n", &["line 5, column 2 (`key`)", "`abc` is not a number"]);
-        says("\n# c\ntime,key\r\n0,0\r\n\r\n0.1,nan\r\n", &["line 6, column 2", "no finite number"]);
-        says("time,key\n0,1e999\n", &["line 2", "no finite number"]);
+        says("\n# c\ntime,key\r\n0,0\r\n\r\n0.1,nan\r\n", &["line 6, column 2", "not a finite number"]);
+        says("time,key\n0,1e999\n", &["line 2", "not a finite number"]);
         says("time,key\ninf,0\n", &["line 2, column 1 (`time`)"]);
         says("time,key\n1e10,0\n", &["line 2, column 1 (`time`)"]);
         says("time,key\n0,0\n0.2,0\n0.1,0\n", &["line 4", "backwards", "from 0.2 s to 0.1 s"]);
         says("time,key\n0,0\n,1\n", &["line 3", "time is blank"]);
-        says("time,key\n0,0\n1\n", &["line 3", "1 cell where the header has 2"]);
+        says("time,key\n0,0\n1\n", &["line 3", "1 cell, but the header has 2"]);
         says("time,key\n0,0,7\n", &["line 2", "3 cells"]);
         says("time,key,,\n0,0,,\n", &["line 1, column 3", "no name"]);
         says("time,key\n  \n0,0,,\n", &["line 3", "4 cells"]);

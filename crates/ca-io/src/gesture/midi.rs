@@ -21,7 +21,7 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 pub(super) fn read(bytes: &[u8], ports: &[PortMap]) -> Result<Gesture, FileError> {
     if ports.is_empty() {
-        let e = FileError::usage("no port of the model listens to MIDI");
+        let e = FileError::usage("no port of the model receives MIDI");
         return Err(e.fix("give a port a `midi = { … }`, with the notes or the controller that move it"));
     }
     ports.iter().try_for_each(check)?;
@@ -39,8 +39,8 @@ pub(super) fn read(bytes: &[u8], ports: &[PortMap]) -> Result<Gesture, FileError
     if !port_tracks.iter().any(|f| f.touched) {
         let wanted: Vec<String> = ports.iter().map(|p| format!("`{}` ({})", p.port, wants(&p.map))).collect();
         let found = inventory(&events).unwrap_or_else(|| "no notes or controllers".into());
-        let e = FileError::content(format!("nothing in it moves {}: it has {}", list(&wanted), found));
-        return Err(e.fix("change `midi` of a port to what the file has"));
+        let e = FileError::content(format!("no event in it moves {}: it has {}", list(&wanted), found));
+        return Err(e.fix("change `midi` of a port to notes or a controller of the file"));
     }
     let tracks = ports.iter().zip(port_tracks).map(|(p, f)| Track::points(&p.port, f.finish()));
     remarks.extend(unheard(&ignored));
@@ -81,11 +81,14 @@ fn check(p: &PortMap) -> Result<(), FileError> {
     let m = &p.map;
     let times = [("attack", m.attack), ("release", m.release)];
     if let Some((name, t)) = times.iter().find(|(_, t)| !(0.0..=super::LONGEST).contains(t)) {
-        let e = FileError::usage(format!("port `{}`: `{name}` is {} s", p.port, Plain(*t)));
-        return Err(e.fix("give a time that is not negative"));
+        let e = FileError::usage(format!("port `{}`: `{name}` is {} s, which is out of range", p.port, Plain(*t)));
+        return Err(e.fix("give a time from 0 s to 86400 s"));
     }
     if !(m.from.is_finite() && m.to.is_finite()) {
-        return Err(FileError::usage(format!("port `{}`: goes from {} to {}", p.port, m.from, m.to)));
+        return Err(FileError::usage(format!(
+            "port `{}`: the range from {} to {} is not finite",
+            p.port, m.from, m.to
+        )));
     }
     Ok(())
 }

@@ -77,7 +77,7 @@ fn running_status_goes_on_after_meta_and_system_exclusive_events_with_a_remark()
         let g = read(&file(0, MS, &[&[(0, &[0x90, 60, 127]), (0, between), (1000, &[60, 0])]]), &[key()]).unwrap();
         assert_eq!(g.tracks(), plain.tracks());
         let [remark] = g.remarks() else { panic!("{:?}", g.remarks()) };
-        assert!(remark.starts_with("running status goes on once"), "{remark}");
+        assert!(remark.starts_with("running status continues once"), "{remark}");
     }
     // an event with a status byte needs no remark
     let events: &[(u32, &[u8])] = &[(0, &[0x90, 60, 127]), (0, &[0xff, 1, 1, 0x41]), (1000, &[0x90, 60, 0])];
@@ -99,7 +99,7 @@ fn all_tracks_are_read_whatever_the_header_announces() {
     assert_eq!(g.remarks(), ["its header announces 1 of its 2 tracks; all are read"]);
     bytes[11] = 5;
     let g = read(&bytes, &[key()]).unwrap();
-    assert_eq!(g.remarks(), ["its header announces 5 tracks and 2 are there; the file may be cut short"]);
+    assert_eq!(g.remarks(), ["its header announces 5 tracks, but it has 2; the file may be cut short"]);
     bytes[11] = 1;
     // not a track, but data that some program left behind the last one
     bytes.extend(*b"TAG\0\xff\xff\xff\xff\x01");
@@ -259,7 +259,7 @@ fn says_what_the_file_has() {
     let e = read(&bytes, &[key(), port("f", MidiSource::Control(7), Some(3))]).unwrap_err();
     assert_eq!(
         e.what,
-        "nothing in it moves `key` (notes 60 to 72) and `f` (controller 7, channel 3): it has controllers 1 and 64 \
+        "no event in it moves `key` (notes 60 to 72) and `f` (controller 7, channel 3): it has controllers 1 and 64 \
          and pitch bend on channel 1, notes 36 to 52 on channel 10"
     );
     let e = read(&file(0, MS, &[&[]]), &[key()]).unwrap_err();

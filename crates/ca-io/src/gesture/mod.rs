@@ -97,7 +97,7 @@ impl Gesture {
     pub fn new(tracks: Vec<Track>) -> Result<Gesture, FileError> {
         for (i, t) in tracks.iter().enumerate() {
             if t.name().is_empty() {
-                return Err(FileError::content(format!("track {i} has no name")).fix("name the port it moves"));
+                return Err(FileError::content(format!("track {i} has no name")).fix("name it after the port it moves"));
             }
             if tracks[..i].iter().any(|u| u.name() == t.name()) {
                 let e = FileError::content(format!("two tracks are called `{}`", shown(t.name())));
@@ -172,7 +172,7 @@ impl Gesture {
     pub fn open(path: impl AsRef<Path>, ports: &[PortMap], rate: Option<f64>) -> Result<Gesture, FileError> {
         let path = path.as_ref();
         let format = GestureFormat::of(path).ok_or_else(|| {
-            FileError::new(FileErrorKind::Unsupported, "the extension says no format of gestures")
+            FileError::new(FileErrorKind::Unsupported, "gestures cannot be read from a file with this extension")
                 .file(path.display())
                 .fix("use a `.csv`, `.npy`, `.wav` or `.mid` file")
         })?;
@@ -193,7 +193,7 @@ impl Gesture {
         rate: Option<f64>,
     ) -> Result<Gesture, FileError> {
         if rate.is_some() && format != GestureFormat::Npy {
-            return Err(FileError::usage("this format tells its own time").fix("leave out its rate"));
+            return Err(FileError::usage("this format already contains its times").fix("leave out the rate"));
         }
         match format {
             GestureFormat::Csv => csv::read(bytes),

@@ -32,7 +32,7 @@ pub(super) fn read(bytes: &[u8], rate: Option<f64>) -> Result<Gesture, FileError
         plain => (vec![(String::new(), plain)], false),
     };
     if fields.len() > MAX_COLUMNS {
-        return Err(FileError::new(FileErrorKind::Unsupported, format!("it has over {MAX_COLUMNS} fields")));
+        return Err(FileError::new(FileErrorKind::Unsupported, format!("it has more than {MAX_COLUMNS} fields")));
     }
     let shape: Vec<usize> = head.shape().iter().map(|n| usize::try_from(*n).unwrap_or(usize::MAX)).collect();
     let (frames, per_row) = match (&shape[..], structured) {
@@ -56,7 +56,10 @@ pub(super) fn read(bytes: &[u8], rate: Option<f64>) -> Result<Gesture, FileError
     let item = sizes.iter().fold(0, |sum: usize, n| sum.saturating_add(*n));
     let needed = frames.checked_mul(per_row).and_then(|n| n.checked_mul(item));
     if needed.is_none_or(|n| n > data.len()) {
-        let what = format!("the file is cut short: {frames} frames announced, {} bytes of data", data.len());
+        let what = format!(
+            "the file is cut short: {frames} frames are announced, but it has only {} bytes of data",
+            data.len()
+        );
         return Err(FileError::format(what));
     }
     // from here on, frames × per_row × item ≤ data.len()
@@ -79,9 +82,8 @@ pub(super) fn read(bytes: &[u8], rate: Option<f64>) -> Result<Gesture, FileError
     }
     for (name, values) in &columns {
         if let Some(r) = values.iter().position(|v| !v.is_finite()) {
-            return Err(
-                FileError::content(format!("the value is {}", values[r])).at(format!("row {r}, column `{name}`"))
-            );
+            return Err(FileError::content(format!("the value is {}, not a finite number", values[r]))
+                .at(format!("row {r}, column `{name}`")));
         }
     }
     tracks(columns, rate)
@@ -90,15 +92,15 @@ pub(super) fn read(bytes: &[u8], rate: Option<f64>) -> Result<Gesture, FileError
 fn tracks(mut columns: Vec<(String, Vec<f64>)>, rate: Option<f64>) -> Result<Gesture, FileError> {
     let time = columns.iter().position(|c| c.0 == "time").map(|i| columns.remove(i).1);
     if columns.is_empty() {
-        return Err(FileError::content("there is no field but `time`").fix("add one named after the port it moves"));
+        return Err(FileError::content("`time` is the only field").fix("add a field named after the port it moves"));
     }
     let made: Result<Vec<Track>, FileError> = match (time, rate) {
         (Some(_), Some(_)) => {
-            let e = FileError::usage("the array has its own `time`, and a rate is given as well");
-            return Err(e.fix("leave out its rate"));
+            let e = FileError::usage("the array has a field `time`, but a rate is given too");
+            return Err(e.fix("leave out the rate"));
         }
         (None, None) => {
-            let e = FileError::usage("nothing says how fast the array is to be played");
+            let e = FileError::usage("the rate of the array is not known");
             return Err(e.fix("give its rate (`--gesture-rate`, in Python `(file, rate)`), for example 3000 Hz, or save it with a field `time`"));
         }
         (None, Some(rate)) => {
@@ -125,7 +127,7 @@ fn split(bytes: &[u8]) -> Result<(String, &[u8]), FileError> {
         [1, _, a, b, ..] => (4, usize::from(u16::from_le_bytes([a, b]))),
         [2 | 3, _, a, b, c, d, ..] => (6, u32::from_le_bytes([a, b, c, d]) as usize),
         [v, ..] if !(1..=3).contains(&v) => {
-            return Err(FileError::new(FileErrorKind::Unsupported, format!("version {v} of NPY is not read")));
+            return Err(FileError::new(FileErrorKind::Unsupported, format!("version {v} of NPY is not supported")));
         }
         _ => return Err(short()),
     };
@@ -150,7 +152,7 @@ fn check(text: &str) -> Result<(), FileError> {
         match c {
             '\'' | '"' => {
                 let end = rest[1..].find([c, '\\']).filter(|at| rest[1 + at..].starts_with(c));
-                n = 2 + end.ok_or_else(|| wrong("a string without an end, or with a backslash"))?;
+                n = 2 + end.ok_or_else(|| wrong("an unterminated string, or a string with a backslash"))?;
             }
             '(' | '[' | '{' => deep += 1,
             ')' | ']' | '}' => deep = deep.saturating_sub(1),
@@ -160,14 +162,13 @@ fn check(text: &str) -> Result<(), FileError> {
                 let word = &rest[..n];
                 if !matches!(word, "True" | "False") {
                     let product = word.parse().ok().and_then(|v: u64| numbers.checked_mul(v.max(1)));
-                    numbers =
-                        product.ok_or_else(|| wrong("a shape beyond all memory, or a word that is none of NPY"))?;
+                    numbers = product.ok_or_else(|| wrong("a shape too large for any memory, or an unknown word"))?;
                 }
             }
-            c => return Err(wrong(&format!("a `{}` outside of its strings", shown(&c.to_string())))),
+            c => return Err(wrong(&format!("a `{}` outside its strings", shown(&c.to_string())))),
         }
         if deep > DEEP {
-            let e = FileError::new(FileErrorKind::Unsupported, "a field of it is an array or a record in itself");
+            let e = FileError::new(FileErrorKind::Unsupported, "one of its fields is an array or a record");
             return Err(e.fix("save one number per field"));
         }
         rest = &rest[n..];
@@ -182,7 +183,7 @@ fn header(text: &str) -> Result<NpyHeader, FileError> {
         let why = e.to_string();
         // the rest of the message is from the parser
         let why = why.split_once(": ").map_or(why.as_str(), |w| if w.0.contains("Python") { w.0 } else { &why });
-        let e = FileError::format(format!("its header is not read: {}", lower(&shown(why))));
+        let e = FileError::format(format!("its header cannot be read: {}", lower(&shown(why))));
         e.fix("write it with `numpy.save(file, array)`")
     })
 }
@@ -202,7 +203,7 @@ fn size(ty: &DType, padding: bool) -> Result<usize, FileError> {
     }
     let e = FileError::new(
         FileErrorKind::Unsupported,
-        format!("numbers of type {}", shown(&ty.descr()).replace('\'', "`")),
+        format!("numbers of type {} are not supported", shown(&ty.descr()).replace('\'', "`")),
     );
     Err(e.fix("save it as `float64`, `float32`, `float16` or integers: `a.astype(float)`"))
 }
@@ -218,7 +219,7 @@ fn column<'b>(ty: &DType, cells: impl Iterator<Item = &'b [u8]>) -> Result<Vec<f
         let reader = T::reader(ty).map_err(|e| wrong(&e))?;
         cells.map(|c| reader.read_one(c).map(value).map_err(|e| wrong(&e))).collect()
     }
-    let DType::Plain(t) = ty else { return Err(FileError::unsupported("a field of it is not a number")) };
+    let DType::Plain(t) = ty else { return Err(FileError::unsupported("one of its fields is not a number")) };
     match (t.type_char(), t.size_field()) {
         (TypeChar::Float, 2) => all::<f16>(ty, cells, f64::from),
         (TypeChar::Float, 4) => all::<f32>(ty, cells, f64::from),
@@ -302,7 +303,7 @@ mod tests {
         let g = read(&npy(&head("finger"), &rows), Some(2.0)).unwrap();
         assert_eq!((g.track("key").unwrap().at(0.5), g.track("finger").unwrap().at(0.5)), (3.0, 0.5));
         let e = read(&npy(&head("time"), &rows), Some(2.0)).unwrap_err();
-        assert!(e.to_string().contains("its own `time`"), "{e}");
+        assert!(e.to_string().contains("a field `time`"), "{e}");
     }
 
     #[test]
@@ -329,11 +330,11 @@ mod tests {
             (b"\x93NUMPY\x07\x00".to_vec(), "version 7"),
             (b"\x93NUMPY\x02\x00\xff\xff\xff\xff{".to_vec(), "cut short in its header"),
             (plain("<f8", "(3,)", &two), "cut short: 3 frames"),
-            (plain("<f8", "(18446744073709551615, 1024)", &two), "a shape beyond all memory"),
+            (plain("<f8", "(18446744073709551615, 1024)", &two), "a shape too large for any memory"),
             (plain("<f8", "(4611686018427387904, 2)", &two), "cut short"),
-            (plain("<f8", "(0, 18446744073709551615, 1024)", &two), "a shape beyond all memory"),
-            (plain("<f8", "(0xffffffffffffffff, 1024)", &two), "a word that is none of NPY"),
-            (plain("<f8", "(-1,)", &two), "a `-` outside of its strings"),
+            (plain("<f8", "(0, 18446744073709551615, 1024)", &two), "a shape too large for any memory"),
+            (plain("<f8", "(0xffffffffffffffff, 1024)", &two), "an unknown word"),
+            (plain("<f8", "(-1,)", &two), "a `-` outside its strings"),
             (plain("<m8[s]", "(1,)", &two), "type `<m8[s]`"),
             (plain("<f8", "(99999999999999999999999,)", &two), "shape"),
             (plain("<f8", "()", &two), "shape is []"),
@@ -345,13 +346,13 @@ mod tests {
             (plain("", "(1,)", &two), "invalid type string"),
             (plain("é", "(1,)", &two), "invalid type string"),
             (plain("<f8", "(1,)", &f64::NAN.to_le_bytes()), "row 0, column `ch0`: the value is NaN"),
-            (npy("{'descr': [('a', '<f8', (2,))]", &two), "an array or a record in itself"),
-            (npy("{'descr': [('a', [('b', '<f8')])]", &two), "an array or a record in itself"),
-            (npy(&"[".repeat(60_000), &two), "in itself"),
-            (npy("[1,", &two), "not read: could not parse"),
+            (npy("{'descr': [('a', '<f8', (2,))]", &two), "an array or a record"),
+            (npy("{'descr': [('a', [('b', '<f8')])]", &two), "an array or a record"),
+            (npy(&"[".repeat(60_000), &two), "an array or a record"),
+            (npy("[1,", &two), "cannot be read: could not parse"),
             ([b"\x93NUMPY\x02\x00\0\0\x04\0".to_vec(), vec![b' '; 1 << 18]].concat(), "longer than"),
             (npy("{'descr': '<f8'}", &two), "missing"),
-            (npy("{'descr': '<f8", &two), "without an end"),
+            (npy("{'descr': '<f8", &two), "unterminated"),
         ] {
             let e = read(&file, Some(1.0)).unwrap_err().to_string();
             assert!(e.contains(part), "{e:?} without {part:?}");

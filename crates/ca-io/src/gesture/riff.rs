@@ -68,7 +68,9 @@ impl Chunks<'_> {
                     let here = usize::try_from(announced).unwrap_or(usize::MAX).min(body.len());
                     return Ok(Chunks { format, data: &body[..here], announced });
                 }
-                b"fmt " => format = Some(Format::read(body.get(..n).unwrap_or(body)).ok_or("its format is cut short")?),
+                b"fmt " => {
+                    format = Some(Format::read(body.get(..n).unwrap_or(body)).ok_or("the chunk `fmt ` is cut short")?);
+                }
                 b"ds64" if long => {
                     whole = number(body, 0, 8).unwrap_or(whole);
                     size64 = number(body, 8, 8);

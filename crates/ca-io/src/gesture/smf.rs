@@ -44,7 +44,10 @@ pub(super) fn messages(bytes: &[u8]) -> Result<Messages, FileError> {
     };
     let mut rest = bytes.get(8 + usize::from(size.max(6))..).ok_or_else(not_one)?;
     if format > 1 {
-        let e = FileError::new(FileErrorKind::Unsupported, format!("it is of format {format}, independent patterns"));
+        let e = FileError::new(
+            FileErrorKind::Unsupported,
+            format!("it has format {format}, independent patterns, which is not supported"),
+        );
         return Err(e.fix("export it as format 0 or 1"));
     }
     let mut clock = Clock::new([t1, t0])?;
@@ -71,12 +74,11 @@ pub(super) fn messages(bytes: &[u8]) -> Result<Messages, FileError> {
     }
     // whole tracks may be missing, but not part of one
     if found == 0 || found < announced && !rest.is_empty() {
-        return Err(cut(format!("{announced} tracks are announced, {found} are there")));
+        return Err(cut(format!("{announced} tracks are announced, but it has {found}")));
     }
     let mut remarks = Vec::new();
     if found < announced {
-        remarks
-            .push(format!("its header announces {announced} tracks and {found} are there; the file may be cut short"));
+        remarks.push(format!("its header announces {announced} tracks, but it has {found}; the file may be cut short"));
     }
     if found > announced {
         remarks.push(format!("its header announces {announced} of its {found} tracks; all are read"));
@@ -84,7 +86,7 @@ pub(super) fn messages(bytes: &[u8]) -> Result<Messages, FileError> {
     if broken > 0 {
         let rule = "after a meta or system-exclusive event, which the standard forbids";
         let times = if broken == 1 { "once".into() } else { format!("{broken} times") };
-        remarks.push(format!("running status goes on {times} {rule}; it is read as before that event"));
+        remarks.push(format!("running status continues {times} {rule}; the status from before that event is used"));
     }
     // stable, so tracks and events keep their order within a tick
     raw.sort_by_key(|e| e.0);
@@ -133,7 +135,7 @@ fn read_track(n: u32, mut track: EventIter<'_>, raw: &mut Vec<(u64, Raw)>) -> Re
         }
         let place = || format!("track {n}, event {event}, byte {} of the track", length - before);
         let Some(Ok(e)) = track.next() else {
-            let what = if before > 0 { "it is no MIDI event" } else { "the track stops without an end" };
+            let what = if before > 0 { "the bytes are not a MIDI event" } else { "the track lacks its end event" };
             return Err(cut(what.to_owned()).at(place()));
         };
         tick += u64::from(e.delta.as_int());
@@ -142,7 +144,7 @@ fn read_track(n: u32, mut track: EventIter<'_>, raw: &mut Vec<(u64, Raw)>) -> Re
                 raw.push((tick, Raw::Message(channel.as_int() + 1, message)));
             }
             TrackEventKind::Meta(MetaMessage::Tempo(us)) if us.as_int() == 0 => {
-                let e = FileError::content("a tempo of 0 µs per beat").at(place());
+                let e = FileError::content("the tempo is 0 µs per beat").at(place());
                 return Err(e.fix("remove the event"));
             }
             TrackEventKind::Meta(MetaMessage::Tempo(us)) => raw.push((tick, Raw::Tempo(us.as_int()))),
@@ -183,13 +185,16 @@ impl Clock {
                 29 => (false, 1001, 30_000.0 * sub),
                 fps @ (24 | 25 | 30) => (false, 1, f64::from(fps) * sub),
                 fps => {
-                    let e = FileError::new(FileErrorKind::Unsupported, format!("it counts {fps} frames a second"));
-                    return Err(e.fix("export it with 24, 25, 29 or 30, or in beats"));
+                    let e = FileError::new(
+                        FileErrorKind::Unsupported,
+                        format!("its time code has {fps} frames per second"),
+                    );
+                    return Err(e.fix("export it with 24, 25, 29 or 30 frames per second, or in beats"));
                 }
             },
         };
         if per_second == 0.0 {
-            return Err(FileError::format("its header gives a beat or frame no ticks").fix("export it again"));
+            return Err(FileError::format("its header sets 0 ticks per beat or frame").fix("export it again"));
         }
         Ok(Clock { done: 0, since: 0, step, per_second, beats })
     }

@@ -47,14 +47,16 @@ impl Track {
         let name = name.into();
         let err = |i: usize, what: String| Err(FileError::content(what).at(format!("track `{name}`, point {i}")));
         if points.is_empty() {
-            return Err(FileError::content(format!("track `{name}` has no value")).fix("give it one or leave it out"));
+            return Err(
+                FileError::content(format!("track `{name}` has no value")).fix("give it a value or leave it out")
+            );
         }
         for (i, &(t, v)) in points.iter().enumerate() {
             if !v.is_finite() {
-                return err(i, format!("the value is {v}"));
+                return err(i, format!("the value is {v}, not a finite number"));
             }
             if !t.is_finite() {
-                return err(i, format!("the time is {} s", Plain(t)));
+                return err(i, format!("the time is {} s, not a finite number", Plain(t)));
             }
             if t.abs() > LONGEST {
                 return Err(too_long(t).at(format!("track `{name}`, point {i}")));
@@ -74,10 +76,12 @@ impl Track {
         let name = name.into();
         check_rate(rate)?;
         if samples.is_empty() {
-            return Err(FileError::content(format!("track `{name}` has no value")).fix("give it one or leave it out"));
+            return Err(
+                FileError::content(format!("track `{name}` has no value")).fix("give it a value or leave it out")
+            );
         }
         if let Some(i) = samples.iter().position(|v| !v.is_finite()) {
-            let what = format!("the value is {}", samples[i]);
+            let what = format!("the value is {}, not a finite number", samples[i]);
             return Err(FileError::content(what).at(format!("track `{name}`, sample {i}")));
         }
         let end = (samples.len() - 1) as f64 / rate;
@@ -183,7 +187,8 @@ pub(crate) fn check_rate(rate: f64) -> Result<(), FileError> {
     if rate.is_finite() && rate > 1.0 / FASTEST && rate < FASTEST {
         return Ok(());
     }
-    Err(FileError::usage(format!("a rate of {} Hz", Plain(rate))).fix("give samples per second, for example 3000"))
+    Err(FileError::usage(format!("the rate is {} Hz", Plain(rate)))
+        .fix("give samples per second between 1e-9 and 1e9, for example 3000"))
 }
 
 /// Returns the value at `t`, where `i` is the last point at or before `t`, or the first.

@@ -29,19 +29,19 @@ pub(crate) fn channels(bytes: &[u8]) -> Result<(f64, Vec<Vec<f64>>), FileError> 
         return Err(FileError::format("the file is cut short").at(place(samples)));
     }
     if !data.len().is_multiple_of(format.bytes * n) {
-        return Err(FileError::format("its last frame is not whole"));
+        return Err(FileError::format("its last frame is incomplete"));
     }
     if format.rate == 0 {
         return Err(FileError::content("its rate is 0 Hz"));
     }
     if samples == 0 {
-        return Err(FileError::content("it holds no sample"));
+        return Err(FileError::content("it contains no samples"));
     }
     let mut channels: Vec<Vec<f64>> = (0..n).map(|_| Vec::with_capacity(samples / n)).collect();
     for (i, bytes) in data.chunks_exact(format.bytes).enumerate() {
         let x = value(bytes);
         if !x.is_finite() {
-            return Err(FileError::content(format!("the value is {x}")).at(place(i)));
+            return Err(FileError::content(format!("the value is {x}, not a finite number")).at(place(i)));
         }
         channels[i % n].push(x);
     }
@@ -65,7 +65,7 @@ fn decoder(format: Format, data: &[u8]) -> Result<Decoder, FileError> {
             Box::new(move |b| f64::from(integer(b) << (32 - wide) >> (32 - wide)) / full)
         }
         _ => {
-            let e = FileError::new(FileErrorKind::Unsupported, "this variety of WAV is not read");
+            let e = FileError::new(FileErrorKind::Unsupported, "this variant of WAV is not supported");
             return Err(e.fix("save it as 8, 16, 24 or 32-bit integers or as floats"));
         }
     })
@@ -167,12 +167,12 @@ mod tests {
             let at = file.len() - 36;
             let mut odd = file.clone();
             odd[at..at + 4].copy_from_slice(&24u32.to_le_bytes());
-            assert!(said(&odd).contains("not whole"), "{}", said(&odd));
+            assert!(said(&odd).contains("incomplete"), "{}", said(&odd));
             odd[at..at + 4].fill(0);
             assert!(said(&odd).contains("no sample"), "{}", said(&odd));
         }
         let e = channels(&doubles(&[0.0, 0.0, f64::INFINITY, 0.0], false)).unwrap_err();
-        assert_eq!(e.to_string(), "sample 1 of channel 0: the value is inf");
+        assert_eq!(e.to_string(), "sample 1 of channel 0: the value is inf, not a finite number");
     }
 
     /// Makes a file of integers of `bits` bits in `bytes` bytes each.
@@ -197,7 +197,7 @@ mod tests {
         assert_eq!(of(4, 24, &[full, half, 3]), [-1.0, 0.5, 3.0 / 8_388_608.0]);
         // all bits are significant
         assert_eq!(of(4, 32, &[i32::MIN, 1 << 30, 3]), [-1.0, 0.5, 3.0 / 2_147_483_648.0]);
-        assert!(channels(&integers(2, 17, &[1])).unwrap_err().to_string().contains("variety"));
+        assert!(channels(&integers(2, 17, &[1])).unwrap_err().to_string().contains("variant"));
         assert!(channels(&integers(0, 0, &[])).is_err());
     }
 
@@ -252,7 +252,7 @@ mod tests {
     #[test]
     fn bad_content_is_named() {
         let e = read(&wav(2, 32, SampleFormat::Float, &[0.0f32, 0.0, 0.0, f32::NAN])).unwrap_err();
-        assert_eq!(e.to_string(), "sample 1 of channel 1: the value is NaN");
+        assert_eq!(e.to_string(), "sample 1 of channel 1: the value is NaN, not a finite number");
         let e = read(&wav::<i32>(1, 16, SampleFormat::Int, &[])).unwrap_err();
         assert!(e.to_string().contains("no sample"), "{e}");
         let whole = wav(1, 16, SampleFormat::Int, &[1i32, 2, 3, 4]);

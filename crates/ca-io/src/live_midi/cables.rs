@@ -47,7 +47,7 @@ impl Cables {
             match started {
                 Ok(_) => names.push(path.display().to_string()),
                 Err(e) => {
-                    let what = format!("no thread for {}: {e}", path.display());
+                    let what = format!("a thread for {} cannot be started: {e}", path.display());
                     return Err(FileError::new(FileErrorKind::Io, what));
                 }
             }
@@ -122,7 +122,7 @@ fn read(path: &Path, k: usize, tell: &SyncSender<(usize, Came)>) {
             }
         }
         if !is_pipe(path) {
-            let _ = end("is at its end".into());
+            let _ = end("the file has ended".into());
             return;
         }
         std::thread::sleep(AGAIN);

@@ -126,11 +126,15 @@ impl<'a> Performance<'a> {
                     .map(|n| format!("`{n}`"))
                     .collect();
                 let fix = if all.is_empty() {
-                    "the model has no port or live parameter to drive".into()
+                    "the model has neither ports nor live parameters".into()
                 } else {
-                    format!("this model can be driven at {}", all.join(", "))
+                    format!("choose one of {}", all.join(", "))
                 };
-                return Err(FileError::new(FileErrorKind::Usage, format!("nothing is driven by `{name}`")).fix(fix));
+                return Err(FileError::new(
+                    FileErrorKind::Usage,
+                    format!("`{name}` is not a port or live parameter of the model"),
+                )
+                .fix(fix));
             }
         };
         self.drives.push(Drive { target, track, near: 0, outside: None });
@@ -254,7 +258,10 @@ impl<'a> Performance<'a> {
     pub fn blame(&self, audited: Option<&Scene>, gesture: Option<&Gesture>) -> (String, String) {
         let cert = &self.scene.certificate;
         if cert.lower >= 4.0 {
-            let why = format!("too stiff for its mass at this rate: {:.3}, the limit is 4", Plain(cert.lower));
+            let why = format!(
+                "too stiff for its mass at this rate: the largest eigenvalue is at least {:.3}, the limit is 4",
+                Plain(cert.lower)
+            );
             return (cert.worst.clone(), why);
         }
         if let Some(scene) = audited {
@@ -263,13 +270,13 @@ impl<'a> Performance<'a> {
                 audited.until(self.state.tick + 64, 1);
                 if let Some((link, made)) = audited.state.ledger.as_deref().and_then(ca_core::Ledger::largest_error) {
                     if let Some(name) = scene.audited_name(link) {
-                        return (name.into_owned(), format!("it made {made:.3e} J"));
+                        return (name.into_owned(), format!("it created {made:.3e} J"));
                     }
                 }
             }
         }
         let m = furthest(&self.state);
-        (self.scene.mat_name(m).into(), "it went furthest".into())
+        (self.scene.mat_name(m).into(), "its displacement is the largest".into())
     }
 }
 

@@ -27,14 +27,14 @@ pub(super) fn channels(bytes: &[u8]) -> Result<(f64, Vec<Vec<f64>>), FileError> 
         let there = channels[0].len();
         // the decoder counts down from the announced number
         if announced.is_some_and(|all| there as u64 > all) {
-            return Err(FileError::format("it holds more samples than its header says"));
+            return Err(FileError::format("it contains more samples than its header announces"));
         }
         let samples = file.fill_buf().map_err(|e| explain(&e).at(format!("sample {there}")))?;
         if samples.is_empty() {
             break;
         }
         if there * n + samples.len() > MOST {
-            let what = format!("it holds more than the {} million samples that are read", MOST / 1_000_000);
+            let what = format!("it contains more than {} million samples, the limit for a recording", MOST / 1_000_000);
             return Err(FileError::content(what).fix(GESTURE.fix));
         }
         for (i, s) in samples.iter().enumerate() {
@@ -44,7 +44,7 @@ pub(super) fn channels(bytes: &[u8]) -> Result<(f64, Vec<Vec<f64>>), FileError> 
         file.consume(read);
     }
     match (channels[0].len() as u64, announced) {
-        (0, _) => Err(FileError::content("it holds no sample")),
+        (0, _) => Err(FileError::content("it contains no samples")),
         (there, Some(all)) if there < all => Err(FileError::format("the file is cut short")),
         _ => Ok((f64::from(rate), channels)),
     }
@@ -54,8 +54,8 @@ fn explain(e: &Error) -> FileError {
     match e {
         Error::Io(_) => FileError::format("the file is cut short"),
         Error::MissingFlacTag => FileError::format("it is not a FLAC file"),
-        e => FileError::new(FileErrorKind::Format, format!("it is not a sound FLAC file: {}", lower(&e.to_string())))
-            .fix("save it anew, or as `.wav`"),
+        e => FileError::new(FileErrorKind::Format, format!("it is not a valid FLAC file: {}", lower(&e.to_string())))
+            .fix("save it again, or as `.wav`"),
     }
 }
 

@@ -30,7 +30,7 @@ impl Recording {
         let path = path.as_ref();
         let is_flac = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("flac"));
         if !is_flac && GestureFormat::of(path) != Some(GestureFormat::Wav) {
-            let e = FileError::new(FileErrorKind::Unsupported, "a recording is read from a WAV or FLAC file");
+            let e = FileError::new(FileErrorKind::Unsupported, "a recording must be a WAV or FLAC file");
             return Err(e.file(path.display()).fix("save it as `.wav` or `.flac`"));
         }
         let bytes = reading::bytes(path, reading::GESTURE)?;

@@ -17,19 +17,20 @@ fn ms(seconds: f64) -> String {
 /// Describes the delays in one line; `None` for a scene without any.
 pub fn latency(scene: &Scene) -> Option<String> {
     let d = delays(scene);
-    let filter = (d.filter > 0.0).then(|| format!("{} of it the filter of the outputs", ms(d.filter)));
+    let filter = (d.filter > 0.0).then(|| format!("{} from the output filter", ms(d.filter)));
     if scene.ports.tgr.is_empty() {
-        return filter.is_some().then(|| format!("sound {} late by the filter of the outputs", ms(d.filter)));
+        return filter.is_some().then(|| format!("the output filter delays the sound by {}", ms(d.filter)));
     }
-    let force = if scene.ports.crossing.feedback { ms(d.force) } else { "never".into() };
+    let feedback = scene.ports.crossing.feedback;
+    let force = if feedback { format!("gesture to force {}", ms(d.force)) } else { "no force feedback".into() };
     let mut notes: Vec<String> = Vec::new();
     if scene.ports.crossing.latency > 0 {
         let s = if scene.ports.crossing.latency == 1 { "" } else { "s" };
-        notes.push(format!("{} frame{s} of it `latency`", scene.ports.crossing.latency));
+        notes.push(format!("{} frame{s} from `latency`", scene.ports.crossing.latency));
     }
     notes.extend(filter);
     let notes = if notes.is_empty() { String::new() } else { format!(" ({})", notes.join(", ")) };
-    Some(format!("gesture to force {force}, gesture to sound {}{notes}", ms(d.sound)))
+    Some(format!("{force}, gesture to sound {}{notes}", ms(d.sound)))
 }
 
 /// Describes the two rates of a scene, and the ticks per sample if there are several.
@@ -41,15 +42,15 @@ pub fn rates(scene: &Scene) -> String {
 
 /// Describes the ticks per sample, as the end of a sentence; empty for one.
 pub fn ticks(times: u32) -> String {
-    if times > 1 { format!(" in {times} ticks a sample") } else { String::new() }
+    if times > 1 { format!(" ({times} ticks per sample)") } else { String::new() }
 }
 
 /// Describes the rate boundary; `None` for a scene without one.
 pub fn crossing(scene: &Scene) -> Option<&'static str> {
     (!scene.ports.tgr.is_empty()).then_some(match (scene.rates.frame, scene.ports.crossing.shape) {
-        (1, _) => "one tick a frame, the force of the tick",
-        (_, Shape::Linear) => "positions in a line through the frame, force its mean",
-        (_, Shape::Hold) => "positions held over the frame, force the mean around their jump",
+        (1, _) => "one tick per frame, with the force of the tick",
+        (_, Shape::Linear) => "positions interpolated linearly over the frame, mean force",
+        (_, Shape::Hold) => "positions held over the frame, mean force around each jump",
     })
 }
 
@@ -71,12 +72,12 @@ pub fn asked(scene: &Scene) -> Vec<(&str, f64, f64)> {
 pub fn scale_of(k: &Scale) -> String {
     let (g, h) = (short(k.position), short(k.force));
     if k.is_lever() {
-        return format!("a lever of {g}: positions and forces × {g}, energy as everywhere");
+        return format!("a lever of ratio {g}: positions and forces × {g}, energy as at the other keys");
     }
     let (gain, inverse) = (short(k.force / k.position), short(k.position / k.force));
     format!(
-        "no lever but an amplifier of energy: positions × {g}, forces × {h}; a joule of the model is {gain} times what it \
-         is at the other keys, so energy given here comes out there × {inverse}"
+        "an energy amplifier, not a lever: positions × {g}, forces × {h}; a joule of the model is {gain} times as large \
+         as at the other keys, so energy put in here comes out there × {inverse}"
     )
 }
 

@@ -15,42 +15,43 @@ pub fn stability(c: &Certificate) -> String {
     let silent = match &c.not_judged[..] {
         [] => String::new(),
         list if list.len() <= NAMED => {
-            format!("; not judged, since nothing hears it: {}", ticked(list.iter().map(String::as_str)))
+            format!("; not judged, no output depends on it: {}", ticked(list.iter().map(String::as_str)))
         }
         list => {
             let first = ticked(list[..NAMED].iter().map(String::as_str));
-            format!("; not judged, since nothing hears it: {first} and {} more", list.len() - NAMED)
+            format!("; not judged, no output depends on it: {first} and {} more", list.len() - NAMED)
         }
     };
-    let by = if c.rules.decides.is_empty() { String::new() } else { format!(", which `{}` decides", c.rules.decides) };
+    let by = if c.rules.decides.is_empty() { String::new() } else { format!(", decided by `{}`", c.rules.decides) };
     format!("{}{by}, {margin}{worst}{silent}", c.level)
 }
 
 /// Describes the stiffest explicit contact, and the measured growth of energy in such contacts.
 pub fn contacting(c: &Certificate) -> Option<String> {
     let what = || {
-        format!("`{}` is the stiffest: kT²/m {}; no value is without growth", c.rules.stiffest, short(c.rules.contact))
+        format!(
+            "`{}` is the stiffest: kT²/m {}; an impact may add energy at any value",
+            c.rules.stiffest,
+            short(c.rules.contact)
+        )
     };
-    (c.rules.contact > 0.0).then(|| format!("{}: {}", what(), Growth::near(c.rules.contact)))
+    (c.rules.contact > 0.0).then(|| format!("{}; {}", what(), Growth::near(c.rules.contact)))
 }
 
 /// Names the links that are judged only at rest.
 pub fn opened(c: &Certificate) -> Option<String> {
     let names = ticked(c.rules.open.iter().map(String::as_str));
     (!c.rules.open.is_empty())
-        .then(|| format!("{names}: steeper the further drawn out, and nothing says how far: not judged beyond rest"))
+        .then(|| format!("{names}: stiffness grows with elongation, whose limit is unknown; judged at rest only"))
 }
 
 /// Describes the ripple of energy of a linearised scene.
 pub fn rippling(ripple: f64) -> String {
-    format!(
-        "left alone, the energy of small motions rises by {} % of itself at most, and does not drift",
-        short(100.0 * ripple)
-    )
+    format!("undisturbed, the energy of small motions rises by at most {} % and does not drift", short(100.0 * ripple))
 }
 
 /// Names a contact that stiffens with depth, and the depth beyond which it is too steep.
 pub fn deepening((name, depth): &(String, f64)) -> String {
     let depth = show(rounded(*depth, 3), Unit::METRE);
-    format!("`{name}` grows with its depth: slope·T²/m is 1 at {depth}")
+    format!("`{name}` stiffens with depth: slope·T²/m is 1 at {depth}")
 }

@@ -14,7 +14,7 @@ pub fn grows(scene: &Scene, ledger: &Ledger) -> &'static str {
     let b = ledger.balance();
     let kept = b.scheme_error.abs() <= 1e-6 * b.peak;
     if kept && scene.certificate.level == Level::Unstable {
-        ": above the limit of stability motion grows though no energy is made"
+        ": above the limit of stability, motion grows although no energy is created"
     } else {
         ""
     }

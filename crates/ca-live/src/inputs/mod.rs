@@ -106,7 +106,8 @@ fn opened(asked: Option<&Path>, plays: bool) -> Result<Option<Cables>, Failure> 
         None => return Ok(None),
     };
     if paths.is_empty() && must {
-        let why = "--midi: this machine has no MIDI device (/dev/snd/midiC*D*); give the path of one, or of a pipe";
+        let why =
+            "--midi: no MIDI device found (/dev/snd/midiC*D*); connect one, or give its path or a pipe: `--midi PATH`";
         return Err(Failure::Failed(why.into()));
     }
     for path in &paths {
@@ -116,7 +117,7 @@ fn opened(asked: Option<&Path>, plays: bool) -> Result<Option<Cables>, Failure> 
         }
         if must && cables::is_standard_file(path) {
             return Err(Failure::Usage(format!(
-                "--midi {file}: it is a Standard MIDI File, whose events have times; `ca render MODEL --gesture {file}` plays it"
+                "--midi {file}: a Standard MIDI File is not a live input; play it with `ca render MODEL --gesture {file}`"
             )));
         }
     }

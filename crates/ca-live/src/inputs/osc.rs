@@ -29,14 +29,14 @@ impl Osc {
             socket.set_nonblocking(true)?;
             Ok(socket)
         };
-        let failed = |e: std::io::Error| Failure::Failed(format!("--osc {port}: {e}; 0 takes a free port"));
+        let failed = |e: std::io::Error| Failure::Failed(format!("--osc {port}: {e}; use `--osc 0` for a free port"));
         Ok(Osc { socket: open().map_err(failed)?, packet: vec![0; LARGEST + 1], token, closed })
     }
 
     pub(super) fn said(&self) -> String {
         let token = self.token.as_ref().filter(|_| self.closed);
-        let token = token.map(|t| format!("; addresses begin with the token in {}", t.path.display()));
-        format!("OSC: UDP port {} of this machine{}", self.port(), token.unwrap_or_default())
+        let token = token.map(|t| format!("; addresses must begin with the token in {}", t.path.display()));
+        format!("OSC: UDP port {} on this machine{}", self.port(), token.unwrap_or_default())
     }
 
     fn port(&self) -> u16 {
@@ -49,7 +49,8 @@ impl Osc {
         let admit = |address: &str| match token.as_ref().and_then(|t| t.strip(address)) {
             Some(rest) => Ok(rest.into()),
             None if *closed => {
-                Err("an address begins with the token, `/TOKEN/param`; `ca` says at its start where it lies".into())
+                Err("an address must begin with the token, as in `/TOKEN/param`; `ca` names its file at the start"
+                    .into())
             }
             None => Ok(address.into()),
         };

@@ -29,7 +29,7 @@ impl Token {
     /// Fails if other users can read the file, if it does not hold a token, or if it cannot be written.
     pub(super) fn open(path: Option<&Path>, needed: bool) -> Result<Option<Token>, Failure> {
         let path = path.map_or_else(|| store::dir().join("osc-token"), Path::to_owned);
-        let failed = |what: String| Failure::Failed(format!("the token of OSC, `{}`: {what}", path.display()));
+        let failed = |what: String| Failure::Failed(format!("OSC token file `{}`: {what}", path.display()));
         if let Some(text) = read(&path).map_err(failed)? {
             return Ok(Some(Token { text, path }));
         }
@@ -78,7 +78,8 @@ fn read(path: &Path) -> Result<Option<String>, String> {
         return Err(other());
     }
     if about.uid() != uid() || about.mode() & 0o077 != 0 {
-        return Err("other users can read or change it; remove it, or close it: `chmod 600`".into());
+        let path = path.display();
+        return Err(format!("other users can read or change it; run `chmod 600 {path}`, or delete it"));
     }
     let mut text = String::new();
     file.take(4096).read_to_string(&mut text).map_err(|e| e.to_string())?;
@@ -86,7 +87,8 @@ fn read(path: &Path) -> Result<Option<String>, String> {
     let plain = token.bytes().all(|b| b.is_ascii_alphanumeric() || matches!(b, b'_' | b'-'));
     if !LENGTHS.contains(&token.len()) || !plain {
         let [least, most] = [LENGTHS.start(), LENGTHS.end()];
-        return Err(format!("a token has {least} to {most} of a-z A-Z 0-9 _ -; remove it, and a new one is made"));
+        let rule = format!("a token must have {least} to {most} characters from a-z A-Z 0-9 _ -");
+        return Err(format!("{rule}; delete the file, and a new token is made"));
     }
     Ok(Some(token.to_owned()))
 }

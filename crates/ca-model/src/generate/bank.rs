@@ -17,11 +17,11 @@ pub static KIND: Kind = Kind {
     code: "BANK",
     title: "bank of cells",
     equation: "one CEL per frequency",
-    doc: "Cells side by side, each with its frequency, decay and mass; lists of equal length, or one value for all. \
-          Couple them by links, or strike several at once.",
+    doc: "Parallel cells, each with its frequency, decay time and mass. Give lists of equal length, or one value for \
+          all. Links can couple the cells, or strike several at once.",
     source: &["HSP v2"],
     params: &[
-        Param::new("f", numbers(Unit::HERTZ), Need::Required, "frequencies as heard"),
+        Param::new("f", numbers(Unit::HERTZ), Need::Required, "frequencies, exact at every sound rate"),
         Param::new("t60", numbers(Unit::SECOND), Need::Optional, "times to decay by 60 dB"),
         Param::new("m", numbers(Unit::KILOGRAM), Need::Required, "inertias"),
         X,
@@ -46,9 +46,9 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     for other in ["t60", "m"] {
         if let Some(len) = a.len(other).filter(|len| *len != n) {
             return Err(Problem {
-                title: format!("`{other}` has {len} number{} where `f` has {n}", if len == 1 { "" } else { "s" }),
+                title: format!("`{other}` has {len} number{}, but `f` has {n}", if len == 1 { "" } else { "s" }),
                 param: if other == "m" { "m" } else { "t60" },
-                help: "give as many as there are frequencies, or one for all".into(),
+                help: "give one number for each frequency, or one for all".into(),
             });
         }
     }

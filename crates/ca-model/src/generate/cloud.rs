@@ -19,14 +19,19 @@ pub static KIND: Kind = Kind {
     code: "CLOUD",
     title: "cloud of points",
     equation: "a MAS per point; with `k`, a REF per edge",
-    doc: "A body with a mass at every point of a file (PLY, OBJ, or CSV with a point in each row) or of a list, joined \
-          along the edges of the faces and lines of the file, or with `reach` to all that is near. The springs are \
-          slack at rest. Points in the very same place are one; faces without area are left out. `bell[17]` is point \
-          17 of the file, `x` its origin, about which it turns and spins.",
+    doc: "A body with a mass at every point of a file (PLY, OBJ, or CSV with a point in each row) or of a list. \
+          Springs follow the edges of the faces and lines of the file, or with `reach` join all near points. They are \
+          slack at rest. Points at the same position are merged; faces without area are left out. `bell[17]` is point \
+          17 of the file. `x` is the position of its origin, about which the body turns and spins.",
     source: &["CMJ 1993"],
     params: &[
-        Param::new("file", Type::File, Need::Optional, "a .ply, .obj or .csv file, from the folder of the model"),
-        Param::new("points", Type::Positions { unit: Unit::METRE }, Need::Optional, "the points themselves"),
+        Param::new(
+            "file",
+            Type::File,
+            Need::Optional,
+            "a .ply, .obj or .csv file, relative to the folder of the model",
+        ),
+        Param::new("points", Type::Positions { unit: Unit::METRE }, Need::Optional, "list of the points"),
         Param::number("scale", Unit::NONE, ABOVE_ZERO, Need::Default(1.0), "metres per unit of the file or list")
             .for_good(),
         M,
@@ -38,7 +43,7 @@ pub static KIND: Kind = Kind {
             Unit::METRE,
             ABOVE_ZERO,
             Need::Optional,
-            "joins all points at most this far apart, instead of the edges of the file; a little more than the spacing",
+            "largest distance of joined points, instead of the edges of the file; a little more than the spacing",
         )
         .for_good(),
         X,
@@ -82,12 +87,12 @@ fn joined(a: &Args<'_>, cloud: &Cloud) -> Result<Vec<[u32; 2]>, Problem> {
         None => Some(cloud.edges.clone()),
     };
     match pairs {
-        None => wrong("more pairs are within `reach` than a model can hold", "reach", "make it smaller"),
+        None => wrong("more pairs of points are within `reach` than a model can hold", "reach", "reduce `reach`"),
         Some(p) if p.is_empty() && a.num("reach").is_some() => {
-            wrong("no two points are within `reach`", "reach", "make it larger, a little more than the spacing")
+            wrong("no two points are within `reach`", "reach", "increase `reach` to a little more than the spacing")
         }
         Some(p) if p.is_empty() => {
-            wrong("the points are not joined by any edge", "k", "add `reach`, to join what is near, or leave out `k`")
+            wrong("the points are not joined by any edge", "k", "add `reach` to join near points, or leave out `k`")
         }
         Some(p) => Ok(p),
     }

@@ -15,14 +15,14 @@ pub static KIND: Kind = Kind {
     code: "GRAINS",
     title: "loose masses",
     equation: "n MAS on a cubic lattice around x",
-    doc: "Many loose masses around `x`, `gap` apart, the nearest to the centre first. Keep them together by a `BUT` with \
-          `sense = \"inside\"` to a centre, and apart by a `BUT` between `[\"g[*]\", \"g[*]\"]`.",
+    doc: "Many loose masses on a lattice of spacing `gap` around `x`, in order of distance from `x`. A `BUT` with \
+          `sense = \"inside\"` to a centre keeps them together; one between `[\"g[*]\", \"g[*]\"]` keeps them apart.",
     source: &["ICMC 2013"],
     params: &[
-        Param::new("n", Type::Count { min: 1, max: 100_000 }, Need::Required, "how many"),
+        Param::new("n", Type::Count { min: 1, max: 100_000 }, Need::Required, "number of masses"),
         M,
         M_TOTAL,
-        Param::number("gap", Unit::METRE, ABOVE_ZERO, Need::Required, "distance of neighbours on the lattice")
+        Param::number("gap", Unit::METRE, ABOVE_ZERO, Need::Required, "distance between neighbours on the lattice")
             .for_good(),
         X,
         V,

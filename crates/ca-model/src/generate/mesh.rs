@@ -36,11 +36,11 @@ ca_core::choice! {
 pub static KIND: Kind = Kind {
     code: "MESH",
     title: "rectangular mesh",
-    equation: "nx × ny MAS, REF between neighbours; border open, closed or held at the corners",
-    doc: "A membrane (`edges = \"closed\"`), a plate-like sheet with free edges (`open`) or one hung at its corners. \
-          `skin[3,4]` is a node, `skin@0.3,0.4` a point that may move. In a group with `dim = 3` it lies in the \
-          x–y plane from its node [0,0] at `x` on, `dx` from node to node, turned about that node by `turn`; what \
-          makes it sound across is `stretch`, and `f` is its lowest transverse mode.",
+    equation: "nx × ny MAS, REF between neighbours; border open, closed or fixed at the corners",
+    doc: "A membrane (`edges = \"closed\"`), a plate-like sheet with free edges (`open`) or a sheet fixed at its \
+          corners (`corner`). `skin[3,4]` is a node, `skin@0.3,0.4` a point that can move. In a group with `dim = 3` \
+          the mesh lies in the x–y plane: node [0,0] is at `x`, the nodes are `dx` apart, and `turn` rotates the mesh \
+          about `x`. There `stretch` makes transverse vibration possible, and `f` is the lowest transverse mode.",
     source: &["SMC 2019"],
     params: &[
         Param::new("nx", SIDE, Need::Required, "nodes along the first direction"),
@@ -52,8 +52,8 @@ pub static KIND: Kind = Kind {
         Z,
         ZO,
         T60,
-        Param::new("edges", Type::Choice(Edges::WORDS), Need::Default(0.0), "what holds the border"),
-        Param::new("fixed", Type::Nodes, Need::Optional, "nodes that are held besides, e.g. [[0, 0], [-1, -1]]"),
+        Param::new("edges", Type::Choice(Edges::WORDS), Need::Default(0.0), "support of the border"),
+        Param::new("fixed", Type::Nodes, Need::Optional, "additional fixed nodes, e.g. [[0, 0], [-1, -1]]"),
         X,
         Param::number("dx", Unit::METRE, ABOVE_ZERO, Need::Optional, "spacing of the nodes; needed in space")
             .for_good(),
@@ -104,11 +104,11 @@ fn fits(a: &Args<'_>) -> Result<(), Problem> {
         return no("a mesh in space needs `dx`", "dx", "add e.g. `dx = \"1 cm\"` (spacing of the nodes)");
     }
     if a.or0("stretch") > 0.0 && !closed {
-        return no("only a mesh held all around can be stretched", "stretch", "use `edges = \"closed\"`");
+        return no("only a mesh with a closed border can be stretched", "stretch", "use `edges = \"closed\"`");
     }
     if a.num("f").is_some() && a.or0("stretch") == 0.0 {
         return no(
-            "a mesh in space is tuned by its tension",
+            "`f` of a mesh in space needs `stretch`",
             "f",
             "add e.g. `stretch = \"10 %\"` and `edges = \"closed\"`, or give `k`",
         );
@@ -126,7 +126,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
         None => a.or0("k"),
         Some(_) if a.len("fixed").unwrap_or(0) > 0 => {
             return Err(Problem {
-                title: "the pitch of a mesh with nodes held here and there has no closed form".into(),
+                title: "the pitch of a mesh with `fixed` nodes has no closed form".into(),
                 param: "f",
                 help: "give `k`, or leave out `fixed`".into(),
             });
@@ -141,14 +141,14 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
                 Edges::Closed if nx > 2 && ny > 2 => sin2(nx - 1) + sin2(ny - 1),
                 Edges::Closed => {
                     return Err(Problem {
-                        title: "a closed mesh of this size has nothing that moves".into(),
+                        title: "a closed mesh of this size has only fixed nodes".into(),
                         param: "nx",
-                        help: "use at least 3 nodes each way".into(),
+                        help: "use at least 3 nodes in each direction".into(),
                     });
                 }
                 Edges::Corner => {
                     return Err(Problem {
-                        title: "the pitch of a mesh hung at its corners has no closed form".into(),
+                        title: "the pitch of a mesh fixed at its corners has no closed form".into(),
                         param: "f",
                         help: "give `k`, or use `edges = \"open\"` or `\"closed\"`".into(),
                     });
@@ -163,7 +163,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
                 let mut p = too_stiff(f, nx * ny, 0);
                 p.param = "nx";
                 p.help = format!(
-                    "use fewer nodes, ask for a lower pitch, or raise `rate.sound` (a = {:.3}, limit {limit:.3})",
+                    "use fewer nodes, choose a lower pitch, or raise `rate.sound` (a = {:.3}, limit {limit:.3})",
                     Plain(stiffness)
                 );
                 return Err(p);
@@ -187,7 +187,7 @@ fn held(a: &Args<'_>, nx: usize, ny: usize) -> Result<Vec<[usize; 2]>, Problem> 
     let node = |pair: &[Option<f64>]| match (wrap(pair[0], nx), wrap(pair[1], ny)) {
         (Some(i), Some(j)) => Ok([i, j]),
         _ => Err(Problem {
-            title: format!("a node of `fixed` is not on a mesh of {nx} × {ny}"),
+            title: format!("a node of `fixed` is outside the mesh of {nx} × {ny}"),
             param: "fixed",
             help: format!("nodes go from [0, 0] to [{}, {}]", nx - 1, ny - 1),
         }),

@@ -16,7 +16,7 @@ pub(super) const TURN: Param = Param::new(
     "orientation: turns about x, y and z as one rotation vector, e.g. [0, 0, \"25 %\"] for a quarter turn about z",
 );
 pub(super) const V: Param =
-    Param::new("v", Type::Position { unit: Unit::SPEED }, Need::Optional, "initial velocity of the whole");
+    Param::new("v", Type::Position { unit: Unit::SPEED }, Need::Optional, "initial velocity of all masses together");
 pub(super) const SPIN: Param = Param::new(
     "spin",
     Type::Position { unit: Unit::HERTZ },

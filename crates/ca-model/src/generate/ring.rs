@@ -20,10 +20,11 @@ use ca_core::{Kind, Need, Param, Role, Type};
 pub static KIND: Kind = Kind {
     code: "RING",
     title: "ring",
-    equation: "n MAS in a circle, REF between neighbours; nothing holds it",
-    doc: "A closed chain of `n` masses, as a hoop or the rim of a bell. Nothing holds it: what pushes one side moves all of \
-          it, unless it is tied to something. `hoop[0]` is the first mass, joined to `hoop[1]` and `hoop[-1]`; `hoop@0.31` \
-          a point 31 % of the way around from the first mass, to which both `hoop@0` and `hoop@1` lead.",
+    equation: "n MAS in a circle, REF between neighbours; no support",
+    doc: "A closed chain of `n` masses, such as a hoop or the rim of a bell. It has no support: a push on one side \
+          moves the whole ring, unless links hold it. `hoop[0]` is the first mass, joined to `hoop[1]` and `hoop[-1]`. \
+          `hoop@0.31` is a point 31 % of the way around from the first mass; both `hoop@0` and `hoop@1` are the first \
+          mass.",
     source: &["SMC 2019"],
     params: &[
         Param::new("n", Type::Count { min: 3, max: MANY }, Need::Required, "number of masses"),

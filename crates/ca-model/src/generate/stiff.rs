@@ -31,8 +31,8 @@ pub static KIND: Kind = Kind {
     title: "stiff string",
     equation: "STRING plus bending: f_j ≈ j f sqrt((1 + b j²)/(1 + b))",
     doc: "A string with bending stiffness: its partials are stretched, as in a piano (`b` about 1e-4) or a bar (`k = 0` \
-          with `kb`). Given `f`, the ends must be hinged, where the first two partials are exact and higher ones a little \
-          flat: with `n = 40` and `b = 4e-4` by 0.7 cents at partial 6, 6 at 10 (docs/numerics.md §1.2).",
+          with `kb`). With `f`, the ends must be hinged; then the first two partials are exact and higher ones are \
+          flat: for `n = 40` and `b = 4e-4`, 0.7 cents at partial 6 and 6 cents at partial 10 (docs/numerics.md §1.2).",
     source: &["Bilbao 2009", "SMC 2019"],
     params: &[
         Param::new("n", Type::Count { min: 3, max: MANY }, Need::Required, "number of masses"),
@@ -46,7 +46,7 @@ pub static KIND: Kind = Kind {
             Unit::NONE,
             POSITIVE,
             Need::Optional,
-            "inharmonicity, with `f`: partial j stands at j f sqrt((1 + b j²)/(1 + b))",
+            "inharmonicity, with `f`: partial j is at j f sqrt((1 + b j²)/(1 + b))",
         ),
         Z,
         ZO,
@@ -55,7 +55,7 @@ pub static KIND: Kind = Kind {
             "ends",
             Type::Choice(Ends::WORDS),
             Need::Default(0.0),
-            "hinged: held, free to turn; fixed: held and clamped; free",
+            "hinged: fixed point, free to turn; fixed: clamped; free: no support",
         ),
         X,
     ],
@@ -83,7 +83,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
         Some(f) => {
             if Ends::of(a.num("ends")) != Ends::Hinged {
                 return Err(Problem {
-                    title: "`f` tunes a stiff string exactly only with hinged ends".into(),
+                    title: "`f` of a stiff string needs hinged ends".into(),
                     param: "ends",
                     help: "use `ends = \"hinged\"`, or give `k` and `kb`".into(),
                 });

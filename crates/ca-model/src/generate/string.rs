@@ -17,24 +17,29 @@ use ca_core::internal::tuning::Scheme;
 /// Largest number of masses of a generator.
 pub(super) const MANY: u32 = crate::model::LARGEST as u32;
 pub(super) const M: Param = Param::number("m", Unit::KILOGRAM, ABOVE_ZERO, Need::Optional, "inertia of each mass");
-pub(super) const M_TOTAL: Param =
-    Param::number("m_total", Unit::KILOGRAM, ABOVE_ZERO, Need::Optional, "inertia of the whole, shared evenly");
+pub(super) const M_TOTAL: Param = Param::number(
+    "m_total",
+    Unit::KILOGRAM,
+    ABOVE_ZERO,
+    Need::Optional,
+    "total inertia, divided equally among the masses",
+);
 pub(super) const K: Param = Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Optional, "stiffness of each spring");
 pub(super) const F: Param =
-    Param::number("f", Unit::HERTZ, ABOVE_ZERO, Need::Optional, "fundamental as heard, warping included");
+    Param::number("f", Unit::HERTZ, ABOVE_ZERO, Need::Optional, "fundamental frequency, exact at every sound rate");
 pub(super) const Z: Param = Param::number(
     "z",
     Unit::VISCOSITY,
     POSITIVE,
     Need::Default(0.0),
-    "viscosity of each link: high partials die first",
+    "viscosity of each link; damps high partials more",
 );
 pub(super) const ZO: Param = Param::number(
     "zo",
     Unit::VISCOSITY,
     POSITIVE,
     Need::Optional,
-    "viscosity of each mass to ground: all partials die alike",
+    "viscosity of each mass to ground; damps all partials equally",
 );
 pub(super) const T60: Param =
     Param::number("t60", Unit::SECOND, ABOVE_ZERO, Need::Optional, "time to decay by 60 dB, by damping to ground");
@@ -59,8 +64,8 @@ pub static STRING: Kind = Kind {
     title: "string",
     equation: "n MAS in a row, REF between neighbours; ends fixed, free or hinged",
     doc: "A string of `n` masses. Give it a pitch (`f`) and a decay (`t60`), or stiffness and viscosities. `low[0]` is \
-          the first mass, `low[-1]` the last, `low@0.31` a point 31 % of the way between the ends. For a plain \
-          string, hinged ends are the same as fixed ones: it has no bending to hold.",
+          the first mass, `low[-1]` the last, `low@0.31` a point 31 % of the way between the ends. Hinged ends are the \
+          same as fixed ends, since this string has no bending stiffness.",
     source: &["CMJ 1993", "SMC 2019"],
     params: &[
         Param::new("n", Type::Count { min: 1, max: MANY }, Need::Required, "number of masses"),
@@ -71,7 +76,7 @@ pub static STRING: Kind = Kind {
         Z,
         ZO,
         T60,
-        Param::new("ends", Type::Choice(Ends::WORDS), Need::Default(0.0), "what holds the ends"),
+        Param::new("ends", Type::Choice(Ends::WORDS), Need::Default(0.0), "support of the ends"),
         X,
     ],
     one_of: &[MASSES, TUNING, DECAY],
@@ -92,8 +97,8 @@ out = { from = "low[3]", gain = 200 }
 pub static CHAIN: Kind = Kind {
     code: "CHAIN",
     title: "chain",
-    equation: "n MAS in a row, REF between neighbours; nothing at the ends",
-    doc: "A string with nothing at its ends, to be tied to whatever you like.",
+    equation: "n MAS in a row, REF between neighbours; free ends",
+    doc: "A string with free ends, which links can join to other modules.",
     source: &["SMC 2019"],
     params: &[
         Param::new("n", Type::Count { min: 2, max: MANY }, Need::Required, "number of masses"),
@@ -150,21 +155,21 @@ pub(super) fn target(a: &Args<'_>, f: f64, zo: f64, m: f64) -> Result<f64, Probl
         });
     }
     a.scheme.stiffness(f, zo * a.tick_dt / m, a.tick_dt).ok_or_else(|| Problem {
-        title: format!("no stiffness sounds {} Hz by this `theta` at this sound rate", Plain(f)),
+        title: format!("no stiffness gives {} Hz with this `theta` at this sound rate", Plain(f)),
         param: "f",
-        help: "use `theta = 0.25`, ask for a lower pitch, or raise `rate.sound`".into(),
+        help: "use `theta = 0.25`, choose a lower pitch, or raise `rate.sound`".into(),
     })
 }
 
 /// Reports a spring that would exceed the stability limit.
 pub(super) fn too_stiff(f: f64, n: usize, fewer: usize) -> Problem {
     Problem {
-        title: format!("{n} masses cannot sound {} Hz at this sound rate", Plain(f)),
+        title: format!("{n} masses cannot reach {} Hz at this sound rate", Plain(f)),
         param: "n",
         help: if fewer > 0 {
             format!("use at most {fewer} masses, or raise `rate.sound`")
         } else {
-            "ask for a lower pitch, or raise `rate.sound`".into()
+            "choose a lower pitch, or raise `rate.sound`".into()
         },
     }
 }

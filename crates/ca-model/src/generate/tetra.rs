@@ -20,12 +20,12 @@ pub static KIND: Kind = Kind {
     code: "TETRA",
     title: "tetrahedron",
     equation: "4 MAS; with `k`, 6 REF between all of them",
-    doc: "Four masses at the corners of a regular tetrahedron around `x`, with six springs `p.link[0]` to `p.link[5]` \
-          (corners 01 02 03 12 13 23), or without them where `k` is not written. Unturned, and with \
-          s = edge/√8 from the centre, corner 0 is at (s, s, s), 1 at (s, −s, −s), 2 at (−s, s, −s), 3 at (−s, −s, s).",
+    doc: "Four masses at the corners of a regular tetrahedron around `x`. With `k`, six springs `p.link[0]` to \
+          `p.link[5]` join the corners 01 02 03 12 13 23. Without `turn`, and with s = edge/√8 from the centre, \
+          corner 0 is at (s, s, s), 1 at (s, −s, −s), 2 at (−s, s, −s), 3 at (−s, −s, s).",
     source: &["Rattle"],
     params: &[
-        Param::number("edge", Unit::METRE, ABOVE_ZERO, Need::Required, "length of each of its six edges").for_good(),
+        Param::number("edge", Unit::METRE, ABOVE_ZERO, Need::Required, "length of each edge").for_good(),
         M,
         M_TOTAL,
         K,

@@ -25,27 +25,27 @@ const fn number(name: &'static str, unit: Unit, need: Need, doc: &'static str) -
 pub static KIND: Kind = Kind {
     code: "WAVEGUIDE",
     title: "digital waveguide",
-    equation: "m (x' - 2x + x1)/T² = f + 2z (v1 + v2) - z (x' - x1)/T;  v1, v2 the waves that arrive",
-    doc: "A string of travelling waves, harmonic up to the highest partial and as cheap however long. It is touched at \
-          its junctions, `low[0]` at the first of the places `at`, `low[1]` at the next: masses like any other, which \
-          any link, force or output may take. Pitch and decay of the fundamental are exact, with the masses of the \
-          junctions; the places are met to half a sample of a round trip.",
+    equation: "m (x' - 2x + x1)/T² = f + 2z (v1 + v2) - z (x' - x1)/T;  v1, v2 the incoming waves",
+    doc: "A string of travelling waves, harmonic up to the highest partial; its cost does not depend on its length. \
+          Its junctions are masses at the places `at`: `low[0]` is the first, `low[1]` the next. Any link, force or \
+          output can use them like other masses. Pitch and decay of the fundamental are exact, including the masses of the \
+          junctions. The places are exact to half a sample of a round trip.",
     source: &["HSP v2", "Bilbao 2009"],
     params: &[
-        number("f", Unit::HERTZ, Need::Required, "fundamental as heard"),
-        number("t60", Unit::SECOND, Need::Optional, "time to decay by 60 dB at `f`; no decay if left out"),
-        number("t60_high", Unit::SECOND, Need::Optional, "the same at `f_high`; as at `f` if left out"),
-        number("f_high", Unit::HERTZ, Need::Default(5000.0), "second frequency of the loss"),
+        number("f", Unit::HERTZ, Need::Required, "fundamental frequency, exact at every sound rate"),
+        number("t60", Unit::SECOND, Need::Optional, "time to decay by 60 dB at `f`; no decay if omitted"),
+        number("t60_high", Unit::SECOND, Need::Optional, "time to decay by 60 dB at `f_high`; as at `f` if omitted"),
+        number("f_high", Unit::HERTZ, Need::Default(5000.0), "second frequency at which the decay is given"),
         number("z", Unit::VISCOSITY, Need::Optional, "wave impedance, sqrt(tension · mu)"),
-        number("tension", Unit::NEWTON, Need::Optional, "tension, beside `mu`"),
-        number("mu", Unit::LINEAR_DENSITY, Need::Optional, "mass per length, beside `tension`"),
+        number("tension", Unit::NEWTON, Need::Optional, "tension, given with `mu`"),
+        number("mu", Unit::LINEAR_DENSITY, Need::Optional, "mass per length, given with `tension`"),
         Param::new(
             "at",
             Type::Numbers { unit: Unit::NONE, min: 0.0, max: 1.0 },
             Need::Required,
-            "where its junctions are, rising from the near end at 0 to the far end at 1",
+            "places of the junctions, increasing, from 0 (near end) to 1 (far end)",
         ),
-        number("m", Unit::KILOGRAM, Need::Optional, "mass of each junction; what its links need if left out"),
+        number("m", Unit::KILOGRAM, Need::Optional, "mass of each junction; if omitted, the mass that its links need"),
         X,
     ],
     one_of: &[OneOf { sets: &[&["z"], &["tension", "mu"]], required: true }],
@@ -78,7 +78,7 @@ fn asked(a: &Args<'_>) -> Result<WaveguideSpec, Problem> {
             return problem(
                 "t60_high",
                 format!("{} s is longer than the {} s of `t60`", Plain(high), Plain(low)),
-                "high partials decay as fast as low ones or faster",
+                "choose at most `t60`: high partials cannot decay more slowly than low ones",
             );
         }
         (_, Some(_)) if !(f < top && top * a.tick_dt < 0.5) => {

@@ -103,7 +103,7 @@ pub fn text(k: &Kind) -> String {
     }
     for o in k.one_of {
         let sets: Vec<String> = o.sets.iter().map(|s| format!("`{}`", s.join("`, `"))).collect();
-        let must = if o.required { "one of them is needed" } else { "at most one of them" };
+        let must = if o.required { "one of them is required" } else { "at most one of them" };
         let _ = writeln!(out, "  {}: {must}", sets.join(" or "));
     }
     if !k.source.is_empty() {

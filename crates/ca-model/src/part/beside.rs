@@ -27,12 +27,13 @@ impl Expander<'_> {
         if theirs == ours && !other_rate {
             return;
         }
-        let what = if theirs == ours { "at another `reference_rate`" } else { "unlike the model" };
-        let d = Diag::error("E028", format!("`{file}` is written in `{theirs}` units, {what}"));
+        let what = if theirs == ours { "with another `reference_rate` than the model" } else { "unlike the model" };
+        let d = Diag::error("E028", format!("`{file}` uses `{theirs}` units, {what}"));
         let help = format!(
-            "give its numbers units, such as `\"20 g\"`, and leave out `units`, or let the model say `units = \"{theirs}\"` as it does"
+            "write its numbers with units, such as `\"20 g\"`, and remove `units`; \
+             or give the model the same `units = \"{theirs}\"` and `reference_rate`"
         );
-        self.diags.push(d.at(e.span, "of this file alone").help(help));
+        self.diags.push(d.at(e.span, "applies to this file only").help(help));
     }
 
     /// Notes the settings of a wholly used file that differ from the model.
@@ -47,9 +48,9 @@ impl Expander<'_> {
             return;
         }
         let keys = ticked(left.iter().map(|e| e.key.as_str()));
-        let d = Diag::note("N202", format!("`{}`: `{}` is used without its {keys}", u.name, home.file));
-        let d = d.at(at, "not all of it is used").at(first.key_span, "holds for this file alone");
-        let help = "`[model]` and `[rate]` are those of the model that uses it: write there what is to hold";
+        let d = Diag::note("N202", format!("`{}` uses `{}` without its {keys}", u.name, home.file));
+        let d = d.at(at, "some settings are ignored").at(first.key_span, "ignored");
+        let help = "only `[model]` and `[rate]` of the main model apply: write these settings there";
         self.diags.push(d.help(help));
     }
 
@@ -79,12 +80,13 @@ impl Expander<'_> {
         }
         let d = Diag::error(
             "E013",
-            format!("`{key}` of `{owner}`: a part does not see `{name}`, a parameter of `{}`", home.file),
+            format!("`{key}` of `{owner}`: a part cannot use `{name}`, a parameter of `{}`", home.file),
         );
         let part = self.within.last().map_or("", |w| w.1.as_str());
-        let help =
-            format!("a part sees its own parameters: declare `{name}` in `[part.{part}.param]`, and give it in `with`");
-        self.diags.push(d.at(e.span, "not of the part").at(p.key_span, "of the file").help(help));
+        let help = format!(
+            "a part can use only its own parameters: declare `{name}` in `[part.{part}.param]` and set it in `with`"
+        );
+        self.diags.push(d.at(e.span, "not a parameter of the part").at(p.key_span, "parameter of the file").help(help));
         self.model.lost.push(name.into());
     }
 }

@@ -56,7 +56,8 @@ fn add_from(model: &mut Model, name: &str, u: &Use, body: Model, catalog: &Catal
     let (mut diags, mut u) = (Diags::new(), u.clone());
     u.part = Some(Entry::new("part", name));
     let home = Home { file: String::new(), model: body };
-    let mut open = |name: &str| Err(Unread { what: format!("`{name}` is not at hand"), help: String::new() });
+    let mut open =
+        |name: &str| Err(Unread { what: format!("the file `{name}` is not available"), help: String::new() });
     into(model, &mut diags, catalog, &mut open, |e| e.place(&u, &Rc::new(home), &Scope::default()));
     diags.merge_instances();
     diags

@@ -56,9 +56,9 @@ impl Expander<'_> {
     pub fn too_many(&mut self, at: Span) {
         self.over = true;
         if !self.diags.list.iter().any(|d| d.code == "E027") {
-            let d =
-                Diag::error("E027", format!("more than {LARGEST} modules, with those of parts")).at(at, "from here on");
-            self.diags.push(d.help("a model holds no more, and a real-time one some thousands"));
+            let d = Diag::error("E027", format!("more than {LARGEST} modules, including modules of parts"))
+                .at(at, "limit exceeded here");
+            self.diags.push(d.help("use fewer modules; for real time, a few thousand"));
         }
     }
 }

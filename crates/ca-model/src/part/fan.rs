@@ -68,7 +68,7 @@ impl Fans<'_> {
                 Ok(Some(all)) if all.len().saturating_mul(size(&g)) > LARGEST => {
                     let d =
                         Diag::error("E027", format!("gesture `{}` has too many points for {} ports", g.key, all.len()));
-                    self.diags.push(d.at(g.key_span, "too many").help("let fewer ports play it, or fewer points"));
+                    self.diags.push(d.at(g.key_span, "too many").help("use fewer ports or fewer points"));
                 }
                 Ok(Some(all)) => gestures.extend(all.into_iter().map(|key| Entry { key, ..g.clone() })),
                 Ok(None) => gestures.push(g),
@@ -86,7 +86,7 @@ impl Fans<'_> {
                 self.lost.extend(parse(text).ok().map(|s| s.name));
                 let d = Diag::error("E016", format!("`{owner}`: no `{name}[{index}]`"));
                 let d = d.at(if e.key == text { e.key_span } else { e.span }, "no such instance");
-                self.diags.push(d.help(format!("`{name}` has {n}: [0] to [{}], or [*] for all", n - 1)));
+                self.diags.push(d.help(format!("`{name}` has the instances [0] to [{}]; [*] selects all {n}", n - 1)));
                 Err(())
             }
         }

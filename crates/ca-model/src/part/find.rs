@@ -28,7 +28,10 @@ impl Expander<'_> {
             self.settings(u, first_place(u), &home);
             let m = &home.model;
             if let (Some(first), true) = (m.parts.first(), m.items.is_empty() && m.uses.is_empty()) {
-                let d = Diag::error("E013", format!("`{}`: `{}` holds parts, and no part is named", u.name, home.file));
+                let d = Diag::error(
+                    "E013",
+                    format!("`{}`: `{}` contains only parts, and `part` is missing", u.name, home.file),
+                );
                 let d = d.at(first_place(u), "which part?");
                 self.diags.push(d.help(format!("add `part = \"{}\"`", first.name)));
                 return None;
@@ -49,7 +52,7 @@ impl Expander<'_> {
             let part = home.model.parts.iter().find(|p| p.name == name)?.clone();
             return Some((part, home));
         }
-        let place = if home.file.is_empty() { "here".into() } else { format!("in `{}`", home.file) };
+        let place = if home.file.is_empty() { "in this model".into() } else { format!("in `{}`", home.file) };
         let d = Diag::error("E013", format!("`{}`: no part `{name}` {place}", u.name)).at(e.span, "unknown");
         let library = library::LIBRARY.iter().map(|p| p.0).filter(|_| u.file.is_none());
         let parts = || home.model.parts.iter().map(|p| p.name.as_str()).chain(library.clone());
@@ -57,10 +60,11 @@ impl Expander<'_> {
         self.diags.push(match nearest(name, parts()) {
             Some(near) => d.help(format!("did you mean `{near}`?")).fix(e.span, format!("\"{near}\"")),
             None if home.model.parts.is_empty() && u.file.is_none() => d.help(format!(
-                "write its modules in sections such as `[part.{name}.MAS]`; {} come with the program",
+                "declare it in sections such as `[part.{name}.MAS]`, or use a bundled part: {}",
                 all.join(", ")
             )),
-            None => d.help(format!("there are {}", all.join(", "))),
+            None if all.is_empty() => d.help("leave out `part` to use the whole file: it does not define parts"),
+            None => d.help(format!("available parts: {}", all.join(", "))),
         });
         None
     }
@@ -78,9 +82,10 @@ impl Expander<'_> {
     fn file(&mut self, u: &Use, e: &Entry, home: &Home) -> Option<Rc<Home>> {
         let name = text(e);
         let Some(path) = below(home.folder(), name) else {
-            let d = Diag::error("E031", format!("`{}`: `{name}` is not below the folder of the model", u.name));
-            let help = "name it from the folder of this file, with `/`, without `..`; put it beside the model";
-            self.diags.push(d.at(e.span, "elsewhere").help(help));
+            let d = Diag::error("E031", format!("`{}`: `{name}` is not a path inside the folder of the model", u.name));
+            let help = "move it into the folder of the model, and write its path relative to this file, with `/` and \
+                        without `..`";
+            self.diags.push(d.at(e.span, "outside the folder").help(help));
             return None;
         };
         if let Some(known) = self.files.get(&path) {
@@ -92,7 +97,7 @@ impl Expander<'_> {
                 let d = Diag::error("E031", format!("`{}`: {}", u.name, why.what));
                 let here = home.model.parts.iter().any(|p| p.name == name);
                 let help = if here {
-                    format!("for the part `{name}` of this file write `{{ part = \"{name}\" }}`")
+                    format!("to use the part `{name}` of this file, write `{{ part = \"{name}\" }}`")
                 } else {
                     why.help
                 };

@@ -82,10 +82,10 @@ impl Expander<'_> {
         let itself = self.within.contains(&this);
         if itself || self.within.len() >= DEEP {
             let (what, label, help) = if itself {
-                ("uses itself".into(), "again here", "a part uses others, never itself")
+                ("uses itself".into(), "again here", "a part cannot use itself, directly or through other parts")
             } else {
-                let what = format!("is one of more than {DEEP} within each other");
-                (what, "one too many", "let one of the parts around it hold these modules itself")
+                let what = format!("is nested more than {DEEP} deep");
+                (what, "nested too deep", "write these modules directly in one of the enclosing parts")
             };
             let d = Diag::error("E033", format!("`{name}`: the part `{}` {what}", part.name));
             self.diags.push(d.at(first(u.part.as_ref(), u.span), label).help(help));
@@ -136,14 +136,16 @@ impl Expander<'_> {
             Value::Num(v) if v == libm::floor(v) && v > LARGEST as f64 => {
                 let d = Diag::error("E027", format!("`n` of `{name}` is above {LARGEST}: {}", Plain(v)));
                 let help = format!(
-                    "a model holds fewer than {LARGEST} modules and instances, and a real-time one some thousands"
+                    "a model must have fewer than {LARGEST} modules and instances; for real time, a few thousand"
                 );
                 self.diags.push(d.at(e.span, "too many").help(help));
                 Err(())
             }
             _ => {
-                let d = Diag::error("E006", format!("`n` of `{name}` must be a whole number from 1 on"));
-                self.diags.push(d.at(e.span, "not a count").help("write how many of them there are, e.g. `n = 12`"));
+                let d = Diag::error("E006", format!("`n` of `{name}` must be a whole number, at least 1"));
+                self.diags.push(
+                    d.at(e.span, "not a whole number above 0").help("write the number of instances, e.g. `n = 12`"),
+                );
                 Err(())
             }
         }
@@ -157,8 +159,8 @@ impl Expander<'_> {
             let all: Vec<String> = params().map(|p| format!("`{p}`")).collect();
             self.diags.push(match nearest(&e.key, params()) {
                 Some(near) => d.help(format!("did you mean `{near}`?")).fix(e.key_span, near),
-                None if all.is_empty() => d.help(format!("it has none; declare it in `[part.{}.param]`", part.name)),
-                None => d.help(format!("it has {}", all.join(", "))),
+                None if all.is_empty() => d.help(format!("declare it in `[part.{}.param]`, which is empty", part.name)),
+                None => d.help(format!("its parameters are {}", all.join(", "))),
             });
         }
     }
@@ -174,7 +176,7 @@ impl Expander<'_> {
                 let d = d
                     .at(e.span, format!("{} values", l.len()))
                     .at(first(u.n.as_ref(), u.span), format!("{n} of `{}`", part.name));
-                self.diags.push(d.help("write one value for each, or one for all"));
+                self.diags.push(d.help("write one value for each instance, or one value for all"));
             }
         }
     }
@@ -235,8 +237,8 @@ impl Expander<'_> {
         for (key, n) in scope.lists.take() {
             let Some(e) = u.with.iter().find(|e| e.key == key && u.n.is_none()) else { continue };
             let d = Diag::error("E006", format!("`{key}` of `{full}` must be a number, not a list"));
-            let help = format!("add `n = {n}`, which makes an instance for each value, or write one value");
-            self.diags.push(d.at(e.span, format!("{n} values, and one instance")).help(help));
+            let help = format!("add `n = {n}` to make an instance for each value, or write one value");
+            self.diags.push(d.at(e.span, format!("{n} values for one instance")).help(help));
         }
     }
 

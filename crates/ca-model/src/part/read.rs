@@ -19,7 +19,7 @@ impl Reader<'_, '_> {
                 let what = article(value.get_ref());
                 let d = Diag::error("E003", format!("the part `{name}` must be a section"));
                 let d = d.at(self.span(value), format!("this is {what}"));
-                self.diags.push(d.help(format!("its modules stand in sections such as `[part.{name}.MAS]`")));
+                self.diags.push(d.help(format!("write its modules in sections such as `[part.{name}.MAS]`")));
                 continue;
             };
             if self.check_word(name, self.span(key)) {
@@ -38,8 +38,11 @@ impl Reader<'_, '_> {
             let section = SECTIONS.contains(&word);
             match v.get_ref() {
                 DeValue::Table(_) if section && !IN_PART.contains(&word) => {
-                    let d = Diag::error("E002", format!("`[{word}]` stands at the root of a model, not in a part"));
-                    let help = format!("a part has kinds, groups, and {}", ticked(IN_PART.iter().copied()));
+                    let d = Diag::error(
+                        "E002",
+                        format!("`[{word}]` is allowed only at the root of a model, not in a part"),
+                    );
+                    let help = format!("a part can contain kinds, groups, and {}", ticked(IN_PART.iter().copied()));
                     self.diags.push(d.at(self.span(k), format!("in the part `{name}`")).help(help));
                 }
                 DeValue::Table(_) => self.root(k, v),
@@ -50,7 +53,8 @@ impl Reader<'_, '_> {
         unique(&mut body, &mut self.diags);
         let known: Vec<&'static str> = GROUP.iter().copied().chain(["doc"]).collect();
         let title = |key: &str| format!("unknown property of the part `{name}`: `{key}`");
-        let mut props = self.admit(props, &known, title, || format!("a part knows {}", ticked(known.iter().copied())));
+        let mut props = self
+            .admit(props, &known, title, || format!("the properties of a part are {}", ticked(known.iter().copied())));
         let doc = props.iter().position(|e| e.key == "doc").map(|i| props.remove(i).value);
         let doc = if let Some(Value::Text(t)) = doc { t } else { String::new() };
         Part { name, span: self.span(key), doc, props, body }
@@ -78,20 +82,20 @@ impl Reader<'_, '_> {
             DeValue::Table(t) => {
                 let list = self.entries(t);
                 let title = |k: &str| format!("`{name}`: unknown key of `[use]`: `{k}`");
-                for e in self.admit(list, USE, title, || format!("it has {}", ticked(USE.iter().copied()))) {
+                for e in self.admit(list, USE, title, || format!("its keys are {}", ticked(USE.iter().copied()))) {
                     self.key_of_use(&mut u, e);
                 }
             }
             other => {
-                let d = Diag::error("E003", format!("`{name}` must say what is used"));
+                let d = Diag::error("E003", format!("`{name}` must name a part or a file"));
                 let d = d.at(self.span(value), format!("this is {}", article(other)));
                 self.diags.push(d.help(format!("write `{name} = {{ part = \"…\" }}` or `{name} = \"file.ca.toml\"`")));
                 return None;
             }
         }
         if u.part.is_none() && u.file.is_none() {
-            let d =
-                Diag::error("E005", format!("`{name}` does not say what it uses")).at(u.span, "no `part`, no `file`");
+            let d = Diag::error("E005", format!("`{name}` names neither a part nor a file"))
+                .at(u.span, "`part` or `file` is missing");
             let of = self.model.parts.first().map_or("key", |p| p.name.as_str());
             self.diags.push(d.help(format!("add e.g. `part = \"{of}\"`, or `file = \"bow.ca.toml\"`")));
             return None;
@@ -113,7 +117,7 @@ impl Reader<'_, '_> {
                 u.with = list;
             }
             ("with", _) => wrong(self, &e, "a table of the parameters of the part"),
-            _ => wrong(self, &e, "a text"),
+            _ => wrong(self, &e, "a string"),
         }
     }
 }

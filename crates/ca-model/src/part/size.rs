@@ -18,7 +18,7 @@ impl Expander<'_> {
         }
         let title = format!("`{name}` would make {instances} instances with {modules} modules");
         let at = [&u.n, &u.part, &u.file].into_iter().flatten().next().map_or(u.span, |e| e.span);
-        let help = format!("a model holds fewer than {LARGEST}, and a real-time one some thousands");
+        let help = format!("a model must have fewer than {LARGEST} of each; for real time, a few thousand");
         self.diags.push(Diag::error("E027", title).at(at, "too many").help(help));
         false
     }

@@ -233,8 +233,8 @@ impl<'a> Scan<'a> {
         let text = self.take(|c| c.is_ascii_digit() || matches!(c, '.' | '-' | '+'));
         match text.parse::<f64>() {
             Ok(p) if p.abs() <= 9.0 => Ok(p),
-            Ok(_) => Err(fault(start, self.at, "a power of a unit lies within -9 and 9")),
-            Err(_) => Err(fault(start, self.at, "`^` is followed by a number, as in `m^1.5`")),
+            Ok(_) => Err(fault(start, self.at, "the power of a unit must be between -9 and 9")),
+            Err(_) => Err(fault(start, self.at, "`^` must be followed by a number, as in `m^1.5`")),
         }
     }
 }

@@ -66,8 +66,8 @@ impl Reader<'_, '_> {
             }
             DeValue::Table(t) => Value::Table(self.entries(t)),
             DeValue::Datetime(_) => {
-                let d = Diag::error("E006", format!("`{key}`: a date is of no use in a model"));
-                self.diags.push(d.at(span, "this is a date").help("put it in quotes if it is text"));
+                let d = Diag::error("E006", format!("`{key}`: a date is not allowed in a model"));
+                self.diags.push(d.at(span, "this is a date").help("put it in quotes if it is a text"));
                 return None;
             }
         })

@@ -109,7 +109,7 @@ impl Reader<'_, '_> {
                     format!("kinds are {}", ticked(self.catalog.iter().map(|k| k.code)))
                 } else {
                     format!(
-                        "sections are {} and kinds in upper case; the modules of a group stand in `[{name}.MAS]`",
+                        "sections are {} and kinds in upper case; write the modules of a group in `[{name}.MAS]`",
                         ticked(SECTIONS.iter().copied())
                     )
                 };
@@ -147,14 +147,14 @@ impl Reader<'_, '_> {
                 .at(self.span(value), format!("this is {what}"));
             d.help(match value.get_ref() {
                 DeValue::Array(_) => format!("write `[{name}]`, in single brackets, and one line for each module"),
-                _ => format!("write `[{name}]` on a line of its own and its entries below"),
+                _ => format!("write `[{name}]` on a separate line and its entries below"),
             })
         } else {
             let home = [("model", META), ("rate", RATES)].into_iter().find(|s| s.1.contains(&name));
-            let d = Diag::error("E002", format!("`{name}` stands outside any section"));
-            d.at(self.span(key), "no section yet").help(match home {
+            let d = Diag::error("E002", format!("`{name}` is outside any section"));
+            d.at(self.span(key), "before the first section").help(match home {
                 Some((section, _)) => format!("move it below `[{section}]`"),
-                None => "a model is made of sections: `[model]`, `[rate]`, `[MAS]` and so on".into(),
+                None => "move it into a section: `[model]`, `[rate]`, `[MAS]` and so on".into(),
             })
         };
         self.diags.push(d);
@@ -222,7 +222,7 @@ impl Reader<'_, '_> {
     fn known(&mut self, section: &str, table: &DeTable, keys: &[&'static str]) -> Vec<Entry> {
         let list = self.entries(table);
         let title = |key: &str| format!("unknown key in `[{section}]`: `{key}`");
-        self.admit(list, keys, title, || format!("`[{section}]` knows {}", ticked(keys.iter().copied())))
+        self.admit(list, keys, title, || format!("the keys of `[{section}]` are {}", ticked(keys.iter().copied())))
     }
 
     fn params(&mut self, table: &DeTable) -> Vec<Entry> {

@@ -31,11 +31,11 @@ impl Reader<'_, '_> {
                 }
                 DeValue::Table(t) if !GROUP.contains(&code) => {
                     let d = Diag::error("E002", format!("`{name}.{code}` is neither a kind nor a property"));
-                    let d = d.at(self.span(k), "in a group stand kinds, in upper case");
+                    let d = d.at(self.span(k), "a group contains kinds, in upper case");
                     let meant = nearest(code, self.catalog.iter().map(|k| k.code));
                     self.diags.push(match meant {
                         Some(m) => d.help(format!("did you mean `{m}`?")).fix(self.span(k), m),
-                        None => d.help("groups do not nest"),
+                        None => d.help("a group cannot contain another group"),
                     });
                     match meant.and_then(|m| self.catalog.get(m)) {
                         Some(kind) => self.modules(kind.code, Some(kind), k, t, Some((index, name))),
@@ -46,7 +46,8 @@ impl Reader<'_, '_> {
             }
         }
         let title = |key: &str| format!("unknown property of the group `{name}`: `{key}`");
-        let props = self.admit(props, GROUP, title, || format!("a group knows {}", ticked(GROUP.iter().copied())));
+        let props = self
+            .admit(props, GROUP, title, || format!("the properties of a group are {}", ticked(GROUP.iter().copied())));
         if let Some(group) = self.model.groups.get_mut(index) {
             group.props = props;
         }
@@ -124,7 +125,9 @@ impl Reader<'_, '_> {
     fn admit_params(&mut self, name: &str, kind: &'static Kind, list: Vec<Entry>) -> Vec<Entry> {
         let keys: Vec<&'static str> = kind.params.iter().map(|p| p.name).collect();
         let title = |key: &str| format!("`{name}`: unknown parameter `{key}`");
-        self.admit(list, &keys, title, || format!("`{}` has {}", kind.code, ticked(keys.iter().copied())))
+        self.admit(list, &keys, title, || {
+            format!("the parameters of `{}` are {}", kind.code, ticked(keys.iter().copied()))
+        })
     }
 
     fn not_a_table(&mut self, name: &str, kind: Option<&Kind>, what: &str, span: Span) {

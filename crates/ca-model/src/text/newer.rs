@@ -37,14 +37,14 @@ impl Newer {
         let note = |title: &str, span, label: &str| Diag::note("N205", format!("TOML 1.1: {title}")).at(span, label);
         let others = "Python's `tomllib` and other readers of TOML 1.0 refuse the file";
         match self {
-            Newer::Lines(at) => note("a table in braces goes on over lines", span(at, 1), "begins here")
-                .help(format!("{others}: write it on one line, or each entry on a line, `key.f = …`")),
-            Newer::Comma(at) => note("a comma stands before `}`", span(at, 1), "begins no entry")
-                .help(format!("{others}: leave it out"))
+            Newer::Lines(at) => note("a table in braces spans several lines", span(at, 1), "begins here")
+                .help(format!("{others}: write it on one line, or one entry per line as `key.f = …`")),
+            Newer::Comma(at) => note("a comma before `}`", span(at, 1), "no entry follows")
+                .help(format!("{others}: remove it"))
                 .fix(span(at, 1), ""),
             Newer::Escape(at) => {
                 let code = if text.as_bytes().get(at + 1) == Some(&b'e') { "u001b" } else { "u00" };
-                let help = format!("{others}: write `\\{code}` for it");
+                let help = format!("{others}: write `\\{code}` instead");
                 note("an escape sequence in a string", span(at, 2), "since TOML 1.1")
                     .help(help)
                     .fix(span(at, 2), format!("\\{code}"))

@@ -105,7 +105,7 @@ impl Reader<'_, '_> {
             mended.insert(0, '_');
         }
         let d = Diag::error("E014", format!("not a name: `{}`", word.escape_debug())).at(span, "not a name");
-        let d = d.help("a name is made of the letters a to z and A to Z, digits and `_`, and starts with a letter");
+        let d = d.help("a name has letters a to z and A to Z, digits and `_`, and starts with a letter or `_`");
         // a name in other letters would become meaningless underscores
         self.diags.push(if word.is_ascii() && is_word(&mended) { d.fix(span, mended) } else { d });
         self.model.lost.push(word.into());

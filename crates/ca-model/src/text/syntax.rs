@@ -155,8 +155,8 @@ pub(crate) fn report(source: &Source, text: &str, doc: &DeTable, errors: &[Error
             && !written.is_empty()
             && !written.contains(['"', '\\'])
         {
-            let d = Diag::error("E001", "not TOML: a string without quotes").at(span, "put this in quotes");
-            diags.push(d.help("a value with a unit is a string").fix(span, format!("\"{written}\"")));
+            let d = Diag::error("E001", "not TOML: a string without quotes").at(span, "missing quotes");
+            diags.push(d.help("put a value with a unit in quotes").fix(span, format!("\"{written}\"")));
             continue;
         }
         // a name in other letters is read, and refused as a name later
@@ -191,7 +191,7 @@ fn duplicate(source: &Source, text: &str, doc: &DeTable, span: Span, written: &s
             Some(f) => d.at(f, "first here"),
             None => d,
         };
-        return d.help("TOML has each section once: move these lines up to the first");
+        return d.help("TOML allows each section only once: move these lines to the first");
     }
     let mut first = None;
     last_key_before(source, doc, written, span, &mut first);
@@ -200,7 +200,7 @@ fn duplicate(source: &Source, text: &str, doc: &DeTable, span: Span, written: &s
         Some(f) => d.at(f, "first here"),
         None => d,
     };
-    d.help("the first one counts: remove or rename the second")
+    d.help("the first one is used: remove or rename the second")
 }
 
 /// Finds the last key of that name before `before`, which is the repeated one, since both are in the same table.
@@ -258,8 +258,8 @@ impl<'s> Brackets<'s> {
                     } else {
                         if fresh && self.open.is_empty() && self.cutter.module(self.at) > LARGEST {
                             let d = Diag::error("E027", format!("more than {LARGEST} masses and links are written"));
-                            let d = d.at(Span { start: self.at, end: self.at + 1 }, "from here on");
-                            let fewer = "a model holds no more, and a real-time one some thousands";
+                            let d = d.at(Span { start: self.at, end: self.at + 1 }, "limit exceeded here");
+                            let fewer = "use fewer modules; for real time, a few thousand";
                             diags.push(d.help(fewer));
                             return false;
                         }
@@ -267,7 +267,7 @@ impl<'s> Brackets<'s> {
                     }
                     if self.open.len() > DEEP {
                         let d = Diag::error("E001", "not TOML: nested too deep");
-                        diags.push(d.at(Span { start: self.at, end: self.at + 1 }, format!("more than {DEEP} deep")));
+                        diags.push(d.at(Span { start: self.at, end: self.at + 1 }, format!("more than {DEEP} levels")));
                         return false;
                     }
                     fresh = false;
@@ -399,9 +399,9 @@ impl<'s> Brackets<'s> {
         let body = self.text.get(start + 1..end).unwrap_or("");
         let keep = body.trim_end_matches(|c: char| c.is_whitespace() || matches!(c, '}' | ']' | ',' | '\\'));
         let at = start + 1 + keep.len();
-        let d =
-            Diag::error("E001", "not TOML: a string is not closed").at(Span { start, end: at }, "its end is missing");
-        let d = d.help("close it with the quote it began with");
+        let d = Diag::error("E001", "not TOML: a string is not closed")
+            .at(Span { start, end: at }, "the closing quote is missing");
+        let d = d.help("close it with the same quote as at its start");
         diags.push(d.fix(Span { start: at, end: at }, char::from(quote)));
         self.edits.push((at, char::from(quote)));
         self.at = at - 1;

@@ -58,7 +58,7 @@ def made(scene: _core.Scene, gesture: Gesture) -> _core.Gesture | None:
     if isinstance(gesture, (str, os.PathLike)):
         return _file(scene, gesture, None, None)
     if not isinstance(gesture, Mapping):
-        raise UsageError("a gesture is a file, or names of ports with what drives them")
+        raise UsageError("a gesture must be a file, or a mapping from names of ports to curves")
     files: list[_core.Gesture] = []
     tracks: list[tuple[str, Any]] = []
     for name, curve in gesture.items():
@@ -86,7 +86,7 @@ def made(scene: _core.Scene, gesture: Gesture) -> _core.Gesture | None:
 def _joined(name: str, points: Points) -> Floats:
     times, values = reals(f"times of {name}", points.times), reals(f"values of {name}", points.values)
     if times.ndim != 1 or times.shape != values.shape:
-        raise UsageError(f"`Points` of `{name}` have times {times.shape} and values {values.shape}: both are (n,)")
+        raise UsageError(f"`Points` of `{name}` have times {times.shape} and values {values.shape}; both must be (n,)")
     return np.ascontiguousarray(np.stack([times, values], axis=1))
 
 
@@ -98,8 +98,8 @@ def _no_curve(values: Floats) -> str:
             "and values, `a[:, 0]` for samples of one channel"
         )
     if values.ndim == 2 and 1 in values.shape:
-        return f"has the shape {values.shape}: samples are (n,), e.g. `a.ravel()`"
-    return f"has the shape {values.shape}: samples are (n,), breakpoints a list of pairs or `Points`"
+        return f"has the shape {values.shape}; samples must have the shape (n,), e.g. `a.ravel()`"
+    return f"has the shape {values.shape}; use samples (n,), or breakpoints as a list of pairs or `Points`"
 
 
 def _file(scene: _core.Scene, path: Path, port: str | None, rate: float | None) -> _core.Gesture:

@@ -33,7 +33,7 @@ class Check:
         return self.ok
 
     def __repr__(self) -> str:
-        return self.text.rstrip() or "nothing found"
+        return self.text.rstrip() or "no findings"
 
 
 class Model:

@@ -53,7 +53,7 @@ class Render:
     peak: Floats
     #: number of samples clipped at ±1
     clipped: int
-    #: number of non-finite samples, which became silence
+    #: number of non-finite samples, which were replaced by silence
     non_finite: int
     #: computation time [s]
     run_time: float

@@ -287,8 +287,8 @@ def _value(name: str, given: Any) -> Any:
         return [_value(name, v) for v in given]
     if isinstance(given, dict):
         return {k: _value(name, v) for k, v in given.items()}
-    hint = "; leave it out where nothing is meant" if given is None else ""
-    raise UsageError(f"`{name}` cannot be {given!r}: numbers, quantities, names and lists are values{hint}")
+    hint = "; leave it out instead" if given is None else ""
+    raise UsageError(f"`{name}` cannot be {given!r}: use a number, a quantity, a name or a list{hint}")
 
 
 def number(name: str, given: object, unit: str) -> float:
@@ -311,9 +311,9 @@ def whole(name: str, value: object, low: int, high: int) -> int:
     try:
         number = operator.index(value)  # type: ignore[arg-type]
     except TypeError:
-        raise UsageError(f"{name} = {value!r}: a whole number is wanted") from None
+        raise UsageError(f"{name} = {value!r}: must be a whole number") from None
     if not low <= number <= high:
-        raise UsageError(f"{name} = {number}: {low} to {high}")
+        raise UsageError(f"{name} = {number}: must be {low} to {high}")
     return number
 
 
@@ -330,7 +330,7 @@ def transposed(sound: Floats) -> None:
     if sound.ndim == 2 and sound.shape[1] > max(_CHANNELS, sound.shape[0]):
         frames, channels = sound.shape
         what = f"has the shape {sound.shape}, which is {frames} frames of {channels} channels"
-        raise UsageError(f"the sound {what}: it is (frames, channels); transpose it, `.T`")
+        raise UsageError(f"the sound {what}; transpose it with `.T` to (frames, channels)")
 
 
 def is_double(dtype: DType) -> bool:
@@ -344,7 +344,7 @@ def is_double(dtype: DType) -> bool:
     except TypeError:
         asked = np.dtype(object)
     if dtype is None or asked not in (np.dtype(np.float32), np.dtype(np.float64)):
-        raise UsageError(f'dtype = {dtype!r}: "float32" or "float64"')
+        raise UsageError(f'dtype = {dtype!r}: must be "float32" or "float64"')
     return asked == np.dtype(np.float64)
 
 
@@ -352,7 +352,7 @@ def length(given: object) -> float:
     """Checks a length to play [s]."""
     seconds = number("seconds", given, "s")
     if not 0 < seconds < 1e9:
-        raise UsageError(f"seconds = {given}: a length above 0, below 1e9")
+        raise UsageError(f"seconds = {given}: must be above 0 and below 1e9")
     return seconds
 
 
@@ -365,12 +365,12 @@ def reals(name: str, given: object, *, dense: bool = False) -> Floats:
     try:
         array = np.asarray(given)
     except ValueError:
-        raise UsageError(f"`{name}` is no array: its rows are of several lengths") from None
+        raise UsageError(f"`{name}` is not an array: its rows have different lengths") from None
     if array.dtype.kind not in "biuf":
-        raise UsageError(f"`{name}` holds {_KINDS.get(array.dtype.kind, str(array.dtype))}: real numbers are wanted")
+        raise UsageError(f"`{name}` contains {_KINDS.get(array.dtype.kind, str(array.dtype))}; use real numbers")
     made: Floats = np.require(array, np.float64, ["C", "A"] if dense else ["A"])
     return made
 
 
 #: array contents other than real numbers
-_KINDS = {"c": "complex numbers", "U": "text", "S": "bytes", "O": "something that is no number", "V": "records"}
+_KINDS = {"c": "complex numbers", "U": "text", "S": "bytes", "O": "objects that are not numbers", "V": "records"}

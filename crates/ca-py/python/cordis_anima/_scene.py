@@ -47,7 +47,7 @@ class Scene(Measured, Derivatives):
     _hash: str | None
 
     def __init__(self, *_: object, **__: object) -> None:
-        raise UsageError("a scene comes from `ca.load`, `ca.parse` or `Model.compile`")
+        raise UsageError("use `ca.load`, `ca.parse` or `Model.compile` to make a scene")
 
     @classmethod
     def _of(cls, model: _core.Model, rate: float | str | None, exact: bool) -> Scene:
@@ -223,7 +223,7 @@ class Scene(Measured, Derivatives):
         found = self.accuracy(seconds, times=times, reference=reference, probes=probes, progress=progress)
         best = found.cheapest(error)
         if best is None:
-            why = f"the smallest is {min(found.error):.1e}, and the reference is known to {found.known:.1e}"
+            why = f"the smallest is {min(found.error):.1e}, and the reference is accurate to {found.known:.1e}"
             raise UsageError(f"no method has an error of at most {error:g}: {why}")
         return self.replace(dict(self._model.changes(*best) or ()))
 
@@ -267,7 +267,7 @@ class Scene(Measured, Derivatives):
         """
         seconds = None if seconds is None else length(seconds)
         if on_unstable not in ("keep", "raise"):
-            raise UsageError(f"on_unstable = {on_unstable!r}: \"keep\" or \"raise\"")
+            raise UsageError(f"on_unstable = {on_unstable!r}: must be \"keep\" or \"raise\"")
         probes = [probes] if isinstance(probes, str) else list(probes)
         core = self._listening(probes, energy)
         raw = core.render(seconds, made(self._compiled, gesture), is_double(dtype), progress)
@@ -282,7 +282,7 @@ class Scene(Measured, Derivatives):
             if raw["clipped"]:
                 reported.append(f"{raw['clipped']} samples beyond full scale; multiply the gain by {raw['gain']:g} or less")
             if raw["non_finite"]:
-                reported.append(f"{raw['non_finite']} samples had no value and became silence")
+                reported.append(f"{raw['non_finite']} samples were not finite and were replaced by silence")
             message = "; ".join(reported)
         places, names = columns(raw["probe_of"], probes), raw["probe_names"]
         return Render(
@@ -416,7 +416,7 @@ class Scene(Measured, Derivatives):
         asked = [masses] if isinstance(masses, str) else list(masses)
         for selector in asked:
             if self._unit(selector) != "m":
-                raise UsageError(f"`{selector}` is a force; a rollout keeps where masses are")
+                raise UsageError(f"`{selector}` is a force; a rollout records positions of masses only")
         played = self.render(seconds, gesture=gesture, probes=asked, progress=progress)
         heard = [played.probes[s].reshape(len(played.audio), -1) for s in asked]
         places = tuple(name for s in asked for name in played.columns[s])

@@ -99,7 +99,7 @@ class Sim:
 
     def __init__(self, core: _core.Scene, block: int, probes: Sequence[str] = (), double: bool = False) -> None:
         if block < 1:
-            raise UsageError(f"block = {block}: at least one sample")
+            raise UsageError(f"block = {block}: must be at least 1 sample")
         about = core.about()
         #: sound rate [Hz]
         self.sr = round(about["rate"])
@@ -157,7 +157,7 @@ class Sim:
         """
         over = self._frame if over is None else number("over", over, "s")
         if not 0 <= over <= 3600:
-            raise UsageError(f"over = {over}: from 0 to 3600 seconds")
+            raise UsageError(f"over = {over}: must be 0 to 3600 seconds")
         self._core.set(name, number(f"`{name}`", value, self._live.get(name, "")), max(1, round(over * self._rate)))
 
     def step(
@@ -186,7 +186,7 @@ class Sim:
         if force is not None:
             _writable("force", force, np.float64)
         if n is not None and n < 0:
-            raise UsageError(f"n = {n}: at least no sample")
+            raise UsageError(f"n = {n}: must be at least 0 samples")
         given, n = self._given(inputs, n, out)
         audio = np.empty((n, len(self.channels)), dtype=self._dtype) if out is None else out
         forces = np.empty((n, len(self._ports)), dtype=np.float64) if force is None else force
@@ -210,7 +210,7 @@ class Sim:
         if not isinstance(inputs, Mapping):
             rows = reals("inputs", inputs, dense=True)
             if rows.ndim != 2:
-                raise UsageError(f"inputs have the shape {rows.shape}: (n, {len(self._names)}), or give them by name")
+                raise UsageError(f"inputs have the shape {rows.shape}; use (n, {len(self._names)}), or give them by name")
             return rows, len(rows) if n is None else n
         curves: dict[int, Any] = {}
         for name, value in inputs.items():
@@ -218,7 +218,7 @@ class Sim:
                 raise UsageError(f"no port `{name}`; this scene has {', '.join(self._names) or 'none'}")
             value = reals(name, value)
             if value.ndim > 1 or (value.ndim == 1 and n is not None and len(value) != n):
-                raise UsageError(f"`{name}` has the shape {value.shape}; a number, or as many as there are samples")
+                raise UsageError(f"`{name}` has the shape {value.shape}; use a number, or one number per sample")
             if value.ndim == 1:
                 n = len(value)
             curves[self._names.index(name)] = value
@@ -262,7 +262,7 @@ class Sim:
                 ``energy``); nothing changes then.
         """
         if not isinstance(state, Snapshot):
-            raise UsageError(f"a snapshot is what `Sim.state()` gives, not {type(state).__name__}")
+            raise UsageError(f"a snapshot must come from `Sim.state()`, not {type(state).__name__}")
         self._core.restore(state.data)
         self._held = np.array([self._core.inputs], dtype=np.float64).reshape(self._rest.shape)
 
@@ -295,4 +295,4 @@ def _writable(name: str, array: object, *dtypes: type[np.floating[Any]]) -> None
         good = apart and along % item == 0 and down % item == 0
     if not good:
         wanted = " or ".join(np.dtype(d).name for d in dtypes)
-        raise UsageError(f"`{name}` must be a writable array (n, …) of {wanted}, row after row")
+        raise UsageError(f"`{name}` must be a writable array (n, …) of {wanted}, in row-major order")

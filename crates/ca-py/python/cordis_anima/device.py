@@ -194,7 +194,7 @@ def _claim(root: str) -> tuple[str, Any]:
                 os.ftruncate(file, 8)
             fcntl.flock(file, fcntl.LOCK_UN)
         if time.monotonic() > end:
-            raise FailedError(f"`{root}/prefix` is locked by another process")
+            raise FailedError(f"`{root}/prefix` is locked by another process; try again")
 
 
 def _closed(prefix: str) -> None:
@@ -219,7 +219,7 @@ def _unmixed(prefix: str, before: list[tuple[str, os.stat_result]]) -> None:
     with open("/proc/self/maps") as maps:
         for line in maps:
             if f"{_SHM}/{prefix}" in line and int(line.split()[4]) in inodes:
-                raise FailedError(f"`{line.split()[5]}` belongs to another user: end all servers and devices")
+                raise FailedError(f"`{line.split()[5]}` belongs to another user; stop all servers and devices")
 
 
 class Device:
@@ -259,11 +259,11 @@ class Device:
         simulated: bool = False,
     ) -> None:
         if not (1 <= len(name) <= 16 and all(a.isascii() and (a.isalnum() or a in "_-.") for a in name)):
-            raise UsageError(f"a device cannot be named {name!r}; take 1 to 16 of a-z A-Z 0-9 _ - .")
+            raise UsageError(f"{name!r} is not a valid device name; use 1 to 16 characters of a-z A-Z 0-9 _ - .")
         if not (1 <= n <= DOF and 1 <= axes <= 3 and n % axes == 0):
-            raise UsageError(f"{n} degrees of freedom in vectors of {axes}; 1 to {DOF}, of 1, 2 or 3")
+            raise UsageError(f"{n} degrees of freedom in vectors of {axes}; use 1 to {DOF}, in whole vectors of 1, 2 or 3")
         if rate < 1:
-            raise UsageError(f"{rate} frames a second; 1 or more")
+            raise UsageError(f"rate = {rate}: must be at least 1 frame per second")
         #: degrees of freedom
         self.n = n
         self._name, self._period = name, 1_000_000_000 // int(rate)
@@ -274,7 +274,7 @@ class Device:
         for field, value in given.items():
             values = [float(v) for v in value] if isinstance(value, Sequence) else [float(value)] * n
             if len(values) != n:
-                raise UsageError(f"`{field}` has {len(values)} numbers for {n} degrees of freedom")
+                raise UsageError(f"`{field}` has {len(values)} numbers for {n} degrees of freedom; give one, or one for each")
             getattr(self._about, field)[:n] = values
         #: hardware state in the next frames, e.g. ``device.status &= ~Status.POWERED``
         self.status = Status.CONNECTED | Status.POWERED | Status.CALIBRATED
@@ -299,7 +299,8 @@ class Device:
         os.makedirs(root, mode=0o700, exist_ok=True)
         about = os.stat(root)
         if about.st_uid != os.getuid() or about.st_mode & 0o022:
-            raise FailedError(f"`{root}` belongs to another user or can be written by others; set CA_SHM_ROOT")
+            what = "belongs to another user or can be written by others"
+            raise FailedError(f"`{root}` {what}; set `CA_SHM_ROOT` to another folder")
         prefix, self._held = _claim(root)
         _closed(prefix)
         foreign = _foreign(prefix)
@@ -319,7 +320,7 @@ class Device:
         try:
             self._sends: Any = self._lines[0].publisher_builder().create()
         except iox.PublisherCreateError as e:
-            raise FailedError(f"the device `{self._name}` is there already: end it, or take another name") from e
+            raise FailedError(f"the device `{self._name}` is already running; stop it, or use another name") from e
         self._hears: Any = self._lines[1].subscriber_builder().create()
         self._tells: Any = self._lines[2].publisher_builder().create()
         _unmixed(prefix, foreign)
@@ -357,11 +358,11 @@ class Device:
                 has too many bits.
         """
         if cause not in CAUSES:
-            raise UsageError(f"cause = {cause!r}: one of {', '.join(CAUSES)}")
+            raise UsageError(f"cause = {cause!r}: must be one of {', '.join(CAUSES)}")
         whole = 2**self.n - 1
         mask = whole if mask is None else mask
         if not 0 <= mask <= whole:
-            raise UsageError(f"mask = {mask:#x}: a bit for each of {self.n} degrees of freedom")
+            raise UsageError(f"mask = {mask:#x}: only the lowest {self.n} bits may be set, one per degree of freedom")
         now = time.monotonic_ns()
         if now - self._told >= 1_000_000_000:
             self._tells.send_copy(self._about)
@@ -393,7 +394,7 @@ class Device:
     def _each(self, value: float | Sequence[float]) -> list[float]:
         values = [float(v) for v in value] if isinstance(value, Sequence) else [float(value)]
         if len(values) != self.n:
-            raise UsageError(f"{len(values)} numbers for {self.n} degrees of freedom")
+            raise UsageError(f"{len(values)} numbers for {self.n} degrees of freedom; give one for each")
         return values
 
     def force(self) -> list[float]:

@@ -61,7 +61,7 @@ def _load(name: str) -> Scene:
 
 def __getattr__(name: str) -> Callable[[], Scene]:
     if name not in _core.bundled():
-        raise AttributeError(f"no bundled model `{name}`; `examples.names()` has them all")
+        raise AttributeError(f"no bundled model `{name}`; `examples.names()` lists them all")
 
     def model() -> Scene:
         return _load(name)

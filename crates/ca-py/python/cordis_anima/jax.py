@@ -64,7 +64,7 @@ def render(
     real = {name: jnp.asarray(v) for name, v in arrays.items()}
     for name, v in real.items():
         if jnp.iscomplexobj(v):
-            raise UsageError(f"`{name}` holds complex numbers: real numbers are wanted")
+            raise UsageError(f"`{name}` contains complex numbers; use real numbers")
     each = jnp.broadcast_arrays(*[v.astype(jnp.result_type(float, v)) for v in real.values()])
     return _function()(Instances(scene, list(arrays), seconds, gesture, threads), jnp.stack(each, axis=-1))
 

@@ -56,7 +56,7 @@ def render(
     tensors = [torch.as_tensor(v) for v in arrays.values()]
     for name, t in zip(arrays, tensors):
         if t.is_complex():
-            raise UsageError(f"`{name}` holds complex numbers: real numbers are wanted")
+            raise UsageError(f"`{name}` contains complex numbers; use real numbers")
     tensors = [t if t.is_floating_point() else t.to(torch.get_default_dtype()) for t in tensors]
     if not tensors:
         return torch.from_numpy(alone(scene, seconds, gesture)).to(torch.get_default_dtype())
@@ -86,7 +86,7 @@ def _function() -> Any:
 
         @staticmethod
         def backward(ctx: Any, *_: Any) -> Any:
-            raise UsageError("a render is differentiated once: there is no second derivative")
+            raise UsageError("a render can be differentiated only once; second derivatives are not supported")
 
     class Render(torch.autograd.Function):  # type: ignore[misc, name-defined]
         """Maps values (…, parameters) to sound (…, frames, channels)."""

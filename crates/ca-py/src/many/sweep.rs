@@ -172,7 +172,7 @@ impl Sweep {
 
     fn folder(&self, py: Python, path: PathBuf, audio: &str, chunk: u64) -> PyResult<Folder> {
         let audio = Audio::named(audio);
-        let audio = audio.ok_or_else(|| usage(py, "sounds of a folder are \"flac\", \"wav\" or \"none\""))?;
+        let audio = audio.ok_or_else(|| usage(py, "`audio` must be \"flac\", \"wav\" or \"none\" for a folder"))?;
         Folder::open(&path, &self.sweep, audio, chunk).map_err(|e| failure(py, e))
     }
 }

@@ -73,11 +73,11 @@ def test_a_number_of_a_list_and_one_with_a_unit():
 @pytest.mark.parametrize(
     ("values", "options", "says"),
     [
-        ({}, {}, "varies nothing"),
+        ({}, {}, "needs at least one parameter"),
         ([110], {}, "columns by name"),
-        ({"low.f": [110], "hammer.m": [0.01, 0.02]}, {}, "has 2 values and `low.f` has 1"),
-        ({"low.f": 110}, {}, "a value for each instance"),
-        ({"low.f": "110 Hz"}, {}, "a value for each instance"),
+        ({"low.f": [110], "hammer.m": [0.01, 0.02]}, {}, "has 2 values, but `low.f` has 1"),
+        ({"low.f": 110}, {}, "one value per instance"),
+        ({"low.f": "110 Hz"}, {}, "one value per instance"),
         ({"low.ff": [110]}, {}, "no parameter `ff`"),
         ({"low.f": [None]}, {}, "leave it out"),
         ({"rim.f[9]": [1.0]}, {}, "the model has no"),
@@ -87,7 +87,7 @@ def test_a_number_of_a_list_and_one_with_a_unit():
         ({"low.f": [110]}, {"dtype": None}, "float32"),
         ({"low.f": [110]}, {"dtype": "no such"}, "float32"),
         ({"low.f": [110]}, {"threads": 0}, "threads = 0"),
-        ({"low.f": [110]}, {"gesture": {"nobody": 1.0}}, "nothing is driven"),
+        ({"low.f": [110]}, {"gesture": {"nobody": 1.0}}, "is not a port or live parameter"),
         ({"low.f": [110.0] * 100_000}, {"seconds": 1e6}, "do not fit into memory"),
     ],
 )
@@ -99,7 +99,7 @@ def test_what_makes_no_sense_is_refused(values, options, says):
 def test_what_is_too_loud_says_by_how_much():
     b = ca.batch(STRING, {"out.gain": [1e6, 1.0]}, 0.05)
     assert b.status.tolist() == ["clipped", "ok"] and b.peak.shape == (2,)
-    above = float(b.message[0].partition("the loudest by ")[2].partition(" dB")[0])
+    above = float(b.message[0].partition("the loudest is ")[2].partition(" dB")[0])
     assert abs(above - 20 * np.log10(b.peak[0])) < 0.06 and "lower `gain`" in b.message[0]
 
 

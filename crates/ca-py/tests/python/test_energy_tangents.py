@@ -57,15 +57,15 @@ def test_what_has_no_derivatives_of_energy_is_refused() -> None:
     scene = ca.parse(BAR)
     with pytest.raises(ca.UsageError, match="no such parameter"):
         scene.energy_tangents(["bar.n"], 0.01)
-    with pytest.raises(ca.UsageError, match="names no parameter"):
+    with pytest.raises(ca.UsageError, match="`wrt` is empty"):
         scene.energy_tangents([], 0.01)
-    with pytest.raises(ca.UsageError, match="no derivative by `bar.m` was asked for"):
+    with pytest.raises(ca.UsageError, match="no derivative by `bar.m` was computed"):
         scene.energy_tangents(["bar.f"], 0.01)["bar.m"]
     for instants in (0, 481, 1.5):
         with pytest.raises(ca.UsageError, match="instants"):
             scene.energy_tangents(["bar.f"], 0.01, instants=instants)  # type: ignore[arg-type]
     pefrl = ca.parse('[model]\nmethod = "pefrl"\n[SOL]\nwall = {}\n[MAS]\na = { m = "1 g", dx0 = "1 mm" }\n[RES]\ns = { between = ["wall", "a"], k = "8 kN/m" }\n[SOX]\nout = { from = "a" }\n')
-    with pytest.raises(ca.UsageError, match="no energy ledger"):
+    with pytest.raises(ca.UsageError, match="does not support the energy ledger"):
         pefrl.energy_tangents(["s.k"], 0.01)
     key = ca.parse('[key]\nrate = "gesture"\n[key.SOL]\nbed = {}\n[key.MAS]\nlever = { m = "50 g", dx0 = "1 mm" }\n[key.REF]\nspring = { between = ["key.bed", "key.lever"], k = "200 N/m", z = "0.5 N s/m" }\n[CEL]\nbar = { m = "2 g", f = "330 Hz", t60 = "1 s" }\n[RES]\nhit = { between = ["key.lever", "bar"], k = "4 kN/m" }\n[SOX]\nout = { from = "bar" }\n')
     with pytest.raises(ca.UsageError, match="groups at the gesture rate are not differentiated"):

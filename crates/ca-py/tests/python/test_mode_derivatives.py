@@ -68,7 +68,7 @@ def test_two_poles_that_are_one_have_none() -> None:
 
 
 @pytest.mark.parametrize(
-    ("wrt", "says"), [([], "no parameter"), (["low.n"], "whole number"), (["low.ff"], "did you mean|no such"), (["nobody.f"], "no `nobody.f`")]
+    ("wrt", "says"), [([], "`wrt` is empty"), (["low.n"], "whole number"), (["low.ff"], "did you mean|no such"), (["nobody.f"], "no `nobody.f`")]
 )
 def test_what_has_no_derivative_is_refused(wrt: list[str], says: str) -> None:
     with pytest.raises(ca.UsageError, match=says):

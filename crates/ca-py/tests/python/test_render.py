@@ -85,7 +85,7 @@ def test_gestures_of_every_form(key: ca.Scene, tmp_path: Path) -> None:
     assert np.array_equal(key.render(0.1, gesture=tmp_path / "hand.npy").audio, want)
     # an error in a gesture is a usage error unless a file is involved
     for wrong, what in [
-        ({"hend": 1}, "nothing is driven by `hend`"),
+        ({"hend": 1}, "`hend` is not a port or live parameter"),
         ({"hand": [(0, 0), (0.1, float("nan"))]}, "point 1"),
         ({"hand": [(0, 0), (-0.1, 1)]}, "point 1"),
         ({"hand": (x, -48000.0)}, "rate"),
@@ -94,16 +94,16 @@ def test_gestures_of_every_form(key: ca.Scene, tmp_path: Path) -> None:
         ({"hand": np.zeros((0, 2))}, "hand"),
         # times and values, or two channels of a sound
         ({"hand": np.stack([t, x], axis=1)}, r"may be breakpoints or two channels: write `Points\(a\[:, 0\], a\[:, 1\]\)`"),
-        ({"hand": x[:, None]}, r"samples are \(n,\), e.g. `a.ravel\(\)`"),
+        ({"hand": x[:, None]}, r"samples must have the shape \(n,\), e.g. `a.ravel\(\)`"),
         ({"hand": np.zeros((2, 4800))}, r"has the shape \(2, 4800\)"),
         ({"hand": ca.Points(t, x[:-1])}, r"times \(4800,\) and values \(4799,\)"),
-        ({"hand": x * 1j}, "`hand` holds complex numbers"),
-        ({"hand": (x * 1j, 48000)}, "`hand` holds complex numbers"),
-        ({"hand": 1j}, "`hand` holds complex numbers"),
-        ({"hand": [(0, 0j), (1, 1)]}, "`hand` holds complex numbers"),
-        ({"hand": None}, "`hand` holds something that is no number"),
-        ({"hand": ["0", "1"]}, "`hand` holds text"),
-        ({"hand": [[0, 0], [1]]}, "several lengths"),
+        ({"hand": x * 1j}, "`hand` contains complex numbers"),
+        ({"hand": (x * 1j, 48000)}, "`hand` contains complex numbers"),
+        ({"hand": 1j}, "`hand` contains complex numbers"),
+        ({"hand": [(0, 0j), (1, 1)]}, "`hand` contains complex numbers"),
+        ({"hand": None}, "`hand` contains objects that are not numbers"),
+        ({"hand": ["0", "1"]}, "`hand` contains text"),
+        ({"hand": [[0, 0], [1]]}, "different lengths"),
     ]:
         with pytest.raises(ca.UsageError, match=what) as e:
             key.render(0.1, gesture=wrong)  # type: ignore[arg-type]
@@ -121,7 +121,7 @@ def test_gestures_of_every_form(key: ca.Scene, tmp_path: Path) -> None:
 def test_a_model_that_nobody_can_hear_is_mute(key: ca.Scene) -> None:
     silent = ca.parse("[CEL]\nbar = { m = '2 g', f = '440 Hz', t60 = '1 s', dx0 = '1 mm' }\n")
     r = silent.render(0.1)
-    assert r.audio.shape == (4800, 0) and r.status == "mute" and "lacks an output" in r.message and "mute" in repr(r)
+    assert r.audio.shape == (4800, 0) and r.status == "mute" and "has no output" in r.message and "mute" in repr(r)
     heard = silent.render(0.1, probes=["bar"])
     assert heard.status == "ok" and heard.probes["bar"].any() and silent.rollout("bar", 0.1).status == "ok"
     assert list(ca.batch(silent, {"bar.m": ["1 g", "2 g"]}, 0.1).status) == ["mute", "mute"]

@@ -173,12 +173,12 @@ def test_one_hand_is_not_in_two_places(tmp_path: Path) -> None:
     text = '[TGR]\na = { device = "tgr12", dof = 0 }\nb = { device = "tgr12", dof = 0 }\n[SOL]\nbed = {}\n[RES]\n'
     scene = ca.parse(text + 's = { between = ["a", "bed"], k = 100 }\nt = { between = ["b", "bed"], k = 100 }\n')
     ca.record(scene, tmp_path / "same.mcap", 0.1, gesture={"a": [(0, 0), (0.1, 1e-3)], "b": [(0, 0), (0.1, 1e-3)]})
-    with pytest.raises(ca.UsageError, match="in two places"):
+    with pytest.raises(ca.UsageError, match="to two positions"):
         ca.record(scene, tmp_path / "two.mcap", 0.1, gesture={"a": [(0, 0), (0.1, 1e-3)], "b": [(0, 0), (0.1, 2e-3)]})
 
 
 def test_what_cannot_be_is_said(tmp_path: Path, key: ca.Scene) -> None:
-    with pytest.raises(ca.UsageError, match="`hand` is no device"):
+    with pytest.raises(ca.UsageError, match="`hand` is not a device port"):
         ca.record(key, tmp_path / "a.mcap", 0.1, gesture={"hand": 0.0})
     with pytest.raises(ca.UsageError, match="above 0"):
         ca.record(key, tmp_path / "a.mcap", 0.0)

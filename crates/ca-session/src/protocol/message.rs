@@ -24,42 +24,42 @@ messages! {
         frame: u32,
         /// names of the outputs
         channels: Vec<String>,
-        /// what is drawn, as `ca-view` writes it
+        /// drawing of the scene, as `ca-view` writes it
         drawing: Value,
         /// live parameters
         params: Vec<Param>,
         /// ports of position and force, and keys of devices
         ports: Vec<PortInfo>,
-        /// whether the model brings a gesture
+        /// whether the model has a gesture
         gesture: bool,
-        /// presets of the model; `set` with the name `preset` and the name of one of them chooses it
+        /// presets of the model; `set` with the name `preset` and the name of a preset chooses it
         presets: Vec<Preset>,
         /// MIDI keys that play, lowest first; `null` without any
         notes: Option<Vec<u8>>,
-        /// how long its author plays it \[s\]
+        /// duration given in the model \[s\]
         seconds: Option<f64>,
-        /// names of the parts whose energy of motion `energy` has
+        /// names of the parts whose kinetic energy the message `energy` has
         energy: Vec<String>,
-        /// what is proven of its stability, in words
+        /// proven stability, in words
         stability: String,
     }
-    /// The present state, four times a second.
+    /// The present state, four times per second.
     "state" State {
-        /// sound sample that was computed last
+        /// sound sample computed last
         tick: u64,
-        /// the same \[s\]
+        /// time of that sample \[s\]
         seconds: f64,
         /// computing time as a share of real time; `null` in the first second
         load: Option<f64>,
-        /// periods that were left out
+        /// missed periods
         late: u64,
-        /// records, samples, pictures, forces and times that were lost
+        /// records, samples, pictures, forces and times lost
         lost: u64,
         /// samples at the peak limit
         clipped: u64,
-        /// whether the numbers of the model left every range
+        /// whether the model diverged: its values are out of range
         diverged: bool,
-        /// whether the model's own gesture plays
+        /// whether the gesture of the model plays
         playing: bool,
         /// number of the mass that a pointer holds, in the drawing; −1 without one
         pointer: i64,
@@ -67,42 +67,42 @@ messages! {
         devices: Vec<DeviceState>,
         /// values of the live parameters, by name (SI)
         params: BTreeMap<String, f64>,
-        /// pages that are open
+        /// number of open pages
         clients: u64,
         /// the parameter that the next MIDI controller is bound to
         learning: Option<String>,
         /// MIDI controllers that are bound to parameters
         bound: Vec<Bound>,
-        /// what plays the sound: `page`, or the name of a sound server or device
+        /// sound output: `page`, or the name of a sound server or device
         sound: String,
         /// the outputs of the sound
         outputs: Choices,
-        /// time from the model to the ear, where something other than the page plays \[ms\]
+        /// latency from the model to the ear, if a sound output other than the page plays \[ms\]
         latency: Option<f64>,
-        /// times the sound device had nothing to play; `null` in the first second
+        /// number of times the sound device ran out of samples; `null` in the first second
         underruns: Option<u64>,
         /// whether a page may arm forces
         arms: bool,
         /// whether a take can be saved
         keeps: bool,
-        /// the file into which sound is recorded
+        /// the file to which sound is recorded
         recording: Option<String>,
     }
-    /// Energy of motion, some twenty times a second.
+    /// Kinetic energy, about twenty times per second.
     "energy" Energy {
         /// time of the model \[s\]
         seconds: f64,
         /// energy of each part \[J\], in the order of `energy` of `scene`
         motion: Vec<f64>,
     }
-    /// News.
+    /// A message for the user.
     "said" Said {
         /// whether something went wrong
         bad: bool,
-        /// the news
+        /// the message
         text: String,
     }
-    /// An edited model was compiled, or refused.
+    /// A new version of the model was compiled, or has errors.
     "report" Report {
         /// whether it plays
         ok: bool,
@@ -129,13 +129,13 @@ record! {
         name: String,
         /// its value at load (SI)
         value: f64,
-        /// its least value (SI); `null` without a bound
+        /// its minimum (SI); `null` without a bound
         min: Option<f64>,
-        /// its largest value (SI); `null` without a bound
+        /// its maximum (SI); `null` without a bound
         max: Option<f64>,
         /// its unit; empty for a plain number
         unit: String,
-        /// what it is
+        /// its description
         doc: String,
     }
 }
@@ -155,11 +155,11 @@ record! {
     PortInfo {
         /// its name
         name: String,
-        /// what it takes
+        /// quantity that it receives
         role: PortRole,
         /// number of the mass that it moves, in the drawing
         mass: Option<u64>,
-        /// where it rests \[m\]
+        /// its rest position \[m\]
         rest: f64,
     }
 }
@@ -189,13 +189,13 @@ record! {
 }
 
 record! {
-    /// The outputs of the sound among which a page chooses.
+    /// The sound outputs from which a page can choose.
     Choices {
-        /// names that can be asked for; empty where nothing can be chosen
+        /// names of the outputs; empty if there is no choice
         choices: Vec<String>,
-        /// the name that is to play
+        /// name of the requested output
         wanted: String,
-        /// whether what was asked for last is being opened
+        /// whether the requested output is being opened
         busy: bool,
     }
 }

@@ -13,29 +13,29 @@ messages! {
     /// then refuses the request and names the field.
     Request, (default, deserialize_with = "lenient"), sent;
 
-    /// Sound is sent to this page, or no longer. The server of the page answers it.
+    /// Starts or stops the sound for this page. The server of the page handles it.
     "sound" Sound {
-        /// `true` to be sent sound
+        /// `true` to receive sound
         on: bool,
     }
-    /// Holds a mass where it is. One page at a time holds a mass.
+    /// Holds a mass where it is. Only one page at a time can hold a mass.
     "grab" Grab {
         /// number of the mass in the drawing
         mass: Option<u64>,
     }
     /// Pulls the mass that this page holds.
     "drag" Drag {
-        /// the place, from where the mass rests \[m\]: `[u]`, or `[x, y, z]` in space
+        /// displacement from rest \[m\]: `[u]`, or `[x, y, z]` in space
         by: Option<Vec<f64>>,
     }
-    /// Lets go of the mass that this page holds.
+    /// Releases the mass that this page holds.
     "release" Release
-    /// Begins the model's own gesture from its start, or ends it.
+    /// Starts the gesture of the model from its beginning, or stops it.
     "gesture" Gesture {
-        /// `true` to begin
+        /// `true` to start
         play: bool,
     }
-    /// Sends a port to a position or a force, in 17 ms.
+    /// Moves a port to a position or a force, in 17 ms.
     "port" Port {
         /// name of the port
         name: Option<String>,
@@ -47,16 +47,16 @@ messages! {
         /// by name: a number in SI units, or a text with a unit
         values: Option<BTreeMap<String, Given>>,
     }
-    /// Changes a number of the model that is not live, as by `--set`. The model is compiled again and plays on.
+    /// Changes a value of the model that is not live, as `--set` does. The model is compiled again and keeps playing.
     "change" Change {
-        /// name of the number, such as `string.t60`
+        /// name of the value, such as `string.t60`
         name: String,
-        /// its value as text, with a unit where it needs one
+        /// the new value as text, with a unit if it needs one
         value: String,
     }
-    /// Begins again as at load, with the numbers as they are.
+    /// Restarts from the state at load, with the present values.
     "restart" Restart
-    /// As `restart`; then the model's own gesture plays, if there is one.
+    /// As `restart`, then plays the gesture of the model, if there is one.
     "play" Play
     /// Plays MIDI events.
     "midi" Midi {
@@ -68,26 +68,26 @@ messages! {
         /// name of the parameter; `null` to bind none
         name: Option<Option<String>>,
     }
-    /// Chooses what plays the sound.
+    /// Chooses the sound output.
     "audio" Audio {
         /// one of the `choices` of `state`
         device: String,
     }
-    /// Records sound into a WAV file from now on, or ends that.
+    /// Starts or stops recording sound to a WAV file.
     "record" Record {
-        /// `true` to begin
+        /// `true` to start
         on: bool,
     }
-    /// Saves everything that was done since the start as a take.
+    /// Saves everything done since the start as a take.
     "save" Save
-    /// Says which mass this is.
+    /// Returns the name and kind of a mass.
     "pick" Pick {
         /// number of the mass in the drawing
         mass: Option<u64>,
     }
-    /// Forces of all devices on, where the command line allows it, or off.
+    /// Arms the forces of all devices, if the command line allows it, or turns them off.
     "arm" Arm {
-        /// `true` for on
+        /// `true` to arm
         on: bool,
     }
     /// Ends the program.
@@ -108,7 +108,8 @@ impl NumberedRequest {
     pub fn read(object: Value) -> NumberedRequest {
         let id = object.get("id").cloned();
         let kind = object["type"].as_str().unwrap_or_default().to_owned();
-        let request = serde_json::from_value(object).map_err(|_| format!("`{kind}` is nothing a page can ask").into());
+        let request = serde_json::from_value(object)
+            .map_err(|_| format!("`{kind}` is not a request that a page can send").into());
         NumberedRequest { id, request }
     }
 }

@@ -91,7 +91,7 @@ pub fn batch<S: Sample>(
     let width = |width: usize| one.and_then(|frames| frames.checked_mul(width));
     let refused = || {
         let what = format!("{n} instances of {frames} samples do not fit into memory");
-        Failure::Usage(format!("{what}; play fewer at a time, or less of each"))
+        Failure::Usage(format!("{what}; play fewer instances at a time, or fewer seconds"))
     };
     let (per_sound, per_probes) = (width(channels).ok_or_else(refused)?, width(probes).ok_or_else(refused)?);
     let mut sound = zeros::<S>(n.checked_mul(per_sound)).ok_or_else(refused)?;
@@ -164,20 +164,21 @@ fn solves_at_once(scene: &Scene) -> bool {
 /// Returns the number of instances, or an error where a varied parameter does not exist or columns differ in length.
 fn instances(loaded: &Loaded, spec: &BatchSpec) -> Result<usize, Failure> {
     let Some((first, values)) = spec.values.first() else {
-        return Err(Failure::Usage("a batch varies nothing: name a parameter, and its value in each instance".into()));
+        return Err(Failure::Usage("a batch needs at least one parameter; give its value for each instance".into()));
     };
     for (name, all) in &spec.values {
         if all.len() != values.len() {
             let (n, of_first) = (all.len(), values.len());
             return Err(Failure::Usage(format!(
-                "`{name}` has {n} values and `{first}` has {of_first}: each has one for every instance"
+                "`{name}` has {n} values, but `{first}` has {of_first}; give each one value per instance"
             )));
         }
         if name == "rate.sound" {
             return Err(Failure::Usage("`rate.sound` cannot be varied: all sounds of a batch have one rate".into()));
         }
         if name == "model.seconds" {
-            let what = "`model.seconds` cannot be varied: all sounds of a batch are equally long; give its `seconds`";
+            let what =
+                "`model.seconds` cannot be varied: all sounds of a batch are equally long; set `seconds` of the batch";
             return Err(Failure::Usage(what.into()));
         }
         if let Some(value) = all.first() {
@@ -316,7 +317,7 @@ impl Shared<'_> {
                 format!("{channels} channels and {probes} probes at {rate} Hz")
             };
             return Err(Failure::Failed(format!(
-                "{}, where the scene as it is has {}: all instances of a batch have one shape",
+                "this instance has {}, but the unchanged scene has {}; all instances of a batch need the same shape",
                 of(scene.counts.channels, probes, scene.rate),
                 of(self.channels, self.probes, self.rate)
             )));

@@ -108,7 +108,7 @@ fn a_start_that_the_dialects_read_differently_is_said() {
     let with = |line: &str| titles(&format!("{WHOLE}{line}\n@o posOutput @x\n"));
     assert_eq!(with("@x mass 1 0.1 0.1"), ["`x` starts at rest, at 0.1"]);
     assert_eq!(with("@x osc 1 0.1 0 0.1 0.1"), ["`x` starts at rest, at 0.1"]);
-    assert_eq!(with("@x mass 1 0.1 0"), ["`x` starts at a velocity: 0.1 per sample"]);
+    assert_eq!(with("@x mass 1 0.1 0"), ["`x` starts with the velocity 0.1 per sample"]);
     assert!(with("@x mass 1 0 0").is_empty());
     // exists only in the older dialect
     assert!(with("@x massG 1 0 0.1 0.1").is_empty());
@@ -128,7 +128,7 @@ fn what_of_the_first_sample_is_another_is_said() {
     let falls = |v: &str| with(&format!("@b mass 1 0.6 {v}\n@c contact @g @b 0.1 0.01 0.5\n"));
     assert_eq!(falls("0.75")[1..], [touches]);
     assert_eq!(falls("0.65").len(), 1);
-    let placed = "`in1` is placed by its first value, without a speed";
+    let placed = "`in1` starts at its first value, without a speed";
     assert_eq!(with("@in1 posInput 0\n@c springDamper @in1 @a 0.1 0.01\n"), [placed]);
     assert_eq!(with("@in1 posInput 0\n@c nlBow @in1 @a 0.1 0.01\n"), [placed]);
     assert!(with("@in1 posInput 0\n@c spring @in1 @a 0.1\n").is_empty());

@@ -3,17 +3,23 @@
 use crate::args::Source;
 use clap::Args;
 
-/// Says everything that can be known of a model before it sounds
+/// Checks a model and shows what is known about it before it plays
 ///
-/// Reads, checks and compiles the model, shows every finding with its place and what to do, and sums up: modules,
-/// rates, how late force and sound answer a gesture, what the springs at each device key ask of a device, what is proven
-/// of stability and which module is nearest to the limit. With `--schedule`, the passes of one
-/// tick in order with their cost, measured here and now, and what the compiler left out; beside it the cost that a table
-/// of instructions predicts, at what an instruction takes here in a network of links that are looked up one by one. With `--device`, what of it that
-/// device can render: each key's stiffness against the device's own and against what stays passive, and to what it is softened
-/// where it is beyond, the force over the travel against the largest, degrees of freedom and rates. Exit code 1 with errors, 3 if the model is certainly unstable
-/// or asks more of the device than it can give: stiffness, travel, degrees of freedom. A force that only passes the largest is
-/// none of these: it is rendered up to that, as at every hard stop.
+/// Reads, checks and compiles the model, shows each finding with its place and a remedy, and prints a summary: modules,
+/// rates, the delay from a gesture to force and sound, the demands of the springs at each device key, what is proven
+/// about stability, and the module nearest to the limit.
+///
+/// With `--schedule`, it also lists the passes of one tick in order, each with its cost measured on this machine, and
+/// what the compiler left out. A predicted cost is shown beside the measured one. It comes from a table of instruction
+/// counts and the time of an instruction, measured in a network of links that are looked up one by one.
+///
+/// With `--device`, it also shows what that device can render: the stiffness of each key compared with the stiffness of
+/// the device and with the passive limit, the softened stiffness of a key beyond a limit, the force over the travel
+/// compared with the largest force, degrees of freedom, and rates.
+///
+/// Exit code 1 if there are errors. Exit code 3 if the model is certainly unstable, or demands more stiffness, travel
+/// or degrees of freedom than the device has. A force above the largest does not change the exit code: it is limited to
+/// the largest, as at every hard stop.
 #[allow(clippy::struct_excessive_bools)]
 #[derive(Args)]
 #[command(after_long_help = "Examples:
@@ -28,19 +34,19 @@ pub struct CheckArgs {
     /// the model
     #[command(flatten)]
     pub source: Source,
-    /// Shows the passes of one tick and measures what each costs
+    /// Shows the passes of one tick and measures the cost of each
     #[arg(long)]
     pub schedule: bool,
-    /// Plays the model and shows how loud each output is, and by how much its gain is off
+    /// Plays the model and shows the level of each output and a factor for its gain
     #[arg(long)]
     pub levels: bool,
-    /// Narrows down the largest eigenvalue, and so how much stiffer everything could be
+    /// Computes tight bounds of the largest eigenvalue, and how much stiffer all links could be
     #[arg(long)]
     pub exact: bool,
-    /// Compares with a device: the name of a profile that comes with us, or a file `profile.toml`
+    /// Compares with a device: the name of a profile (`ca device list`), or a profile file `*.toml`
     #[arg(long, value_name = "NAME|FILE")]
     pub device: Option<String>,
-    /// Checks again whenever the file is saved, until Ctrl-C
+    /// Checks again each time the file is saved, until Ctrl-C
     #[arg(long, conflicts_with = "json")]
     pub watch: bool,
     /// Prints `{diagnostics, summary, schedule, levels, device}` as JSON

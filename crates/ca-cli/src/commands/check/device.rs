@@ -13,7 +13,7 @@ pub(super) fn text(asked: &DeviceDemands, out: &mut impl Write) -> Result<(), Fa
     let p = asked.profile;
     writeln!(out, "\nOn {} (`{}`):", p.title, p.name)?;
     let metre = |v: f64| show(short(v).parse().unwrap_or(v), Unit::METRE);
-    let own = p.stiffness.map_or("stiffness not known".into(), |k| format!("stiffness {}", quantity(k)));
+    let own = p.stiffness.map_or("stiffness unknown".into(), |k| format!("stiffness {}", quantity(k)));
     writeln!(
         out,
         "  device     {} degrees of freedom, travel {}, force {}, {own}, friction {} N s/m",
@@ -24,7 +24,7 @@ pub(super) fn text(asked: &DeviceDemands, out: &mut impl Write) -> Result<(), Fa
     )?;
     writeln!(
         out,
-        "  passive    up to {} with that friction, each force a frame later; {} were it taken at once",
+        "  passive    up to {} with this friction if each force is applied a frame later; {} if it is applied at once",
         quantity(asked.held.passive),
         quantity(asked.held.at_once)
     )?;
@@ -32,10 +32,10 @@ pub(super) fn text(asked: &DeviceDemands, out: &mut impl Write) -> Result<(), Fa
     if asked.slow() {
         writeln!(
             out,
-            "  rates      the model wants {wants} and the device gives {has}: a frame without a new position repeats the last"
+            "  rates      the model needs {wants}, the device has {has}: a frame without a new position repeats the last one"
         )?;
     } else {
-        writeln!(out, "  rates      {wants} wanted, {has} given")?;
+        writeln!(out, "  rates      the model needs {wants}, the device has {has}")?;
     }
     if asked.devices.is_empty() {
         writeln!(out, "  keys       none: the model has no TGR with a `device`")?;
@@ -44,12 +44,16 @@ pub(super) fn text(asked: &DeviceDemands, out: &mut impl Write) -> Result<(), Fa
     let missing = asked.missing();
     if !missing.is_empty() {
         let names = ticked(missing.iter().map(|r| r.name));
-        writeln!(out, "  keys       {names} want degrees of freedom beyond the {} it has: they stay at rest", p.dof)?;
+        writeln!(
+            out,
+            "  keys       {names} need a degree of freedom beyond the {} of the device: they stay at rest",
+            p.dof
+        )?;
     }
     for r in asked.rows.iter().filter(|r| asked.outside(r)) {
         writeln!(
             out,
-            "  travel     `{}` is to go from {} to {}, the device goes from {} to {}",
+            "  travel     `{}` needs {} to {}, the device has {} to {}",
             r.name,
             metre(r.asks[0]),
             metre(r.asks[1]),
@@ -60,7 +64,7 @@ pub(super) fn text(asked: &DeviceDemands, out: &mut impl Write) -> Result<(), Fa
     if asked.rows.iter().any(|r| asked.outside(r)) {
         writeln!(
             out,
-            "             scale it for the hand (`ca equiv --set position=…`), or take a device with more travel"
+            "             scale the model (`ca equiv MODEL --set position=REAL:SIM`), or use a device with more travel"
         )?;
     }
     if !asked.feedback {
@@ -92,16 +96,22 @@ pub(super) fn text(asked: &DeviceDemands, out: &mut impl Write) -> Result<(), Fa
             writeln!(out, "  {:<17} {}", "", said.join("; "))?;
         }
         if let Some(x) = r.saturates {
-            writeln!(out, "  {:<17} the force passes {} {} from rest and stays there", "", newton(p.force), metre(x))?;
+            writeln!(
+                out,
+                "  {:<17} the force reaches {} at {} from rest and is limited to it",
+                "",
+                newton(p.force),
+                metre(x)
+            )?;
         }
     }
     if asked.rows.iter().any(|r| r.felt.is_some() || asked.beyond(r).contains(&true)) {
         writeln!(
             out,
-            "\n  A softened key is felt through a virtual coupling: the model and its sound stay as they are. A key above 0.9 of \
-             the passive\n  stiffness is softened to half of it, for a profile may be wrong. To feel more of it, lower the stiffness of \
-             its links, make the\n  model lighter in the hand (`ca equiv --set stiffness=…`), or raise `rate.gesture`: passive \
-             stiffness grows with it. A key\n  beyond a limit that is not softened can shake in the hand."
+            "\n  A softened key acts on the hand through a virtual coupling; the model and its sound do not change. A key above \
+             0.9 of the\n  passive stiffness is softened to half of it, because a profile may be wrong. To soften a key less, lower \
+             the stiffness of\n  its links, make the model lighter in the hand (`ca equiv MODEL --set stiffness=REAL:SIM`), or raise \
+             `rate.gesture`, which\n  raises the passive stiffness. A key beyond a limit that is not softened can vibrate in the hand."
         )?;
     }
     Ok(())

@@ -34,7 +34,7 @@ pub(super) fn levels(scene: &Scene, show: bool) -> Result<Vec<LevelRow>, Failure
         Ok(())
     })?;
     if played.diverged_at.is_some() {
-        term::warning("the model diverges, so its levels say nothing");
+        term::warning("the model diverges, so its levels are meaningless");
     }
     Ok(scene.names.channel_names.iter().zip(peaks).map(|(name, peak)| LevelRow { name: name.clone(), peak }).collect())
 }
@@ -51,7 +51,7 @@ pub(super) fn text(rows: &[LevelRow]) -> Result<(), Failure> {
     for (i, row) in rows.iter().enumerate() {
         let head = if i == 0 { "levels" } else { "" };
         let what = match row.factor() {
-            Some(f) => format!("{}; its gain times {} makes it -6 dBFS", level(row.peak, false), short(f)),
+            Some(f) => format!("{}; multiply its gain by {} to get -6 dBFS", level(row.peak, false), short(f)),
             None => "silent".into(),
         };
         writeln!(out, "  {head:<10} `{}`: {what}", row.name)?;

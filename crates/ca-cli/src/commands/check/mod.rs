@@ -34,7 +34,7 @@ pub fn run(args: &CheckArgs) -> Outcome {
     let model = &args.source.model;
     let mut watch = Watch::of(model).ok_or_else(|| {
         Failure::Usage(format!(
-            "--watch: `{model}` is not a file that could change, but a bundled model or standard input; name a file"
+            "--watch: `{model}` is a bundled model or standard input, which cannot change; give a model file"
         ))
     })?;
     loop {
@@ -46,7 +46,7 @@ pub fn run(args: &CheckArgs) -> Outcome {
             Err(Failure::Reported) | Ok(_) => {}
             Err(other) => return Err(other),
         }
-        term::note(&format!("{model}: checked again when it is saved; Ctrl-C ends it"));
+        term::note(&format!("waiting until `{model}` is saved; press Ctrl-C to stop"));
         while !watch.is_new() {
             std::thread::sleep(LOOK);
         }
@@ -111,10 +111,10 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
         scene.passes.forces.iter().enumerate().map(|(i, op)| (op, ca_core::internal::scene::lia_name(scene, i, 0)))
     {
         if let Some(set) = op.ports.pair_set {
-            writeln!(out, "             `{name}` joins all {} pairs", scene.links.pair_sets[set].pairs())?;
+            writeln!(out, "             `{name}` links all {} pairs", scene.links.pair_sets[set].pairs())?;
         }
     }
-    writeln!(out, "  passes     {} in a tick", ops(scene))?;
+    writeln!(out, "  passes     {} per tick", ops(scene))?;
     let heard = if scene.names.channel_names.is_empty() { "none".into() } else { scene.names.channel_names.join(", ") };
     writeln!(out, "  outputs    {heard}")?;
     if !scene.inputs.is_empty() {
@@ -131,16 +131,16 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
         let [min, max] = [p.min, p.max].map(|v| quantity::show(v, p.unit));
         writeln!(out, "  driven     {} from {min} to {max} by {}", p.name, d.port)?;
     }
-    writeln!(out, "  rates      {}, {} ticks a frame", rates(scene), scene.rates.frame)?;
+    writeln!(out, "  rates      {}, {} ticks per frame", rates(scene), scene.rates.frame)?;
     if let Some(group) = &scene.rates.slow {
         let how = if group.compensated {
-            ", compensated: what is not known of a frame is expected from those before, which is not proven"
+            ", compensated: values not yet known in a frame are predicted from the frames before; stability is not proven"
         } else {
-            ", exactly"
+            ", exact"
         };
         writeln!(
             out,
-            "  group      {} masses and {} links once a frame; links across hold {} of their axes{how}",
+            "  group      {} masses and {} links once per frame; links to the rest act on {} axes{how}",
             group.masses, group.links, group.coupled
         )?;
     }
@@ -153,22 +153,22 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
     writeln!(out, "  stability  {}", stability(c))?;
     let decided = match (c.exact, c.level) {
         (false, _) => "",
-        (true, Level::Linearised) => "; decided by a factorisation at the pose of load",
+        (true, Level::Linearised) => "; decided by a factorisation at the initial positions",
         (true, _) => "; decided by a factorisation",
     };
     writeln!(out, "             bound {}, the limit is 4{decided}", short(c.bound))?;
     match c.largest {
-        Some((_, to)) if to < 1e-200 => writeln!(out, "             largest eigenvalue 0: nothing holds anything")?,
+        Some((_, to)) if to < 1e-200 => writeln!(out, "             largest eigenvalue 0: the model has no stiffness")?,
         Some((_, to)) => writeln!(
             out,
-            "             largest eigenvalue {:.9}: everything could be {:.6} times stiffer",
+            "             largest eigenvalue {:.9}: all links could be {:.6} times stiffer",
             Plain(to),
             Plain(4.0 / to)
         )?,
         None if exact => {
             writeln!(
                 out,
-                "             no largest eigenvalue: nothing moves, or it depends on where points stand or what meets"
+                "             largest eigenvalue unknown: nothing moves, or it depends on moving points or contacts"
             )?;
         }
         None => {}

@@ -9,7 +9,7 @@ use std::io::Write as _;
 
 pub(super) fn text(scene: &Scene, m: &Schedule) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
-    writeln!(out, "\nOne tick, measured here:")?;
+    writeln!(out, "\nOne tick, measured on this machine:")?;
     let forms: Vec<String> = m.rows.iter().map(|r| form(&r.op)).collect();
     let wide = forms.iter().map(String::len).fold(20, usize::max);
     writeln!(
@@ -34,11 +34,11 @@ pub(super) fn text(scene: &Scene, m: &Schedule) -> Result<(), Failure> {
         m.tick,
         short(budget / m.tick.max(1e-3))
     )?;
-    let without = if m.rows.iter().all(|r| r.instructions.is_some()) { "" } else { " without those marked -" };
+    let without = if m.rows.iter().all(|r| r.instructions.is_some()) { "" } else { " without the passes marked -" };
     writeln!(
         out,
-        "  predicted {:.1} ns{without}: {:.0} instructions of AVX2\n  by a table of costs, {:.4} ns each, measured here on \
-         links that are looked up one by one; what waits for memory, in large scenes, is not in it",
+        "  predicted {:.1} ns{without}: {:.0} instructions of AVX2\n  from a table of costs, {:.4} ns each, measured here on \
+         links that are looked up one by one; time spent waiting for memory, in large scenes, is not included",
         m.instructions * m.ns_per_instruction,
         m.instructions,
         m.ns_per_instruction
@@ -46,7 +46,8 @@ pub(super) fn text(scene: &Scene, m: &Schedule) -> Result<(), Failure> {
     if let Some((group, step)) = scene.rates.slow.as_ref().zip(m.step) {
         writeln!(
             out,
-            "  the group: {} masses and {} links take {step:.1} ns once in {} ticks, which at the sound rate each tick would take",
+            "  the group: {} masses and {} links take {step:.1} ns once in {} ticks; \
+             at the sound rate, they would take it each tick",
             group.masses, group.links, scene.rates.frame
         )?;
     }

@@ -4,12 +4,12 @@ use crate::args::common::{hertz, metres, seconds, speed};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
-/// Simulates a device, finds devices, and tests and calibrates them
+/// Simulates, lists, calibrates and tests devices
 ///
-/// A device is a process of its own that says where the hand is and is told what force to give; `sim` is one without
-/// hardware, whose hand plays a script. `conformance` is for those who write one: it asks of a running device all that
-/// the engine relies on. `doctor` says what this machine lacks. Nothing here works while `ca serve` has the device, and
-/// only `conformance` gives forces.
+/// A device is a separate process that reports the position of the hand and receives the force to apply. `sim` is a
+/// device without hardware; a simulated hand plays it from a script. `conformance` is for authors of device programs:
+/// it tests a running device for everything the engine relies on. `doctor` shows what this machine lacks. `calibrate`
+/// and `conformance` do not work while `ca serve` uses the device. Only `conformance` applies forces.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca device list
@@ -26,95 +26,98 @@ pub struct DeviceArgs {
     pub what: DeviceCommand,
 }
 
-/// What is done about devices.
+/// Actions on devices.
 #[derive(Subcommand)]
 pub enum DeviceCommand {
-    /// Is a device without hardware: a body in a hand that plays a script
+    /// Simulates a device without hardware, moved by a hand that follows a script
     Sim(Box<SimArgs>),
-    /// Lists the devices that speak here, and the profiles there are
+    /// Lists the running devices and the available profiles
     List {
-        /// As JSON
+        /// Prints the lists as JSON
         #[arg(long)]
         json: bool,
     },
-    /// Says whether this machine can play, and what helps
+    /// Checks whether devices can be played on this machine, and suggests fixes
     Doctor {
-        /// As JSON
+        /// Prints the results as JSON
         #[arg(long)]
         json: bool,
     },
-    /// Writes down what a device says at its two stops, so that its positions are metres
+    /// Records the readings of a device at its two stops, so that its positions are in metres
     Calibrate(CalibrateArgs),
     /// Tests a running device process, with forces
     ///
-    /// It asks of the device all that the engine relies on, and some of its phases move the device by forces: take your hands off, and
-    /// keep a switch that cuts the power of the motors within reach; software does not replace it (docs/safety.md). `--force 0` leaves
-    /// these phases out. Exit code 1 where something is not as it must be.
+    /// Tests everything that the engine relies on. Some phases move the device by forces: take your hands off, and keep
+    /// a switch that cuts the power of the motors within reach. Software does not replace it (docs/safety.md). `--force
+    /// 0` leaves these phases out. Exit code 1 if a test fails.
     Conformance(ConformanceArgs),
 }
 
 /// A simulated device.
 #[derive(Args)]
 pub struct SimArgs {
-    /// What it is: a profile by name (`ca device list`) or file
-    #[arg(long, value_name = "NAME|FILE", default_value = "tgr12")]
+    /// Profile of the device, by name (`ca device list`) or file
+    #[arg(long, value_name = "NAME|FILE", default_value = "tgr12", help_heading = "Device")]
     pub profile: String,
-    /// What its hand does
-    #[arg(long, value_enum, default_value_t = ScriptKind::Strike)]
+    /// Motion of the hand
+    #[arg(long, value_enum, default_value_t = ScriptKind::Strike, help_heading = "Hand")]
     pub script: ScriptKind,
-    /// Where its hand rests: one place, or one for each degree of freedom in order, of which the last is that of all others; the
-    /// middle of its travel if left out
+    /// Rest position of the hand: one for all degrees of freedom, or a list in their order, whose last position
+    /// applies to the remaining ones (default: the middle of the travel)
     #[arg(long, value_name = "M,...", value_parser = metres, allow_hyphen_values = true, value_delimiter = ',')]
+    #[arg(help_heading = "Hand")]
     pub rest: Vec<f64>,
-    /// Degrees of freedom that move, counted from 0; all others rest. All move if left out
-    #[arg(long, value_name = "N,...", value_delimiter = ',')]
+    /// Degrees of freedom that move, counted from 0; the others rest (default: all)
+    #[arg(long, value_name = "N,...", value_delimiter = ',', help_heading = "Hand")]
     pub dof: Vec<usize>,
-    /// How far its hand goes from there, down where negative
-    #[arg(long, value_name = "M", value_parser = metres, allow_hyphen_values = true)]
+    /// Distance that the hand moves from its rest position; down if negative
+    #[arg(long, value_name = "M", value_parser = metres, allow_hyphen_values = true, help_heading = "Hand")]
     pub depth: Option<f64>,
-    /// How fast its hand is at most; half of what trips the guard, or less, if left out
-    #[arg(long, value_name = "M/S", value_parser = speed)]
+    /// Largest speed of the hand (default: half of the speed that trips the guard, or less)
+    #[arg(long, value_name = "M/S", value_parser = speed, help_heading = "Hand")]
     pub speed: Option<f64>,
-    /// What it is called, as models name it; the name of its profile if left out
-    #[arg(long)]
+    /// Name of the device, by which models refer to it (default: the name of its profile)
+    #[arg(long, help_heading = "Device")]
     pub name: Option<String>,
-    /// How long it plays; until stopped if left out
+    /// Duration (default: until stopped)
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub seconds: Option<f64>,
-    /// Holds still until forces come, as a hand would, and plays then; not for `--script push`, which has no beginning
-    #[arg(long)]
+    /// Holds still until forces come, as a hand would, then plays; not for `--script push`, which pushes all the time
+    #[arg(long, help_heading = "Hand")]
     pub wait: bool,
-    /// Frames a second, if not those of its profile
-    #[arg(long, value_name = "HZ", value_parser = hertz)]
+    /// Frames per second (default: the rate of its profile)
+    #[arg(long, value_name = "HZ", value_parser = hertz, help_heading = "Device")]
     pub rate: Option<f64>,
     /// Seed of the random noise on its measured positions; the same seed gives the same noise
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, help_heading = "Device")]
     pub seed: u64,
-    /// Frames that a force is under way before the motors have it
+    /// Frames until the motors apply a force
     #[arg(long, value_name = "FRAMES", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=31))]
+    #[arg(help_heading = "Device")]
     pub delay: u16,
-    /// What `--script file` plays: its tracks are degrees of freedom in order, in metres (csv, npy, wav)
-    #[arg(long, value_name = "FILE", required_if_eq("script", "file"))]
+    /// File for `--script file` (csv, npy, wav): its tracks are the degrees of freedom in order, in metres
+    #[arg(long, value_name = "FILE", required_if_eq("script", "file"), help_heading = "Hand")]
     pub gesture: Option<PathBuf>,
-    /// Force of `--script push` in newtons; a fifth of its largest, downwards, if left out
-    #[arg(long, value_name = "N")]
+    /// Force of `--script push` in newtons (default: a fifth of the largest force, downwards)
+    #[arg(long, value_name = "N", help_heading = "Hand")]
     pub push: Option<f64>,
-    /// Waits for the force that answers each frame, and keeps no time of its own: with `ca serve --clock device` a loop
-    /// that is the same every time. For measurements, never with a hand
+    /// Waits for the force that answers each frame instead of keeping time. With `ca serve --clock device`, each run is
+    /// the same. For measurements, never with a hand
     #[arg(long)]
     pub lockstep: bool,
-    /// Writes each frame to a file: number, time, number of the force, its mode, why off, positions, forces held
+    /// Writes each frame to a file: its number and time, the number and mode of the force, why forces are off,
+    /// positions, and forces applied
     #[arg(long, value_name = "FILE.csv")]
     pub force_log: Option<PathBuf>,
-    /// Priority (SCHED_FIFO); 0 asks for none
+    /// Priority of the process (SCHED_FIFO); 0 requests none
     #[arg(long, value_name = "0-99", default_value_t = 60, value_parser = clap::value_parser!(u8).range(0..=99))]
     pub priority: u8,
-    /// Prints what it saw as JSON
+    /// Prints the summary as JSON
     #[arg(long)]
     pub json: bool,
 }
 
-/// What a simulated hand does.
+/// Motion of a simulated hand.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ScriptKind {
     /// down and up again, twice a second
@@ -123,32 +126,32 @@ pub enum ScriptKind {
     Bow,
     /// fast and small
     Shake,
-    /// stays in the middle
+    /// stays at rest
     Hold,
-    /// is no hand: a force on the bare device
+    /// no hand, but a constant force on the device
     Push,
-    /// what `--gesture` says
+    /// plays the file of `--gesture`
     File,
 }
 
 /// A calibration.
 #[derive(Args)]
 pub struct CalibrateArgs {
-    /// The device, running, unless `--low` and `--high` say what it says
+    /// Name of the device; it must be running unless `--low` and `--high` are given
     pub name: String,
-    /// What it is, for the distance between its stops: a profile by name or file
+    /// Profile by name or file, which gives the distance between the stops
     #[arg(long, value_name = "NAME|FILE")]
     pub profile: Option<String>,
-    /// What it says at its low stops: one number, or one for each degree of freedom
+    /// Readings at the low stops: one number, or one for each degree of freedom
     #[arg(long, value_name = "N,...", value_delimiter = ',', requires = "high")]
     pub low: Vec<f64>,
-    /// What it says at its high stops
+    /// Readings at the high stops, in the same form
     #[arg(long, value_name = "N,...", value_delimiter = ',', requires = "low")]
     pub high: Vec<f64>,
-    /// The file to write; the one `ca serve` reads for this device if left out
+    /// File to write (default: the file that `ca serve` reads for this device)
     #[arg(short, long, value_name = "FILE.toml")]
     pub output: Option<PathBuf>,
-    /// Prints it as JSON too
+    /// Prints the calibration as JSON
     #[arg(long)]
     pub json: bool,
 }
@@ -156,12 +159,13 @@ pub struct CalibrateArgs {
 /// A test of a device.
 #[derive(Args)]
 pub struct ConformanceArgs {
-    /// The device, running
+    /// Name of the running device
     pub name: String,
-    /// The profile that `ca serve` will be given for it, by name or file; the profile with its name if left out
+    /// Profile that `ca serve` will use for the device, by name or file (default: the profile with its name)
     #[arg(long, value_name = "[DEVICE=]PROFILE")]
     pub profile: Vec<String>,
-    /// Largest force it is given, in newtons; at most a twentieth of what it says it can give. 0 tests without
+    /// Largest force applied, in newtons; never more than a twentieth of the force the device reports. 0 tests without
+    /// forces
     #[arg(long, value_name = "N", default_value_t = 0.5)]
     pub force: f64,
     /// Prints the table as JSON

@@ -42,7 +42,7 @@ pub fn run(args: &CalibrateArgs) -> Outcome {
         writeln!(out, "{v:#}")?;
     } else {
         for (k, a) in c.axis.iter().enumerate() {
-            writeln!(out, "axis {k}: {} m a unit, {} m at 0", short(a.scale), short(a.offset))?;
+            writeln!(out, "axis {k}: {} m per unit, {} m at 0", short(a.scale), short(a.offset))?;
         }
         writeln!(out, "{}: calibration {:x} of `{}`", path.display(), c.id(), c.device)?;
     }
@@ -61,11 +61,15 @@ fn each(given: &[f64], n: usize, what: &str) -> Result<Vec<f64>, Failure> {
 /// Asks the user to move each axis of a running device to both stops. A skipped axis is `None`.
 fn asked(name: &str, n: usize) -> Result<Vec<Option<[f64; 2]>>, Failure> {
     if !std::io::stdin().is_terminal() {
-        let fix = "run it in a terminal, or say what the device says with `--low` and `--high`";
-        return Err(Failure::Usage(format!("nobody can be asked here; {fix}")));
+        let fix = "run it in a terminal, or give the readings with `--low` and `--high`";
+        return Err(Failure::Usage(format!(
+            "standard input is not a terminal, so the readings cannot be asked for; {fix}"
+        )));
     }
     let mut reader = Reader::open(name)?;
-    term::note("forces are off. Bring each axis to its stops and hold it there; Enter reads it, `s` skips the axis");
+    term::note(
+        "forces are off. Move each axis to its stops and hold it there. Enter reads it, `s` and Enter skip the axis",
+    );
     let mut stops = Vec::new();
     for k in 0..n {
         stops.push(loop {
@@ -74,7 +78,9 @@ fn asked(name: &str, n: usize) -> Result<Vec<Option<[f64; 2]>>, Failure> {
             if let Some(stops) = calibrate::stops(low, high) {
                 break Some(stops);
             }
-            term::warning(&format!("axis {k}: it moved while it was read, or not in between; once more"));
+            term::warning(&format!(
+                "axis {k}: it moved during a reading, or did not move between the stops; read both stops again"
+            ));
         });
     }
     Ok(stops)

@@ -11,11 +11,14 @@ use std::io::Write as _;
 /// Runs the command.
 pub fn run(args: &ConformanceArgs) -> Outcome {
     if !(args.force >= 0.0 && args.force.is_finite()) {
-        return Err(Failure::Usage("--force is 0 or more newtons".into()));
+        return Err(Failure::Usage("--force: expected a force in newtons, 0 or more".into()));
     }
     let other = args.profile.iter().find(|g| g.split_once('=').is_some_and(|(device, _)| device != args.name));
     if let Some(given) = other {
-        return Err(Failure::Usage(format!("--profile {given}: the device is `{}`", args.name)));
+        return Err(Failure::Usage(format!(
+            "--profile {given}: the tested device is `{}`; give its profile",
+            args.name
+        )));
     }
     let asked = Conformance { name: args.name.clone(), profile: args.profile.clone(), force: args.force };
     let table = conformance::run(&asked, &mut |message| match message {
@@ -34,8 +37,10 @@ pub fn run(args: &ConformanceArgs) -> Outcome {
         }
     }
     if failed > 0 {
-        let what = format!("`{}` fails {failed} of {}", args.name, table.rows.len());
-        return Err(Failure::Failed(format!("{what}; an engine may hurt a hand through it, or be blind to it")));
+        let what = format!("`{}` fails {failed} of {} tests", args.name, table.rows.len());
+        return Err(Failure::Failed(format!(
+            "{what}; with this device, the engine may hurt a hand or miss its motion"
+        )));
     }
     Ok(Ended::Well)
 }

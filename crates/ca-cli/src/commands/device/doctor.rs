@@ -28,7 +28,7 @@ pub fn run(asked: bool) -> Outcome {
         }
     }
     if !found.is_usable() {
-        return Err(Failure::Failed("devices cannot be played on this machine as it is".into()));
+        return Err(Failure::Failed("devices cannot be played on this machine; apply the fixes listed above".into()));
     }
     Ok(Ended::Well)
 }

@@ -27,14 +27,21 @@ pub fn run(asked: bool) -> Outcome {
         return Ok(Ended::Well);
     }
     if devices.is_empty() {
-        writeln!(out, "no device speaks at {}; `ca device sim` is one", site.root().display())?;
+        writeln!(out, "no running device at {}; `ca device sim` starts a simulated one", site.root().display())?;
     }
     for a in &devices {
         let n = a.n as usize;
-        writeln!(out, "{}: {}, {} degrees of freedom, {} frames a second", text(&a.device), text(&a.model), n, a.rate)?;
+        writeln!(
+            out,
+            "{}: {}, {} degrees of freedom, {} frames per second",
+            text(&a.device),
+            text(&a.model),
+            n,
+            a.rate
+        )?;
         let [low, high] = [&a.low, &a.high].map(|r| short(1e3 * f64::from(r[0])));
         let force = short(f64::from(a.force[0]));
-        writeln!(out, "  the first: {low} to {high} mm, at most {force} N; firmware {}", text(&a.firmware))?;
+        writeln!(out, "  first axis: {low} to {high} mm, at most {force} N; firmware {}", text(&a.firmware))?;
     }
     writeln!(out, "\nprofiles")?;
     for (p, own) in &profiles {

@@ -27,7 +27,7 @@ pub fn run(args: &SimArgs) -> Outcome {
     }
     if args.wait && args.script == ScriptKind::Push {
         return Err(Failure::Usage(
-            "--wait: `--script push` has no beginning to wait with; it pushes all the time".into(),
+            "--wait: `--script push` pushes all the time; leave out `--wait`, or choose another script".into(),
         ));
     }
     let mut profile = store::profile(&args.profile)?;
@@ -65,17 +65,17 @@ pub fn run(args: &SimArgs) -> Outcome {
 
 fn script(args: &SimArgs, profile: &Profile) -> Result<Script, Failure> {
     if args.push.is_some() && args.script != ScriptKind::Push {
-        return Err(Failure::Usage("--push is the force of `--script push`".into()));
+        return Err(Failure::Usage("--push: needs `--script push`".into()));
     }
     let asked = ScriptOptions { rest: args.rest.first().copied(), depth: args.depth, speed: args.speed };
     let goes = !matches!(args.script, ScriptKind::Push | ScriptKind::File);
     if !goes && (asked != ScriptOptions::default() || !args.dof.is_empty()) {
         return Err(Failure::Usage(
-            "--rest, --dof, --depth and --speed are of scripts that go somewhere by themselves".into(),
+            "--rest, --dof, --depth and --speed: not for `--script push` and `--script file`; leave them out".into(),
         ));
     }
     if args.gesture.is_some() && args.script != ScriptKind::File {
-        return Err(Failure::Usage("--gesture is played by `--script file`".into()));
+        return Err(Failure::Usage("--gesture: needs `--script file`".into()));
     }
     let name = match args.script {
         ScriptKind::Strike => "strike",
@@ -84,7 +84,7 @@ fn script(args: &SimArgs, profile: &Profile) -> Result<Script, Failure> {
         ScriptKind::Hold => "hold",
         ScriptKind::Push => match args.push {
             Some(force) if force.is_finite() => return Ok(Script::Push { force }),
-            Some(_) => return Err(Failure::Usage("--push is a force in newtons".into())),
+            Some(_) => return Err(Failure::Usage("--push: expected a force in newtons".into())),
             None => "push",
         },
         ScriptKind::File => {
@@ -95,11 +95,16 @@ fn script(args: &SimArgs, profile: &Profile) -> Result<Script, Failure> {
     let [low, high] = profile.range;
     let n = profile.dof as usize;
     if let Some(k) = args.dof.iter().find(|k| **k >= n) {
-        let what = format!("--dof {k}: a {} has {n} degrees of freedom, 0 to {}", profile.title, n.saturating_sub(1));
+        let what =
+            format!("--dof {k}: {} has {n} degrees of freedom, numbered 0 to {}", profile.title, n.saturating_sub(1));
         return Err(Failure::Usage(what));
     }
     if args.rest.len() > n {
-        let what = format!("--rest: {} places for the {n} degrees of freedom of a {}", args.rest.len(), profile.title);
+        let what = format!(
+            "--rest: {} positions for the {n} degrees of freedom of {}; give at most {n}",
+            args.rest.len(),
+            profile.title
+        );
         return Err(Failure::Usage(what));
     }
     let moves = |k: usize| args.dof.is_empty() || args.dof.contains(&k);
@@ -108,9 +113,9 @@ fn script(args: &SimArgs, profile: &Profile) -> Result<Script, Failure> {
         let end = rest(k) + if moves(k) { args.depth.unwrap_or(0.0) } else { 0.0 };
         for (what, x) in [("--rest", rest(k)), ("--rest and --depth", end)] {
             if !(low..=high).contains(&x) {
-                let travel = format!("its travel is {} to {} m", short(low), short(high));
+                let travel = format!("choose {} to {} m", short(low), short(high));
                 return Err(Failure::Usage(format!(
-                    "{what}: {} m is where a {} cannot be; {travel}",
+                    "{what}: {} m is outside the travel of {}; {travel}",
                     short(x),
                     profile.title
                 )));
@@ -118,7 +123,7 @@ fn script(args: &SimArgs, profile: &Profile) -> Result<Script, Failure> {
         }
     }
     if args.depth == Some(0.0) {
-        return Err(Failure::Usage("--depth 0 is `--script hold`".into()));
+        return Err(Failure::Usage("--depth 0: the hand would not move; use `--script hold`".into()));
     }
     let one = |k: usize| {
         let name = if moves(k) { name } else { "hold" };
@@ -143,10 +148,10 @@ fn reported(s: &Summary, asked: bool) -> std::io::Result<()> {
         return writeln!(out, "{v:#}");
     }
     writeln!(out, "{name}: {} frames at {rate} Hz", s.frames)?;
-    let again = if s.again > 0 { format!(", {} said again", s.again) } else { String::new() };
-    writeln!(out, "  {:<10}{} read by nobody, {} periods left out{again}", "sent", s.unread, s.left_out)?;
+    let again = if s.again > 0 { format!(", {} sent again", s.again) } else { String::new() };
+    writeln!(out, "  {:<10}{} not read by any process, {} periods left out{again}", "sent", s.unread, s.left_out)?;
     let (k, most) = s.largest.iter().enumerate().fold((0, 0.0), |a, (k, f)| if *f > a.1 { (k, *f) } else { a });
-    let engine = if s.restarts > 0 { format!("; {} times another engine", s.restarts) } else { String::new() };
+    let engine = if s.restarts > 0 { format!("; the engine changed {} times", s.restarts) } else { String::new() };
     writeln!(out, "  {:<10}{} frames, largest {} N (dof {k}){engine}", "forces", s.forces, short(most))?;
     if loops.n > 0 {
         let [a, b, c, d] = [loops.p50, loops.p99, loops.p999, loops.max].map(short);

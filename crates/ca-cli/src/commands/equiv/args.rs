@@ -7,13 +7,14 @@ use clap::Args;
 use clap_complete::ArgValueCompleter;
 use std::path::PathBuf;
 
-/// Shows and sets how large and how heavy a model is in the hand
+/// Shows and sets the size and weight of a model in the hand
 ///
-/// The table says what 1 of each quantity of the model is in the real world. `--set` makes one equivalence true and
-/// recomputes all others: of one row, while the anchor stays (the travel of the keys, unless said otherwise); of two rows
-/// of different kinds, both. `--key` lets one key differ from the others: `--lever` keeps its energy, `--position` and
-/// `--force-factor` are the two factors of their own. Nothing is written unless `--write` or `--in-place` says where; the
-/// rest of the file, its comments too, stays as it is.
+/// The table shows the real quantity that equals 1 of each quantity in the model. `--set` makes one equivalence true
+/// and recomputes all others. If one row is set, the anchor stays the same (by default the travel of the keys). If two
+/// rows of different kinds are set, both become true. `--key` gives one key a different scale: `--lever` keeps its
+/// energy; `--position` and `--force-factor` set its two factors separately.
+///
+/// Nothing is written without `--write` or `--in-place`. The rest of the file, including comments, does not change.
 #[allow(clippy::struct_excessive_bools)]
 #[derive(Args)]
 #[command(after_long_help = "Examples:
@@ -27,51 +28,52 @@ pub struct EquivArgs {
     /// the model
     #[arg(help = model_help(), add = ArgValueCompleter::new(completions::models))]
     pub model: String,
-    /// Makes so much in the hand equal so much in the model, e.g. mass=20g:1.0; once or twice
-    #[arg(long = "set", value_name = "ROW=REAL:SIM", value_parser = equivalence)]
+    /// Makes a real quantity equal a quantity in the model, e.g. mass=20g:1.0; once or twice
+    #[arg(long = "set", value_name = "ROW=REAL:SIM", value_parser = equivalence, help_heading = "Scale")]
     pub set: Vec<(String, String)>,
-    /// What stays while one row is set: position, force, impedance, energy, or a row that stands for one of them
-    #[arg(long, value_name = "ROW")]
+    /// Row that stays the same while one row is set: position, force, impedance, energy, or a row of the same kind
+    #[arg(long, value_name = "ROW", help_heading = "Scale")]
     pub anchor: Option<String>,
-    /// The device key (TGR) that is given a scale of its own
-    #[arg(long, requires = "own")]
+    /// Device key (TGR) that gets a different scale
+    #[arg(long, requires = "own", help_heading = "Scale of one key")]
     pub key: Option<String>,
-    /// Both factors of the key: a lever
+    /// Sets both factors of the key to one value, as a lever does
     #[arg(long, value_parser = factor, group = "own", requires = "key", conflicts_with_all = ["position", "force_factor"])]
+    #[arg(help_heading = "Scale of one key")]
     pub lever: Option<f64>,
-    /// Its positions, beside those of the other keys
-    #[arg(long, value_parser = factor, group = "own", requires = "key")]
+    /// Factor of its positions, relative to the other keys
+    #[arg(long, value_parser = factor, group = "own", requires = "key", help_heading = "Scale of one key")]
     pub position: Option<f64>,
-    /// Its forces, beside those of the other keys
-    #[arg(long, value_parser = factor, group = "own", requires = "key")]
+    /// Factor of its forces, relative to the other keys
+    #[arg(long, value_parser = factor, group = "own", requires = "key", help_heading = "Scale of one key")]
     pub force_factor: Option<f64>,
     /// where it is written
     #[command(flatten)]
     pub to: WriteTo,
-    /// Shows alpha and beta too
-    #[arg(short, long)]
+    /// Also shows alpha and beta
+    #[arg(short, long, help_heading = "Output")]
     pub verbose: bool,
     /// Prints the table as JSON
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     pub json: bool,
 }
 
-/// Where a changed model goes.
+/// Destination of a changed model.
 #[derive(Args)]
 pub struct WriteTo {
     /// Writes the changed model to a new file
-    #[arg(long, value_name = "FILE.ca.toml", conflicts_with = "in_place")]
+    #[arg(long, value_name = "FILE.ca.toml", conflicts_with = "in_place", help_heading = "Output")]
     pub write: Option<PathBuf>,
     /// Changes the model file itself
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     pub in_place: bool,
-    /// Overwrites the file of `--write`
-    #[arg(long)]
+    /// Overwrites the file of `--write` if it exists
+    #[arg(long, help_heading = "Output")]
     pub force: bool,
 }
 
 fn equivalence(text: &str) -> Result<(String, String), String> {
-    pair(text).map_err(|_| "write it like `mass=20g:1.0`".into())
+    pair(text).map_err(|_| "expected ROW=REAL:SIM, e.g. `mass=20g:1.0`".into())
 }
 
 fn factor(text: &str) -> Result<f64, String> {

@@ -35,7 +35,10 @@ pub fn run(args: &EquivArgs) -> Outcome {
     }
     if args.to.in_place {
         if let Some(format) = format {
-            let why = format!("a {} file holds no equivalences; name a file by `--write FILE.ca.toml`", format.name);
+            let why = format!(
+                "a {} file cannot store equivalences; write a model file with `--write FILE.ca.toml`",
+                format.name
+            );
             return Err(Failure::Usage(format!("`{}`: {why}", args.model)));
         }
         atomic_file::write(load::own_file(&args.model)?, text.as_bytes())?;

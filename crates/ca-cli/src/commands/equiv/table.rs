@@ -47,7 +47,7 @@ impl<'a> EquivalenceTable<'a> {
             writeln!(out, "  the model's numbers are in SI: real = factor × simulated")?;
         }
         if self.scene.ports.tgr.is_empty() {
-            writeln!(out, "  no device key (TGR): nothing of this is felt")?;
+            writeln!(out, "  no device key (TGR): the scale has no effect")?;
         }
         let keys: Vec<&Scale> = e.keys.iter().collect();
         let all = if keys.is_empty() { "in the hand" } else { "all other keys" };

@@ -8,16 +8,20 @@ use clap::Args;
 use clap_complete::ArgValueCompleter;
 use std::path::PathBuf;
 
-/// Finds numbers of a model by a recorded sound
+/// Fits numbers of a model to a recorded sound
 ///
-/// The numbers named by `--vary` are changed until the model sounds like the recording: first its modes are brought to the
-/// partials of the recording, which takes no render, then levels in windows of several lengths are compared, then, as far as
-/// phases agree, the samples. The model is compiled at the rate of the recording; its gain and its delay there are found too.
-/// Each number is printed with two standard deviations, or as not determined. A number stays within the range of its kind or
-/// `[param]`, and within `--range`. What of the recording is not fitted (`--seconds`) is predicted, by the model and by as many
-/// numbers of damped sinusoids. Nothing is written unless `--write` or `--in-place` says where; the rest of the file, its
-/// comments too, stays as it is. Exit code 3, and nothing written, where the model comes no nearer, does not explain
-/// the sound or ends at another pitch. A start more than a semitone from the pitch of the recording is reported.
+/// Changes the numbers named by `--vary` until the model sounds like the recording. It first fits the modes of the
+/// model to the partials of the recording, which needs no render. It then compares levels in windows of several
+/// lengths, and finally the samples, as far as phases agree. The model is compiled at the rate of the recording; its
+/// gain and its delay in the recording are found too.
+///
+/// Each number is printed with two standard deviations, or as not determined. A number stays within the range of its
+/// kind or `[param]`, and within `--range`. The part of the recording that is not fitted (`--seconds`) is predicted by
+/// the model and, for comparison, by damped sinusoids with as many numbers.
+///
+/// Nothing is written without `--write` or `--in-place`. The rest of the file, including comments, does not change.
+/// Exit code 3, and nothing is written, if the model comes no nearer to the sound, does not explain it, or ends at
+/// another pitch. A start more than a semitone from the pitch of the recording is reported.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca render hammered_string -o target.wav --seconds 0.7 --set low.f='112 Hz' --set hammer.m='5 g'
@@ -29,37 +33,38 @@ pub struct FitArgs {
     #[arg(add = ArgValueCompleter::new(completions::models))]
     pub model: String,
     /// The recording, a WAV or FLAC file
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", help_heading = "Fit")]
     pub to: PathBuf,
-    /// Numbers to be found, as `--set` knows them, e.g. low.f,hammer.m
-    #[arg(long, value_name = "NAME,…", required = true, value_delimiter = ',')]
+    /// Numbers to find, named as in `--set`, e.g. low.f,hammer.m
+    #[arg(long, value_name = "NAME,…", required = true, value_delimiter = ',', help_heading = "Fit")]
     pub vary: Vec<String>,
-    /// Changes a parameter before the fit, as of `ca render`; repeatable
-    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = pair)]
+    /// Changes a parameter before the fit, as in `ca render`; repeatable
+    #[arg(long = "set", value_name = "NAME=VALUE", value_parser = pair, help_heading = "Model")]
     pub set: Vec<(String, String)>,
-    /// How far a number may go, e.g. low.f='80 Hz..160 Hz'; repeatable
-    #[arg(long, value_name = "NAME=FROM..TO", value_parser = pair)]
+    /// Range of a number, e.g. low.f='80 Hz..160 Hz'; repeatable
+    #[arg(long, value_name = "NAME=FROM..TO", value_parser = pair, help_heading = "Fit")]
     pub range: Vec<(String, String)>,
-    /// How much of the recording is fitted, from its onset on; up to 4 s unless given
-    #[arg(long, value_name = "S", value_parser = fitted)]
+    /// Length of the fitted part of the recording, from its onset (default: up to 4 s)
+    #[arg(long, value_name = "S", value_parser = fitted, help_heading = "Fit")]
     pub seconds: Option<f64>,
-    /// Gain of the model in the recording; found unless given
-    #[arg(long, value_parser = gain)]
+    /// Gain of the model in the recording (default: found by the fit)
+    #[arg(long, value_parser = gain, help_heading = "Fit")]
     pub gain: Option<f64>,
-    /// Most renders of the model, those for derivatives too
+    /// Largest number of renders of the model, including those for derivatives
     #[arg(long, value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(help_heading = "Fit")]
     pub renders: u32,
-    /// A gesture that plays the model, as of `ca render`; repeatable
-    #[arg(long, value_name = "[PORT=]FILE")]
+    /// Gesture file that plays the model, as in `ca render`; repeatable
+    #[arg(long, value_name = "[PORT=]FILE", help_heading = "Model")]
     pub gesture: Vec<String>,
-    /// Writes a page: the recording, the model before and after, what is left
-    #[arg(long, value_name = "FILE.html")]
+    /// Writes an HTML page: the recording, the model before and after, and the remaining difference
+    #[arg(long, value_name = "FILE.html", help_heading = "Output")]
     pub report: Option<PathBuf>,
     /// where the model is written
     #[command(flatten)]
     pub to_file: WriteTo,
-    /// Prints what was found as JSON
-    #[arg(long)]
+    /// Prints the result as JSON
+    #[arg(long, help_heading = "Output")]
     pub json: bool,
 }
 

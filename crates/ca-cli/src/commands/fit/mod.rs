@@ -36,13 +36,16 @@ pub fn run(args: &FitArgs) -> Outcome {
         load::own_file(&args.model)?;
     }
     if let (true, Some(format)) = (writes, loaded.format) {
-        let what = format!("a {} file cannot be written; `ca import` makes a model file of it", format.name);
+        let what =
+            format!("a {} file cannot be written; convert it to a model file with `ca import FILE`", format.name);
         return Err(Failure::Usage(what));
     }
     // the written text contains fitted values of varied numbers, but not values of `--set`
     if let Some((name, _)) = args.set.iter().find(|(name, _)| writes && !args.vary.contains(name)) {
-        let what = format!("`--set {name}` changes what is not varied, and would not be in what is written");
-        return Err(Failure::Usage(format!("{what}; write this value in the file first, or vary it too")));
+        let what = format!("`--set {name}` changes a number that is not varied, so it would not be written");
+        return Err(Failure::Usage(format!(
+            "{what}; write the value in the file first, or add the number to `--vary`"
+        )));
     }
     if let Some(path) = &args.to_file.write {
         write::may_be(path, args.to_file.force)?;
@@ -110,20 +113,20 @@ pub fn run(args: &FitArgs) -> Outcome {
 /// Parses a range such as `low.f=80 Hz..160 Hz`.
 fn range((name, text): &(String, String)) -> Result<Range, Failure> {
     let Some((from, to)) = text.split_once("..") else {
-        let what = format!("--range: `{name}={text}` has one end");
-        return Err(Failure::Usage(format!("{what}; write it like `low.f=80..160`")));
+        let what = format!("--range: `{name}={text}` has only one end");
+        return Err(Failure::Usage(format!("{what}; write it e.g. as `low.f=80..160`")));
     };
     Ok(Range { name: name.clone(), ends: [Value::typed(from), Value::typed(to)] })
 }
 
 fn print(loaded: &Loaded, target: &str, found: &Fit) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
-    writeln!(out, "{}, to {:.3} s of {target} by {} renders", loaded.name, found.seconds, found.renders)?;
+    writeln!(out, "{}, fitted to {:.3} s of {target} in {} renders", loaded.name, found.seconds, found.renders)?;
     for f in &found.fitted {
         let v = &f.varied;
         writeln!(out, "  {}: {} → {} {}", v.name, v.shown(v.start), v.shown(f.value), f.uncertainty())?;
     }
-    let line = |d: &Distance| format!("levels {:.2} dB off, {:.1} dB of the samples left", d.levels, d.samples);
+    let line = |d: &Distance| format!("levels off by {:.2} dB, residual of the samples {:.1} dB", d.levels, d.samples);
     writeln!(out, "  before: {}", line(&found.before))?;
     writeln!(out, "  after:  {}", line(&found.after))?;
     let ms = Plain(six(1e3 * found.delay));
@@ -131,9 +134,9 @@ fn print(loaded: &Loaded, target: &str, found: &Fit) -> Result<(), Failure> {
         Stage::Samples => format!("samples, over {:.3} s", found.phase),
         Stage::Levels => "levels; phases do not agree".into(),
     };
-    writeln!(out, "  gain {}, delay {ms} ms; last by {by}", Plain(six(found.gain)))?;
+    writeln!(out, "  gain {}, delay {ms} ms; last fitted to {by}", Plain(six(found.gain)))?;
     if let Some(b) = &found.beyond {
-        writeln!(out, "  in the {:.3} s after that, which were not fitted:", b.seconds)?;
+        writeln!(out, "  in the {:.3} s after the fitted part:", b.seconds)?;
         writeln!(out, "    the model: {}", line(&b.model))?;
         writeln!(out, "    {} with as many numbers: {}", b.named(), line(&b.sinusoids))?;
     }

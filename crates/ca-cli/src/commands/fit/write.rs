@@ -16,11 +16,11 @@ const DIGITS: usize = 8;
 pub(super) fn may_be(path: &Path, force: bool) -> Result<(), Failure> {
     new::may_be(path, force)?;
     if path.is_dir() {
-        return Err(Failure::Failed(format!("`{}`: it is a directory; name a file in it", path.display())));
+        return Err(Failure::Failed(format!("`{}` is a directory; name a file in it", path.display())));
     }
     let folder = path.parent().filter(|f| !f.as_os_str().is_empty());
     if folder.is_some_and(|f| !f.is_dir()) {
-        let what = format!("`{}`: it cannot be written: no such directory", path.display());
+        let what = format!("`{}` cannot be written: no such directory", path.display());
         return Err(Failure::Failed(format!("{what}; make the directory first")));
     }
     Ok(())

@@ -4,16 +4,19 @@ use crate::commands::aim::Aim;
 use crate::commands::serve::ServeArgs;
 use clap::Args;
 
-/// Plays a model in the browser: you see it move, touch it, and hear it
+/// Plays a model in the browser, where you can see, touch and hear it
 ///
-/// Prints one address on this machine and opens it: the moving instrument, whose masses can be grabbed and pulled, its
-/// live parameters as sliders, its own gesture, levels and spectrum. Sound is played by the page, or by a sound device
-/// (`--audio`). It is the engine of `ca serve` with a page: devices take part as there, and a take (`--log`) has what was
-/// done in the page, too. The page cannot arm forces unless `--allow-arm` says so. Whoever has the address can play;
-/// nobody beyond this machine can reach it. Ends with Ctrl-C, `ca stop` or the page.
+/// Prints the address of a page on this machine and opens it. The page shows the moving instrument, whose masses can be
+/// grabbed and pulled, its live parameters as sliders, its built-in gesture, levels and spectrum. The page plays the
+/// sound, or a sound device does (`--audio`).
+///
+/// The engine is the same as in `ca serve`: devices work in the same way, and a take (`--log`) also records the actions
+/// in the page. The page can arm forces only with `--allow-arm`. Anyone with the address can play, but the page cannot
+/// be reached from other machines. Ends with Ctrl-C, `ca stop` or the page.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca play hammered_string --no-open --seconds 2
+  ca play hammered_string --no-open --seconds 1 --set hammer.m='30 g'
   ca play rattle --no-open --seconds 1 -o shaken.wav --log shaken.mcap")]
 #[allow(clippy::struct_excessive_bools, reason = "each is an option of its own")]
 pub struct PlayArgs {
@@ -23,19 +26,19 @@ pub struct PlayArgs {
     /// the error
     #[command(flatten)]
     pub aim: Aim,
-    /// Prints the address and opens nothing
-    #[arg(long)]
+    /// Prints the address without opening it
+    #[arg(long, help_heading = "Page")]
     pub no_open: bool,
-    /// Where the page is served; if left out 8730, so that the browser finds its presets again, or any free port
-    #[arg(long, value_name = "PORT")]
+    /// Port of the page (default: 8730, so that the browser finds its presets again, or any free port)
+    #[arg(long, value_name = "PORT", help_heading = "Page")]
     pub port: Option<u16>,
-    /// Lets other pages of this machine show it in a frame, as a notebook does
-    #[arg(long)]
+    /// Lets other pages on this machine show the page in a frame, as a notebook does
+    #[arg(long, help_heading = "Page")]
     pub framed: bool,
     /// Lets the page arm the forces of devices
-    #[arg(long)]
+    #[arg(long, help_heading = "Page")]
     pub allow_arm: bool,
-    /// Leaves out what nothing hears, as `ca serve` does, though it could be seen
-    #[arg(long)]
+    /// Leaves out modules that do not affect any output, as `ca serve` does, though they could be shown
+    #[arg(long, help_heading = "Page")]
     pub lean: bool,
 }

@@ -33,14 +33,14 @@ pub(super) fn open(address: &str) -> Option<Redirect> {
     let redirect = match redirect(address) {
         Ok(redirect) => redirect,
         Err(why) => {
-            term::note(&format!("no browser opens ({why}); open the address in one"));
+            term::note(&format!("no browser was opened ({why}); open the address in a browser"));
             return None;
         }
     };
     let path = redirect.0.clone();
     let work = move || {
         if let Err(why) = readable().and_then(|()| open::that_detached(&path).map_err(|e| e.to_string())) {
-            term::note(&format!("no browser opens ({why}); open the address in one"));
+            term::note(&format!("no browser was opened ({why}); open the address in a browser"));
         }
     };
     let started = std::thread::Builder::new().name("ca browser".into()).spawn(work);
@@ -72,7 +72,9 @@ fn readable() -> Result<(), String> {
         None => desktop_command()?,
     };
     if is_sandboxed(&command) {
-        return Err("the browser runs in a sandbox, a snap or flatpak, and would have to be given the token".into());
+        return Err(
+            "the browser runs in a sandbox, a snap or flatpak, and would need the token in its arguments".into()
+        );
     }
     Ok(())
 }
@@ -89,12 +91,12 @@ fn desktop_command() -> Result<String, String> {
     let text = file.and_then(|f| fs::read_to_string(f).ok()).ok_or_else(|| format!("`{name}` is not found"))?;
     let value = |key: &str| text.lines().find_map(|l| l.strip_prefix(key)?.strip_prefix('='));
     if !value("MimeType").is_some_and(|types| types.contains("x-scheme-handler/http")) {
-        return Err(format!("`{name}` opens HTML and is not a browser"));
+        return Err(format!("`{name}` opens HTML files but is not a browser"));
     }
     if value("X-Flatpak").is_some() || value("X-SnapInstanceName").is_some() {
         return Ok("flatpak run".into());
     }
-    value("Exec").map(str::to_owned).ok_or_else(|| format!("`{name}` lacks a command"))
+    value("Exec").map(str::to_owned).ok_or_else(|| format!("`{name}` does not define a command"))
 }
 
 /// Folders in which desktops look for applications.

@@ -6,15 +6,18 @@ use crate::commands::aim::Aim;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
-/// Plays a model into a WAV or FLAC file
+/// Renders a model to a WAV or FLAC file
 ///
-/// The model is played by its built-in gesture, or by files: CSV, NPY, WAV or MIDI, whose tracks are named like the
-/// ports and live parameters they drive. The same model, gesture and options give the same bits on every machine. The
-/// length is `--seconds`. Without it a MIDI file is played until the sound has died away (60 dB below its peak for half a second), 10 s
-/// after the last event at most; else it is `seconds` of the model, else the gesture and 2 s more, at least 3 s. Floats hold what the
-/// model makes, beyond full scale too; in 24 and 16 bits that is cut off and counted. A model that diverges is silenced, and the
-/// guilty module named: what is cut off or diverged finishes with exit code 3. A pipe gets the same bytes as a file, when the
-/// sound is whole; the summary then goes to standard error.
+/// The model is played by its built-in gesture, or by files: CSV, NPY, WAV or MIDI, with tracks named after the ports
+/// and live parameters that they drive. The same model, gesture and options give the same bits on every machine.
+///
+/// The length is `--seconds`. Without it, a MIDI file plays until the sound has decayed (60 dB below its peak for half
+/// a second), at most 10 s after the last event. In other cases the length is `seconds` of the model, or else the
+/// length of the gesture plus 2 s, at least 3 s.
+///
+/// Floats store all samples, also those beyond full scale. In 24 and 16 bits these are clipped and counted. If the
+/// model diverges, it is silenced, and the module at fault is named. Exit code 3 if samples were clipped or the model
+/// diverged. A pipe gets the same bytes as a file, once the sound is complete; the summary then goes to standard error.
 #[allow(clippy::struct_excessive_bools)]
 #[derive(Args)]
 #[command(after_long_help = "Examples:
@@ -33,47 +36,48 @@ pub struct RenderArgs {
     /// the model
     #[command(flatten)]
     pub source: Source,
-    /// The file, `.wav` or `.flac`, or `-` for standard output; the name of the model in the current directory if left out
-    #[arg(short, long, value_name = "FILE")]
+    /// File to write, `.wav` or `.flac`, or `-` for standard output (default: the name of the model in the current
+    /// directory)
+    #[arg(short, long, value_name = "FILE", help_heading = "Output")]
     pub output: Option<PathBuf>,
     /// how it is played
     #[command(flatten)]
     pub playing: Playing,
-    /// Samples: 32-bit float (lossless, the default of WAV), 24 bits (the default of FLAC) or 16 bits; `flac` and `flac16` are
-    /// FLAC whatever the file is called
-    #[arg(long, value_enum)]
+    /// Sample format: 32-bit float (lossless, the default for WAV), 24 bits (the default for FLAC) or 16 bits; `flac`
+    /// and `flac16` write FLAC without the extension `.flac` too, e.g. to a pipe
+    #[arg(long, value_enum, help_heading = "Output")]
     pub format: Option<SampleFormat>,
-    /// Cuts off what is beyond full scale in 32-bit floats too, as 24 and 16 bits always do
-    #[arg(long)]
+    /// Clips 32-bit floats at full scale, as is always done in 24 and 16 bits
+    #[arg(long, help_heading = "Output")]
     pub ceiling: bool,
-    /// Makes the loudest sample just so loud, e.g. -1dBFS
-    #[arg(long, value_name = "DBFS", value_parser = dbfs, allow_hyphen_values = true)]
+    /// Scales the sound so that its peak is at this level, e.g. -1dBFS
+    #[arg(long, value_name = "DBFS", value_parser = dbfs, allow_hyphen_values = true, help_heading = "Output")]
     pub normalize: Option<f64>,
-    /// Leaves the end of a sound that goes on as it is; else its last 20 ms are faded where they are above -60 dBFS
-    #[arg(long)]
+    /// Does not fade out the end; without this option, the last 20 ms are faded out if they are above -60 dBFS
+    #[arg(long, help_heading = "Output")]
     pub no_fade: bool,
-    /// Writes any quantity to a file, `.npy` (default) or `.csv`: `low[3]`, `strike`, `low@0.3`; repeatable. Of a mass or a port
-    /// it is how far that is from where it rests (a gesture says where it is), of a link its force
-    #[arg(long, value_name = "NAME[=FILE]")]
+    /// Writes a quantity to a file, `.npy` (default) or `.csv`: `low[3]`, `strike`, `low@0.3`; repeatable. For a mass
+    /// or a port, it is the displacement from rest (a gesture file has positions instead); for a link, its force
+    #[arg(long, value_name = "NAME[=FILE]", help_heading = "Output")]
     pub probe: Vec<String>,
     /// the error
     #[command(flatten)]
     pub aim: Aim,
-    /// Keeps the energy ledger for the whole length (slower)
-    #[arg(long)]
+    /// Computes the energy ledger for the whole length (slower)
+    #[arg(long, help_heading = "Computation")]
     pub energy: bool,
-    /// Has no effect: one thread plays a scene. Accepted for scripts that were written for earlier versions
+    /// Has no effect: one thread plays a scene. Accepted for scripts written for earlier versions
     #[arg(long, value_name = "N", default_value_t = 1, hide = true)]
     pub threads: u8,
-    /// Which passes run the links; `reference` is slower, link by link, and may sum forces in another order: samples are then
-    /// the same to rounding, which collisions may amplify to another course of the sound
-    #[arg(long, value_enum, default_value_t = Kernel::Fast)]
+    /// Computation of the links; `reference` is slower, link by link, and may sum forces in another order: samples then
+    /// agree up to rounding, but collisions may amplify the difference until the sound differs
+    #[arg(long, value_enum, default_value_t = Kernel::Fast, help_heading = "Computation")]
     pub kernel: Kernel,
-    /// Prints nothing but warnings and errors
-    #[arg(short, long)]
+    /// Prints only warnings and errors
+    #[arg(short, long, help_heading = "Output")]
     pub quiet: bool,
     /// Prints the summary as JSON
-    #[arg(long, conflicts_with = "quiet")]
+    #[arg(long, conflicts_with = "quiet", help_heading = "Output")]
     pub json: bool,
 }
 

@@ -155,7 +155,7 @@ fn output(args: &RenderArgs, loaded: &Loaded) -> Result<PathBuf, Failure> {
     };
     if is_stdout(&path) {
         if std::io::stdout().is_terminal() {
-            let what = format!("`{}`: a terminal cannot show sound", path.display());
+            let what = format!("`{}`: standard output is a terminal, which cannot play sound", path.display());
             return Err(Failure::Usage(format!(
                 "{what}; send it to a program or a file, as in `ca render … -o - | aplay`"
             )));
@@ -176,13 +176,13 @@ fn format(args: &RenderArgs, output: &Path) -> Result<(Format, bool), Failure> {
     let named = load::has_extension(output, "flac");
     let flac = named || args.format.is_some_and(SampleFormat::is_flac);
     if flac && load::has_extension(output, "wav") {
-        let what = format!("`{}`: the name says WAV, `--format` says FLAC", output.display());
-        return Err(Failure::Usage(format!("{what}; call the file `.flac`, or choose `--format 24`")));
+        let what = format!("`{}`: the extension is `.wav`, but `--format` is FLAC", output.display());
+        return Err(Failure::Usage(format!("{what}; use the extension `.flac`, or choose `--format 24`")));
     }
     match args.format {
         Some(SampleFormat::F32) if flac => {
-            let what = format!("`{}`: FLAC holds no floats", output.display());
-            Err(Failure::Usage(format!("{what}; choose `--format 24` or `16`, or call the file `.wav`")))
+            let what = format!("`{}`: FLAC cannot store floats", output.display());
+            Err(Failure::Usage(format!("{what}; choose `--format 24` or `--format 16`, or use the extension `.wav`")))
         }
         None if flac => Ok((Format::I24, flac)),
         None | Some(SampleFormat::F32) => Ok((Format::F32, flac)),
@@ -194,7 +194,7 @@ fn format(args: &RenderArgs, output: &Path) -> Result<(Format, bool), Failure> {
 /// Formats the message after Ctrl-C ended a render at `done` of `seconds`.
 fn interrupted(output: &Path, done: f64, seconds: f64) -> String {
     let kept = if output.is_file() {
-        format!("`{}` is as it was before", output.display())
+        format!("`{}` is unchanged", output.display())
     } else {
         format!("`{}` was not written", output.display())
     };
@@ -207,13 +207,15 @@ fn probes(args: &RenderArgs, output: &Path) -> Result<Vec<Probe>, Failure> {
         let (name, file) = text.split_once('=').map_or((text.as_str(), None), |(n, f)| (n, Some(f)));
         let (name, file) = (name.trim(), file.map(str::trim));
         if name.is_empty() || file == Some("") {
-            return Err(Failure::Usage(format!("--probe: `{text}`; write it like `low[3]` or `low[3]=bridge.csv`")));
+            return Err(Failure::Usage(format!(
+                "--probe: `{text}` is not a name; write it e.g. as `low[3]` or `low[3]=bridge.csv`"
+            )));
         }
         // `*` is avoided in file names
         let default = || output.with_file_name(format!("{}.npy", name.replace('*', "all")));
         let file = file.map_or_else(default, PathBuf::from);
         if list.iter().any(|p| p.name == name) {
-            return Err(Failure::Usage(format!("--probe: `{name}` is asked for twice")));
+            return Err(Failure::Usage(format!("--probe: `{name}` is given twice; leave out one")));
         }
         list.push(Probe { name: name.into(), file });
     }
@@ -227,7 +229,7 @@ fn open_probes(probes: &[Probe], scene: &Scene) -> Result<Vec<(ProbeOut, usize)>
         let columns = scene.names.probe_names.iter().zip(&scene.names.probe_of);
         let own: Vec<&str> = columns.filter(|(_, of)| **of as usize == i).map(|(n, _)| n.as_str()).collect();
         if own.is_empty() {
-            let what = format!("--probe: `{}` does nothing, so it was left out", p.name);
+            let what = format!("--probe: `{}` has no effect, so it was left out of the scene", p.name);
             return Err(Failure::Usage(format!("{what}; probe the modules at its ends")));
         }
         outs.push((ProbeOut::create(&p.file, &own, scene.rate)?, own.len()));
@@ -251,7 +253,7 @@ pub(crate) fn length(args: &Playing, p: &Performance) -> (f64, Length) {
     let seconds = ca_lab::play::seconds(p, args.seconds);
     if args.seconds.is_none() && !args.gesture.is_empty() && gesture > seconds {
         term::note(&format!(
-            "the gesture lasts {gesture:.3} s, the model asks for {seconds} s; use `--seconds` to hear all of it"
+            "the gesture lasts {gesture:.3} s, but `seconds` of the model is {seconds} s; use `--seconds` to hear all of it"
         ));
     }
     (seconds, Length::of(p, args.seconds))

@@ -80,14 +80,17 @@ impl Summary<'_> {
         if let Some(b) = self.divergence {
             term::warning(&b.to_string());
         } else if self.written.level.non_finite > 0 {
-            term::warning(&format!("{} samples had no value and became silence", self.written.level.non_finite));
+            term::warning(&format!(
+                "{} samples were not finite and were replaced by silence",
+                self.written.level.non_finite
+            ));
         }
         if self.written.level.clipped > 0 {
             // after a divergence, the peak does not indicate loudness
             let help = if self.divergence.is_some() {
                 String::new()
             } else if self.warnings > 0 && self.loudest() > FAR {
-                format!("; a gain is not what is wrong, see `{}`", self.check())
+                format!("; the gain is not the cause, see `{}`", self.check())
             } else {
                 fitting(self.loudest())
             };
@@ -96,17 +99,17 @@ impl Summary<'_> {
         if self.written.level.beyond > 0 && !self.args.quiet {
             let n = self.written.level.beyond;
             let what = if n == 1 { "1 sample is".into() } else { format!("{n} samples are") };
-            let kept = "kept as it is in 32-bit floats; `--normalize` or `--ceiling` keep it within";
+            let kept = "kept in 32-bit floats; use `--normalize` or `--ceiling` to stay within it";
             term::note(&format!("{what} beyond full scale, {kept}{}", fitting(self.loudest())));
         }
         if self.divergence.is_none() && !self.args.quiet {
             for (channel, share) in &self.slow {
                 let name = self.scene.names.channel_names.get(*channel).map_or("", String::as_str);
                 let percent = (100.0 * share).round();
-                let what = format!("{percent} % of the power of `{name}` is below {EDGE} Hz, where nothing is heard");
+                let what = format!("{percent} % of the power of `{name}` is below {EDGE} Hz, which is inaudible");
                 let help = match self.furthest.as_str() {
                     "" => "give the output a higher `dc`".into(),
-                    body => format!("`{body}` is furthest from its rest: hold it, or give the output a higher `dc`"),
+                    body => format!("`{body}` is furthest from rest: attach it, or give the output a higher `dc`"),
                 };
                 term::warning(&format!("{what}; {help}"));
             }
@@ -114,21 +117,21 @@ impl Summary<'_> {
         if self.loudest() < SILENT && !self.args.quiet {
             let ports: Vec<&str> = self.scene.inputs.iter().map(|i| i.name.as_str()).collect();
             let help = if self.loudest() > 0.0 {
-                "all stays more than 200 dB below full scale: give the outputs more `gain`".into()
+                "all samples are more than 200 dB below full scale: give the outputs more `gain`".into()
             } else if ports.is_empty() {
                 "give a module an initial `v` or `dx0`".into()
             } else {
                 let midi = inputs::notes(self.scene.inputs.iter());
-                let midi = midi.map_or(String::new(), |n| format!("; a MIDI file plays it by the {n}"));
-                format!("it can be played at {} by `--gesture`{midi}", ticked(ports.into_iter()))
+                let midi = midi.map_or(String::new(), |n| format!("; a MIDI file plays it with the {n}"));
+                format!("play it at {} with `--gesture`{midi}", ticked(ports.into_iter()))
             };
             let plays = !self.args.playing.gesture.is_empty() || !self.scene.about.gestures.is_empty();
-            let why = if plays { ", what its gesture moves does not reach an output" } else { "" };
-            term::note(&format!("nothing sounds{why}; {help}"));
+            let why = if plays { ", because the motion of its gesture does not reach an output" } else { "" };
+            term::note(&format!("the sound is silent{why}; {help}"));
         }
         if let Some(residual) = self.unbalanced() {
             let what = format!("the energy ledger does not balance: {} are not accounted for", joule(residual));
-            let help = "parameters or places are beyond what 64-bit numbers add up, or this is an error of the program";
+            let help = "parameters or positions are too large for 64-bit numbers, or this is a bug of the program";
             term::warning(&format!("{what}; {help}, see `{}`", self.check()));
         }
         if let (Some(made), Some(audit)) = (self.made(), self.energy) {
@@ -137,12 +140,16 @@ impl Summary<'_> {
             let links = ticked(links.iter().map(String::as_str));
             let by = if links.is_empty() { "the rate boundary of a group" } else { &links };
             let received = joule(audit.ledger.balance().received);
-            let what = format!("{by} made {} out of nothing, more than the {received} that were received", joule(made));
-            let help = "what is heard is the error of the scheme; soften it; a contact may have `method = \"stable\"`";
+            let what = format!("{by} created {} of energy, more than the {received} that were received", joule(made));
+            let help = "the sound contains this error of the scheme; lower the stiffness, or give a contact \
+                        `method = \"stable\"`";
             term::warning(&format!("{what}: {help}, see `{}`", self.check()));
         }
         if self.refused > 0 {
-            term::warning(&format!("{} inputs had no value; the last good one was held instead", self.refused));
+            term::warning(&format!(
+                "{} input values were not finite; the last valid value was used instead",
+                self.refused
+            ));
         }
     }
 
@@ -173,7 +180,7 @@ impl Summary<'_> {
             writeln!(out, "  gain       all samples times {}", short(self.ended.gain))?;
         }
         if self.ended.faded {
-            writeln!(out, "  ending     still sounds: its last 20 ms are faded; `--no-fade` leaves them")?;
+            writeln!(out, "  ending     still sounding: the last 20 ms are faded out; `--no-fade` keeps them")?;
         }
         let name = |i: usize| self.scene.names.channel_names.get(i).map_or("?", String::as_str);
         let peaks: Vec<String> = (0..w.level.peak.len())
@@ -209,7 +216,7 @@ impl Summary<'_> {
             if a.diverged {
                 writeln!(out, "  energy     diverged at {time:.4} s, found at {found:.4} s{grows}")?;
             } else {
-                writeln!(out, "  energy     diverged after {time:.4} s, found at {found:.4} s; `--energy` says when")?;
+                writeln!(out, "  energy     diverged after {time:.4} s, found at {found:.4} s; `--energy` shows when")?;
             }
             if a.whole {
                 writeln!(out, "    at load  {}", joule(b.h0))?;

@@ -18,7 +18,7 @@ pub(super) fn text(report: &Report) -> io::Result<()> {
     writeln!(out, "  {:<15}{}", "a frame takes", times(&s.frame_us))?;
     writeln!(out, "  {:<15}{}; {} periods left out", "begins late", times(&s.late_us), s.missed)?;
     for d in &s.devices {
-        let loops = if d.loop_us.n == 0 { "no loop was closed".into() } else { times(&d.loop_us) };
+        let loops = if d.loop_us.n == 0 { "never closed".into() } else { times(&d.loop_us) };
         writeln!(out, "  {:<15}{} frames, {} dropped; loop {loops}", d.device, d.frames, d.dropped)?;
     }
     for d in s.devices.iter().filter(|d| !d.forces_on || d.waits.is_some()) {
@@ -28,10 +28,14 @@ pub(super) fn text(report: &Report) -> io::Result<()> {
     }
     for (d, (key, felt)) in s.devices.iter().flat_map(|d| d.softened.iter().map(move |s| (d, s))) {
         let felt = show(six(*felt), Unit::STIFFNESS);
-        writeln!(out, "  {:<15}`{key}` to {felt} in the hand, what {} holds", "softened", d.device)?;
+        writeln!(out, "  {:<15}`{key}` to {felt} in the hand, which {} can hold", "softened", d.device)?;
     }
     if !s.devices.is_empty() {
-        writeln!(out, "  {:<15}{} frames without news, {} forces not fetched", "stale", s.stale, s.lost_forces)?;
+        writeln!(
+            out,
+            "  {:<15}{} frames without a new device frame, {} forces not read",
+            "stale", s.stale, s.lost_forces
+        )?;
     }
     let on_the_way: Vec<String> =
         traffic.iter().flatten().filter(|t| t.1 > 0).map(|(k, n)| format!("{n} {k}")).collect();
@@ -41,7 +45,7 @@ pub(super) fn text(report: &Report) -> io::Result<()> {
     let lost =
         [(s.lost_records, "records"), (s.lost_sound, "samples"), (s.lost_views, "pictures"), (s.lost_timings, "times")];
     let lost: Vec<String> = lost.iter().filter(|l| l.0 > 0).map(|(n, what)| format!("{n} {what}")).collect();
-    let nothing = if s.broken.is_empty() { "nothing" } else { "what is not written, as below" };
+    let nothing = if s.broken.is_empty() { "nothing" } else { "see `not written` below" };
     writeln!(out, "  {:<15}{}", "lost", if lost.is_empty() { nothing.into() } else { lost.join(", ") })?;
     if s.faults.is_empty() {
         writeln!(out, "  {:<15}none", "faults")?;
@@ -60,12 +64,12 @@ pub(super) fn text(report: &Report) -> io::Result<()> {
         let who = format!("{} ({})", a.playback.device, a.playback.host);
         writeln!(out, "  {:<15}{who}, {rate} Hz {ppm:+.1} ppm, {buffer} frames, heard after {ms} ms", "played by")?;
         let lost = [
-            (a.underruns, "times nothing to play"),
+            (a.underruns, "underruns"),
             (a.xruns, "xruns of the device"),
             (a.stops, "times the device stopped"),
             (a.silent, "samples of silence"),
             (a.skipped, "samples too old"),
-            (a.unheard, "samples unheard"),
+            (a.unheard, "samples that the device did not take"),
         ];
         let lost: Vec<String> = lost.iter().filter(|l| l.0 > 0).map(|(n, what)| format!("{n} {what}")).collect();
         writeln!(out, "  {:<15}{}", "not played", if lost.is_empty() { "nothing".into() } else { lost.join(", ") })?;

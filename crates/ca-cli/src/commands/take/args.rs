@@ -3,11 +3,11 @@
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
 
-/// Plays a take again, and says whether it is as it was
+/// Replays a take and compares the result with the recording
 ///
-/// A take (`*.mcap`) holds the model, the devices and every frame, so nothing else is needed. Each force frame, each
-/// sound sample and each hash of the state is computed again and compared to the bit; the first difference is shown,
-/// with both values. Exit code 3 if something is not as it was, or is missing in the take; with `--verify`, 1.
+/// A take (`*.mcap`) contains the model, the devices and every frame, so nothing else is needed. Each force frame, each
+/// sound sample and each hash of the state is computed again and compared bit by bit. The first difference is shown
+/// with both values. Exit code 3 if something differs or is missing in the take; with `--verify`, exit code 1.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca replay take.mcap
@@ -15,27 +15,27 @@ use std::path::PathBuf;
   ca replay take.mcap --energy
   ca replay take.mcap -o again.wav")]
 pub struct ReplayArgs {
-    /// The take, `*.mcap`, finished or cut off
+    /// The take, `*.mcap`, complete or cut off
     pub file: PathBuf,
-    /// Fails if anything is not as it was
+    /// Fails (exit code 1) if anything differs or is missing
     #[arg(long)]
     pub verify: bool,
-    /// Writes the sound as it is computed now
+    /// Writes the sound of the replay
     #[arg(short, long, value_name = "FILE.wav")]
     pub output: Option<PathBuf>,
-    /// Keeps the energy ledger, and says where the energy of the hands went
+    /// Computes the energy ledger, and shows where the energy of the hands went
     #[arg(long)]
     pub energy: bool,
-    /// Prints the verdict as JSON
+    /// Prints the result as JSON
     #[arg(long)]
     pub json: bool,
 }
 
-/// Looks into takes, saves what was cut off, and takes parts out
+/// Shows takes, recovers takes that were cut off, and exports parts of takes
 ///
-/// A take (`*.mcap`) is one performance: model, devices, every frame, sound, events. It opens in Foxglove, Lichtblick,
-/// PlotJuggler and Python (`mcap`); these commands do without. A take whose program was killed reads up to its last
-/// quarter of a second.
+/// A take (`*.mcap`) is one performance: model, devices, every frame, sound, and events. Foxglove, Lichtblick,
+/// PlotJuggler and Python (`mcap`) can open it; these commands do not need them. If the program was killed, the take
+/// can be read up to its last quarter of a second.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca log info take.mcap
@@ -51,35 +51,35 @@ pub struct LogArgs {
     pub what: LogCommand,
 }
 
-/// What is done with a take.
+/// Actions on a take.
 #[derive(Subcommand)]
 pub enum LogCommand {
-    /// Shows topics, counts, length, what was lost, and faults with cause and time
+    /// Shows topics, counts, length, losses, and faults with cause and time
     Info {
         /// The take, `*.mcap`
         file: PathBuf,
-        /// As JSON
+        /// Prints the information as JSON
         #[arg(long)]
         json: bool,
     },
-    /// Copies what is whole of a take that was cut off into a new file with an index
+    /// Copies the intact part of a take that was cut off to a new file with an index
     Recover {
-        /// The take, `*.mcap`; it is left as it is
+        /// The take, `*.mcap`; it is not changed
         file: PathBuf,
-        /// The file to write; `NAME.recovered.mcap` beside the take if left out
+        /// File to write (default: `NAME.recovered.mcap` beside the take)
         #[arg(short, long, value_name = "FILE.mcap")]
         output: Option<PathBuf>,
         /// Overwrites the file
         #[arg(long)]
         force: bool,
     },
-    /// Takes a part out: a topic as .csv or .npy, `sound` as .wav, `model`, or an attachment by its name
+    /// Exports a part: a topic as .csv or .npy, `sound` as .wav, `model`, or an attachment by its name
     Export {
         /// The take, `*.mcap`
         file: PathBuf,
         /// `sound`, `model`, a topic such as `/device/tgr12/in`, or the name of an attachment
         what: String,
-        /// The file to write
+        /// File to write
         #[arg(short, long, value_name = "FILE")]
         output: PathBuf,
         /// Overwrites the file

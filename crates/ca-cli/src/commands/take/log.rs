@@ -24,7 +24,7 @@ pub fn run(args: &LogArgs) -> Outcome {
                 info(&take, &summary)?;
             }
             if summary.end != End::Whole {
-                let fix = format!("`ca log recover {}` saves the rest", file.display());
+                let fix = format!("`ca log recover {}` copies the intact part", file.display());
                 term::warning(&format!("{}; {fix}", summary.end));
             }
             let damaged = matches!(summary.end, End::Damaged(..));
@@ -54,17 +54,18 @@ fn recovered(file: &Path, output: Option<&PathBuf>, force: bool) -> Outcome {
     drop(out);
     match r.cut {
         None => {
-            term::note("the take was whole; this is a copy of it");
+            term::note("the take was complete; the new file is a copy of it");
             Ok(Ended::Well)
         }
         Some((why, bytes)) => {
             let text = if r.damaged {
                 format!(
-                    "the take is damaged: {why}, {bytes} bytes from there on were not used; what was played then is lost"
+                    "the take is damaged: {why}, {bytes} bytes from there on were not used; \
+                     the performance after that is lost"
                 )
             } else {
-                let less = "what was played in the last quarter of a second before it ended was not yet written";
-                format!("the take was cut off: {why}, {bytes} bytes at its end were of no use; {less}")
+                let less = "the last quarter of a second that was played had not been written yet";
+                format!("the take was cut off: {why}, {bytes} bytes at its end were not usable; {less}")
             };
             term::warning(&text);
             Ok(Ended::Degraded)

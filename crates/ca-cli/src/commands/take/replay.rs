@@ -57,20 +57,19 @@ fn text(take: &Take, v: &ReplayVerdict, account: Option<&Account>) -> Result<(),
     )?;
     let alike = alike(v);
     match (&v.difference, v.hole) {
-        (None, None) if !v.is_identical() => writeln!(out, "  nothing was compared: no force, sound or hash is in it")?,
+        (None, None) if !v.is_identical() => {
+            writeln!(out, "  nothing was compared: the take has no forces, sound or hashes")?;
+        }
         (None, None) => writeln!(out, "  {alike}")?,
         (Some(d), _) => writeln!(out, "  differs    {d}")?,
         (None, Some(t)) => writeln!(out, "  {alike}, up to {t:.3} s: records are missing there")?,
     }
     if v.tolerance > 0.0 {
         let by = take.header.arithmetic;
-        writeln!(
-            out,
-            "  arithmetic {by}, here {ARITHMETIC}: its scene rounds otherwise since, so no bits are compared"
-        )?;
+        writeln!(out, "  arithmetic {by} in the take, {ARITHMETIC} here: rounding differs, so bits are not compared")?;
     }
     if v.versions > 1 {
-        let energy = if account.is_some() { "; energy is that since the last" } else { "" };
+        let energy = if account.is_some() { "; the energy is since the last one" } else { "" };
         writeln!(out, "  {} versions of the model were played{energy}", v.versions)?;
     }
     if let Some(account) = account {

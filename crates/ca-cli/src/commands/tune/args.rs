@@ -9,12 +9,13 @@ use clap_complete::ArgValueCompleter;
 
 /// Tunes strings, meshes, cells and banks
 ///
-/// A part is named with its pitch: in hertz, or as a note with octave and cents (A3, C#4, Bb2+14.5). The command changes
-/// its `f`, or its stiffness `k` where it has no `f`, until the mode in which the part moves most has that pitch in the whole
-/// model: frequency warping and all modules that are connected to it are counted. Where the part follows a `[param]`, that
-/// is changed. With `--scale`, the parts (or the
-/// cells of a bank) take the degrees of a scale from `--root` on. Nothing is written unless `--write` or `--in-place`
-/// says where; the rest of the file, its comments too, stays as it is.
+/// Each part is given with its pitch, in hertz or as a note with octave and cents (A3, C#4, Bb2+14.5). The command
+/// changes its `f`, or its stiffness `k` if it has no `f`, until the mode in which the part moves most has that pitch
+/// in the whole model. This includes frequency warping and all connected modules. If the part follows a `[param]`, the
+/// `[param]` is changed. With `--scale`, the parts (or the cells of a bank) get the degrees of a scale, starting at
+/// `--root`.
+///
+/// Nothing is written without `--write` or `--in-place`. The rest of the file, including comments, does not change.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca tune hammered_string low=B2
@@ -25,37 +26,38 @@ pub struct TuneArgs {
     /// `*.ca.toml` file, name of a bundled model, or `-` for standard input
     #[arg(add = ArgValueCompleter::new(completions::models))]
     pub model: String,
-    /// Part and pitch, e.g. low=A2; with `--scale` the parts alone
+    /// Part and pitch, e.g. low=A2; with `--scale`, only the part
     #[arg(value_name = "PART=PITCH", required = true)]
     pub parts: Vec<String>,
-    /// Gives the parts, or the cells of a bank, the degrees of a scale
-    #[arg(long, value_enum, requires = "root")]
+    /// Tunes the parts, or the cells of a bank, to the degrees of a scale
+    #[arg(long, value_enum, requires = "root", help_heading = "Pitch")]
     pub scale: Option<Scale>,
-    /// The first degree of the scale: a pitch
-    #[arg(long, value_name = "PITCH", requires = "scale")]
+    /// Pitch of the first degree of the scale
+    #[arg(long, value_name = "PITCH", requires = "scale", help_heading = "Pitch")]
     pub root: Option<String>,
     /// Pitch of the note A4
-    #[arg(long, value_name = "HZ", default_value = "440 Hz", value_parser = concert)]
+    #[arg(long, value_name = "HZ", default_value = "440 Hz", value_parser = concert, help_heading = "Pitch")]
     pub a4: f64,
-    /// Which of the part's own modes is tuned, lowest first
+    /// Mode of the part to tune, counted from the lowest
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(help_heading = "Pitch")]
     pub mode: u32,
     /// where it is written
     #[command(flatten)]
     pub to: WriteTo,
-    /// Prints what was done as JSON
-    #[arg(long)]
+    /// Prints the result as JSON
+    #[arg(long, help_heading = "Output")]
     pub json: bool,
 }
 
 /// Seven degrees in an octave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Scale {
-    /// major, of twelve equal steps
+    /// major, in twelve equal steps
     Equal,
-    /// major, of small whole numbers
+    /// major, in ratios of small whole numbers
     Just,
-    /// major, of pure fifths
+    /// major, in pure fifths
     Pythagorean,
     /// the overtones of the root: 1, 2, 3 …
     Harmonic,

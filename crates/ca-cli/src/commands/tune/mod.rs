@@ -22,7 +22,7 @@ use std::path::Path;
 pub fn run(args: &TuneArgs) -> Outcome {
     let mut loaded = load::load(&Source::of(&args.model))?;
     if let Some(format) = loaded.format {
-        let what = format!("a {} file cannot be tuned; `ca import` makes a model file of it", format.name);
+        let what = format!("a {} file cannot be tuned; convert it to a model file with `ca import FILE`", format.name);
         return Err(Failure::Usage(what));
     }
     load::scene(&loaded, &Options::default())?;
@@ -31,7 +31,9 @@ pub fn run(args: &TuneArgs) -> Outcome {
     let scene = load::scene(&loaded, &Options::default())?;
     if scene.certificate.level == Level::Unstable {
         term::findings(&scene.findings, &loaded.model);
-        return Err(Failure::Failed("so tuned, the model would diverge: a lower pitch, or a higher sound rate".into()));
+        return Err(Failure::Failed(
+            "the tuned model would diverge; choose a lower pitch, or a higher sound rate".into(),
+        ));
     }
     if args.to.in_place {
         ca_io::atomic_file::write(load::own_file(&args.model)?, text.as_bytes())?;
@@ -52,7 +54,8 @@ fn targets(args: &TuneArgs, model: &Model) -> Result<Vec<PitchTarget>, Failure> 
     let usage = Failure::Usage;
     let Some((scale, root)) = args.scale.zip(args.root.as_deref()) else {
         let target = |text: &String| {
-            let (part, to) = text.split_once('=').ok_or_else(|| format!("`{text}`: write it like `low=A2`"))?;
+            let (part, to) =
+                text.split_once('=').ok_or_else(|| format!("`{text}`: expected PART=PITCH, e.g. `low=A2`"))?;
             Ok(PitchTarget { part: part.trim().to_owned(), cell: None, hz: pitch(to, args.a4)? })
         };
         return args.parts.iter().map(target).collect::<Result<_, String>>().map_err(usage);
@@ -61,7 +64,9 @@ fn targets(args: &TuneArgs, model: &Model) -> Result<Vec<PitchTarget>, Failure> 
     let mut all = Vec::new();
     for part in &args.parts {
         if part.contains('=') {
-            return Err(usage(format!("`{part}`: with `--scale` the scale gives the pitch; name the part alone")));
+            return Err(usage(format!(
+                "`{part}`: with `--scale`, the scale sets the pitch; give only the name of the part"
+            )));
         }
         let cells = model.items.iter().find(|i| i.name == *part).and_then(|i| i.args.iter().find(|e| e.key == "f"));
         match cells.map(|e| &e.value) {

@@ -10,7 +10,7 @@ pub(super) fn pitch(text: &str, a4: f64) -> Result<f64, String> {
     let f = quantity::note(text).map(|f| f * (a4 / 440.0)).or_else(|| hertz(text));
     match f {
         Some(f) if f.is_finite() && f > 0.0 => Ok(f),
-        _ => Err(format!("`{text}` is no pitch; write `220 Hz`, `A3`, `C#4` or `Bb2 +14.5 c`")),
+        _ => Err(format!("`{text}` is not a pitch; write `220 Hz`, `A3`, `C#4` or `Bb2 +14.5 c`")),
     }
 }
 

@@ -58,7 +58,7 @@ fn between(below: &Key, above: &Key, at: &str, words: &str) {
 #[test]
 fn what_a_device_renders_ends_at_its_stiffness() {
     let at = |k: f64| Key { k, friction: 500.0, force: 1000.0, ..EASY };
-    between(&at(40e3 * 0.999), &at(40e3 * 1.001), "/keys/0/beyond_stiffness", "what it renders");
+    between(&at(40e3 * 0.999), &at(40e3 * 1.001), "/keys/0/beyond_stiffness", "what it can render");
 }
 
 #[test]
@@ -66,7 +66,7 @@ fn what_stays_passive_ends_where_the_page_says() {
     let thin = Key { friction: 10.0, ..EASY };
     let passive = thin.asked().1["passive"].as_f64().unwrap();
     let at = |k: f64| Key { k, stiffness: 10.0 * passive, force: 1000.0, ..thin };
-    between(&at(passive * 0.999), &at(passive * 1.001), "/keys/0/beyond_passive", "what stays passive");
+    between(&at(passive * 0.999), &at(passive * 1.001), "/keys/0/beyond_passive", "the passive limit");
 }
 
 #[test]
@@ -76,7 +76,7 @@ fn a_key_beyond_what_stays_passive_is_softened_to_it() {
     let (code, soft, said) = wall(20e3).asked();
     let felt = soft["keys"][0]["felt"].as_f64().unwrap();
     assert!((felt - 1500.0).abs() < 1e-6 && code == 3, "{felt} N/m, {code}");
-    assert!(said.contains("× 6.67 what stays passive, softened to 1.5 kN/m"), "{said}");
+    assert!(said.contains("6.67 × the passive limit, softened to 1.5 kN/m"), "{said}");
     // softening begins at 0.9 of the limit
     let (code, passive, said) = wall(2.9e3).asked();
     assert_eq!((passive["keys"][0]["felt"].as_f64(), code), (Some(felt), 0));
@@ -89,7 +89,7 @@ fn a_key_beyond_what_stays_passive_is_softened_to_it() {
 fn a_force_within_the_travel_passes_that_of_the_device_from_its_limit_on() {
     // 10 mm in each direction
     let at = |k: f64| Key { k, force: 10.0, ..EASY };
-    between(&at(1000.0 * 0.999), &at(1000.0 * 1.001), "/keys/0/saturates", "the force passes 10 N");
+    between(&at(1000.0 * 0.999), &at(1000.0 * 1.001), "/keys/0/saturates", "the force reaches 10 N");
 }
 
 #[test]
@@ -102,7 +102,7 @@ fn degrees_of_freedom_end_at_their_number() {
     let (_, last, _) = Key { of: 2, dof: 3, ..EASY }.asked();
     let (code, beyond, said) = Key { of: 3, dof: 3, ..EASY }.asked();
     assert_eq!((&last["keys"][0]["there"], &beyond["keys"][0]["there"], code), (&true.into(), &false.into(), 3));
-    assert!(said.contains("beyond the 3 it has"), "{said}");
+    assert!(said.contains("a degree of freedom beyond the 3"), "{said}");
 }
 
 /// Only a power law holds this key, so the line names no link.

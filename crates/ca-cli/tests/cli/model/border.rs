@@ -7,13 +7,13 @@ fn check_tells_delays_and_what_a_key_asks_of_a_device() {
     let desk = Desk::new();
     desk.put("struck.ca.toml", STRUCK);
     let r = desk.ca(&["check", "struck.ca.toml"]).is(0);
-    r.says(&["gesture to force 0.333 ms, gesture to sound 0.333 ms\n", "in a line through the frame"])
-        .says(&["`key`: springs sum to 2 kN/m; to stay passive a device needs 0.667 N s/m of its own"])
-        .says(&["1 N s/m bears 3 kN/m, or 1.5 kN/m where the device takes each force a frame later"]);
+    r.says(&["gesture to force 0.333 ms, gesture to sound 0.333 ms\n", "interpolated linearly over the frame"])
+        .says(&["`key`: sum of springs 2 kN/m; to stay passive, the device needs a friction of 0.667 N s/m"])
+        .says(&["a friction of 1 N s/m allows 3 kN/m, or 1.5 kN/m if the device applies each force a frame later"]);
     let set = ["check", "struck.ca.toml", "--latency", "2", "--border", "hold", "--set", "rate.filter=18 kHz"];
     let r = desk.ca(&set).is(0);
-    r.says(&["gesture to force 1.00 ms, gesture to sound 1.50 ms", "2 frames of it", "0.500 ms of it the filter"])
-        .says(&["held over the frame", "needs 2.00 N s/m", "1 N s/m bears 1 kN/m"]);
+    r.says(&["gesture to force 1.00 ms, gesture to sound 1.50 ms", "2 frames from", "0.500 ms from the output filter"])
+        .says(&["held over the frame", "needs a friction of 2.00 N s/m", "1 N s/m allows 1 kN/m"]);
     let j = desk.ca(&[&set[..], &["--json"]].concat()).is(0).json();
     let of = |path: &str| j["summary"]["latency"].pointer(path).cloned().unwrap();
     for (path, want) in [
@@ -29,7 +29,7 @@ fn check_tells_delays_and_what_a_key_asks_of_a_device() {
         assert!((is / want - 1.0).abs() < 1e-9, "{path}: {is}");
     }
     assert_eq!((of("/border/shape"), of("/border/latency")), ("hold".into(), 2.into()));
-    let r = desk.ca(&["check", "struck.ca.toml", "--no-feedback"]).is(0).says(&["gesture to force never"]);
+    let r = desk.ca(&["check", "struck.ca.toml", "--no-feedback"]).is(0).says(&["no force feedback"]);
     assert!(!r.out.contains("passive"), "{}", r.out);
     let one = ["check", "struck.ca.toml", "--set", "rate.gesture=48 kHz"];
     desk.ca(&one).is(0).says(&["the force of the tick", "0.0208 N s/m"]);
@@ -43,14 +43,14 @@ fn finer_ticks_are_reported_and_heard() {
     let four = ["--set", "rate.oversample=4"];
     let check = |more: &[&str]| desk.ca(&[&["check", "struck.ca.toml"], &four[..], more].concat()).is(0);
     check(&[])
-        .says(&["rates      sound 48 kHz in 4 ticks a sample, gesture 3 kHz, 64 ticks a frame"])
-        .says(&["gesture to force 0.333 ms", "0.854 ms of it the filter of the outputs"]);
+        .says(&["rates      sound 48 kHz (4 ticks per sample), gesture 3 kHz, 64 ticks per frame"])
+        .says(&["gesture to force 0.333 ms", "0.854 ms from the output filter"]);
     check(&["--schedule"]).says(&["ticks between", "to samples", "to ticks", "low pass", "whole tick"]);
     assert_eq!(check(&["--json"]).json()["summary"]["oversample"], 4);
-    let r = desk.ca(&["check", "struck.ca.toml", "--schedule"]).is(0).says(&["one tick a sample"]);
-    assert!(!r.out.contains("ticks between") && !r.out.contains("in 1 tick"), "{}", r.out);
+    let r = desk.ca(&["check", "struck.ca.toml", "--schedule"]).is(0).says(&["one tick per sample"]);
+    assert!(!r.out.contains("ticks between") && !r.out.contains("(1 tick"), "{}", r.out);
     let modes = desk.ca(&[&["modes", "struck.ca.toml"], &four[..]].concat()).is(0);
-    modes.says(&["at 48000 Hz in 4 ticks a sample"]);
+    modes.says(&["at 48000 Hz (4 ticks per sample)"]);
     let bad = desk.ca(&["check", "struck.ca.toml", "--set", "rate.oversample=65"]).is(1);
     assert!(bad.err.contains("use a value from 1 to 64"), "{}", bad.err);
     let play = |more: &[&str]| {
@@ -110,11 +110,12 @@ fn what_is_asked_of_a_border_that_is_not_there_is_said() {
     let desk = Desk::new();
     desk.put("bar.ca.toml", crate::desk::BAR);
     for verb in ["check", "render"] {
-        desk.ca(&[verb, "bar.ca.toml", "--latency", "3"]).is(0).says(&["no device key", "change nothing"]);
+        desk.ca(&[verb, "bar.ca.toml", "--latency", "3"]).is(0).says(&["no device key", "have no effect"]);
         let r = desk.ca(&[verb, "bar.ca.toml"]).is(0);
         assert!(r.err.is_empty() && !r.out.contains("latency"), "{}{}", r.out, r.err);
     }
-    desk.ca(&["check", "bar.ca.toml", "--set", "rate.filter=18 kHz"]).says(&["sound 0.500 ms late by the filter"]);
+    desk.ca(&["check", "bar.ca.toml", "--set", "rate.filter=18 kHz"])
+        .says(&["the output filter delays the sound by 0.500 ms"]);
     desk.ca(&["check", "bar.ca.toml", "--latency", "-1"]).is(2);
     desk.ca(&["check", "bar.ca.toml", "--border", "cubic"]).is(2).says(&["linear", "hold"]);
 }
@@ -128,7 +129,7 @@ fn a_group_at_the_gesture_rate_is_reported() {
          = \"1 mm\" }\n[RES]\ntie = { between = [\"slow.low[50]\", \"bob\"], k = 100 }\n[SOX]\nout = { from = \"bob\" }\n",
     );
     let r = desk.ca(&["check", "slow.ca.toml", "--schedule"]).is(0);
-    r.says(&["group      200 masses and 201 links once a frame; links across hold 1 of their axes, exactly"]).says(&[
+    r.says(&["group      200 masses and 201 links once per frame; links to the rest act on 1 axes, exact\n"]).says(&[
         "gesture group",
         "the group: 200 masses and 201 links take",
         "once in 16 ticks",
@@ -156,12 +157,12 @@ fn a_compensated_border_has_an_account() {
     desk.ca(&["check", "hit.ca.toml"]).is(0).says(&[
         "W107",
         "stability  not proven",
-        "links across hold 1 of their axes, compensated:",
+        "links to the rest act on 1 axes, compensated:",
     ]);
     desk.put("light.ca.toml", &model.replace("50 g", "2 g"));
     desk.ca(&["check", "light.ca.toml"])
         .is(0)
-        .says(&["W107", "`hammer.head` is light for the links across: T²K/M is 1.11"]);
+        .says(&["W107", "`hammer.head` is too light for its links to the sound: T²K/M is 1.11"]);
     let render = ["render", "hit.ca.toml", "--energy", "--seconds", "0.5"];
     desk.ca(&render).is(0).says(&["of it by the compensated border of groups at the gesture rate"]);
     let j = desk.ca(&[&render[..], &["--json"]].concat()).is(0).json();

@@ -187,7 +187,7 @@ fn a_mims_model_is_not_changed() {
         .says(&["a MIMS file cannot be written", "ca import"]);
     desk.ca(&["equiv", "string.mdl", "--set", "mass=20 g:1 g", "--in-place"])
         .is(2)
-        .says(&["a MIMS file holds no equivalences"]);
+        .says(&["a MIMS file cannot store equivalences"]);
     desk.ca(&["equiv", "string.mdl", "--set", "mass=20 g:1 g", "--write", "heavy.ca.toml"]).is(0);
     desk.ca(&["check", "heavy.ca.toml"]).is(0);
 }
@@ -208,6 +208,6 @@ fn a_take_is_a_file_and_a_device_has_a_plain_name() {
     for name in ["../../x", ""] {
         let r = desk.ca(&["device", "calibrate", name, "--low", "0", "--high", "1"]);
         assert_ne!(r.code, 0, "{}", r.err);
-        r.says(&["a device cannot be named", "a-z"]);
+        r.says(&["invalid device name", "a-z"]);
     }
 }

@@ -79,13 +79,14 @@ fn a_file_is_changed_there_and_nowhere_else() {
     near(factor(&table(), "force"), force);
     near(factor(&table(), "mass"), 0.001);
     go(&["--key", "key3", "--lever", "2"]);
-    go(&["--key", "key4", "--position", "2", "--force-factor", "3"]).says(&["`key3` is a lever", "`key4` is no lever"]);
+    go(&["--key", "key4", "--position", "2", "--force-factor", "3"])
+        .says(&["`key3` is a lever", "`key4` is an energy amplifier, not a lever"]);
     let j = table();
     near(j["keys"][0]["factors"]["stiffness"].as_f64().unwrap(), 4.0 * factor(&j, "stiffness"));
     assert_eq!((&j["keys"][0]["lever"], &j["keys"][1]["energy_gain"]), (&true.into(), &1.5.into()));
     assert!(read().starts_with(PAPER), "{}", read());
     // other commands report the key in units at the hand
-    desk.ca(&["check", "paper.ca.toml"]).is(0).says(&["`key3`: springs sum to"]);
+    desk.ca(&["check", "paper.ca.toml"]).is(0).says(&["`key3`: sum of springs"]);
 }
 
 #[test]
@@ -93,14 +94,14 @@ fn what_does_not_fit_is_refused() {
     let desk = Desk::new();
     desk.put("paper.ca.toml", PAPER).put("struck.ca.toml", STRUCK);
     for (args, word) in [
-        (&["--set", "mass=20g:1", "--set", "stiffness=1:1"][..], "beside `mass`, set one of `position`"),
-        (&["--set", "mass=20g:1", "--anchor", "stiffness"], "one equivalence said twice"),
-        (&["--set", "mass=1:1", "--set", "force=1:1", "--set", "energy=1:1"], "two equivalences settle"),
+        (&["--set", "mass=20g:1", "--set", "stiffness=1:1"][..], "with `mass`, set one of `position`"),
+        (&["--set", "mass=20g:1", "--anchor", "stiffness"], "are the same equivalence"),
+        (&["--set", "mass=1:1", "--set", "force=1:1", "--set", "energy=1:1"], "two equivalences determine"),
         (&["--set", "mas=20g:1"], "did you mean `mass`?"),
-        (&["--set", "mass=20mm:1"], "`20mm` is in m, and `mass` in kg"),
-        (&["--set", "mass=20g"], "the real one and the simulated one"),
+        (&["--set", "mass=20mm:1"], "`20mm` must be in kg, not in m"),
+        (&["--set", "mass=20g"], "the real and the simulated value"),
         (&["--set", "mass=0:1"], "above 0"),
-        (&["--set", "time=1:1"], "the clock decides"),
+        (&["--set", "time=1:1"], "the clock determines it"),
         (&["--anchor", "impedence"], "did you mean `impedance`?"),
         (&["--key", "key3"], "--lever"),
         (&["--key", "key3", "--lever", "2", "--position", "2"], "cannot be used with"),
@@ -137,18 +138,18 @@ fn check_says_what_a_device_cannot_render() {
     // the second key needs a degree of freedom beyond the twelve keys
     assert_eq!(j["device"]["keys"][1]["there"], false);
     let reported = desk.ca(&["check", "paper.ca.toml", "--device", "tgr12"]).is(3);
-    reported.says(&["× 2.59 what stays passive", "`shank`", "beyond the 12 it has", "not on this device"]);
+    reported.says(&["2.59 × the passive limit", "`shank`", "a degree of freedom beyond the 12", "not on this device"]);
     // a user profile, stiffer and slower
     let own = "name = \"mine\"\ntitle = \"Mine\"\nsource = \"me\"\ndof = 15\nrange = [-0.01, 0.01]\nforce = 100\nstiffness = 5000\nrate = 1000\n[body]\nfriction = 20\n";
     desk.put("mine.toml", own);
     let reported = desk.ca(&["check", "paper.ca.toml", "--device", "mine.toml"]).is(3);
-    reported.says(&["3 kHz and the device gives 1 kHz", "× 1.56 what it renders"]);
+    reported.says(&["the model needs 3 kHz, the device has 1 kHz", "1.56 × what it can render"]);
     let j = desk.ca(&["check", "paper.ca.toml", "--device", "mine.toml", "--json"]).is(3).json();
     near(j["device"]["passive"].as_f64().unwrap(), 20.0 / (2.0 / 1000.0));
     desk.ca(&["check", "paper.ca.toml", "--device", "tgr21"]).is(2).says(&["did you mean `tgr12`?"]);
     desk.put("bad.toml", "name = 3\n");
     desk.ca(&["check", "paper.ca.toml", "--device", "bad.toml"]).is(1).says(&["bad.toml"]);
-    desk.ca(&["check", "hammer_piano", "--device", "tgr12"]).is(0).says(&["rendered up to 10", "the force passes"]);
+    desk.ca(&["check", "hammer_piano", "--device", "tgr12"]).is(0).says(&["rendered up to 10", "the force reaches"]);
     desk.ca(&["check", "hammered_string", "--device", "mouse"]).says(&["On "]);
 }
 
@@ -169,8 +170,8 @@ fn check_compares_what_the_gesture_asks_for_with_the_travel() {
     // at scale 1, the gesture exceeds the travel
     desk.ca(&["equiv", "rattle", "--set", "position=1 m:1 m", "--write", "plain.ca.toml"]).is(0);
     let reported = desk.ca(&["check", "plain.ca.toml", "--device", "tgr12"]).is(3);
-    let reported = reported.says(&["`key_x` is to go from -40 mm to 40 mm, the device goes from -10 mm to 10 mm"]);
-    reported.says(&["beyond its travel", "ca equiv --set position="]);
+    let reported = reported.says(&["`key_x` needs -40 mm to 40 mm, the device has -10 mm to 10 mm"]);
+    reported.says(&["beyond its travel", "ca equiv MODEL --set position="]);
     let (span, beyond) = asks("plain.ca.toml", 3);
     near(span[0], -0.04);
     near(span[1], 0.04);
@@ -184,7 +185,7 @@ fn check_compares_what_the_gesture_asks_for_with_the_travel() {
     }
     // a key with a rest position outside the range of the device
     desk.put("far.ca.toml", "[TGR]\nkey = { device = \"tgr12\", x = \"11 mm\" }\n[SOX]\nout = { from = \"key\" }\n");
-    desk.ca(&["check", "far.ca.toml", "--device", "tgr12"]).is(3).says(&["from 11 mm to 11 mm"]);
+    desk.ca(&["check", "far.ca.toml", "--device", "tgr12"]).is(3).says(&["`key` needs 11 mm to 11 mm"]);
 }
 
 #[test]

@@ -75,7 +75,7 @@ fn modes_are_reported_with_pitch_decay_and_where_they_are_heard() {
     assert!(csv.lines().all(|l| l.split(',').count() == 1 + list.len()) && csv.contains("\"low[3]\","));
     desk.ca(&["modes", "jack", "-n", "4"]).is(0);
     desk.put("still.ca.toml", "[SOL]\nwall = {}\n[ENX]\nhand = {}\n[SOX]\nout = { from = \"hand\" }\n");
-    desk.ca(&["modes", "still.ca.toml"]).is(1).says(&["nothing in this model moves"]);
+    desk.ca(&["modes", "still.ca.toml"]).is(1).says(&["nothing in the linear part of this model moves"]);
 }
 
 #[test]
@@ -122,19 +122,19 @@ fn what_cannot_be_tuned_is_reported() {
         desk.ca(&[&["tune", "parts.ca.toml"], args].concat()).is(code).says(words);
     };
     no(&["lo=A2"], 2, &["did you mean `low`?"]);
-    no(&["low=H2"], 2, &["`H2` is no pitch"]);
-    no(&["low"], 2, &["write it like `low=A2`"]);
+    no(&["low=H2"], 2, &["`H2` is not a pitch"]);
+    no(&["low"], 2, &["expected PART=PITCH, e.g. `low=A2`"]);
     no(&["weight=A2"], 2, &["neither `f` nor `k`"]);
     no(&["bell=A2"], 2, &["3 pitches", "--scale"]);
     // two parts that share a parameter cannot have two pitches
     desk.put("two.ca.toml", &PARTS.replace("mid = { n = 20, k = \"20 kN/m\"", "mid = { n = 20, k = \"tension\""));
-    desk.ca(&["tune", "two.ca.toml", "mid=100", "top=300"]).is(1).says(&["`mid`", "one parameter"]);
+    desk.ca(&["tune", "two.ca.toml", "mid=100", "top=300"]).is(1).says(&["`mid`", "same parameter"]);
     no(&["low=A2", "--mode", "40"], 1, &["20 modes"]);
     no(&["low=30 kHz"], 1, &["`low`"]);
     // limits of the parameter in the file apply, and an unstable result is not written
     no(&["top=5 kHz", "--in-place"], 1, &["`tension`"]);
     no(&["mid=23.9 kHz", "--mode", "19", "--in-place"], 1, &["mid"]);
-    desk.ca(&["tune", "hammered_string", "low=A2", "--in-place"]).is(2).says(&["a bundled model is not yours"]);
+    desk.ca(&["tune", "hammered_string", "low=A2", "--in-place"]).is(2).says(&["a bundled model cannot be changed"]);
     assert_eq!(fs::read_to_string(desk.path("parts.ca.toml")).unwrap(), PARTS);
 }
 
@@ -144,20 +144,22 @@ fn what_nothing_hears_is_said_to_be_unheard() {
     let desk = Desk::new();
     let cells = "[CEL]\nc = { m = \"1 g\", f = \"100 Hz\" }\nd = { m = \"1 g\", f = \"200 Hz\" }\n[SOX]\nout = { from = \"c\" }\n";
     desk.put("un.ca.toml", cells);
-    desk.ca(&["tune", "un.ca.toml", "d=A3"]).is(1).says(&["nothing hears `d`", "`from = \"d\"`"]);
-    desk.ca(&["modes", "un.ca.toml"]).is(0).says(&["nothing hears these, so they are left out: `d`"]);
+    desk.ca(&["tune", "un.ca.toml", "d=A3"]).is(1).says(&["no output depends on `d`", "`from = \"d\"`"]);
+    desk.ca(&["modes", "un.ca.toml"]).is(0).says(&["not included, because no output depends on them: `d`"]);
     assert_eq!(desk.ca(&["modes", "un.ca.toml", "--json"]).is(0).json()["unheard"][0], "d");
     desk.ca(&["tune", "un.ca.toml", "c=A3"]).is(0);
     let bank =
         "[BANK]\nk = { f = [\"100 Hz\", \"200 Hz\", \"300 Hz\"], m = \"1 g\" }\n[SOX]\nout = { from = \"k[0]\" }\n";
     desk.put("bank.ca.toml", bank);
     let scale = ["tune", "bank.ca.toml", "--scale", "harmonic", "--root", "A3", "k"];
-    desk.ca(&scale).is(1).says(&["nothing hears `k[1]`", "`from = \"k[*]\"`"]);
-    desk.ca(&["modes", "bank.ca.toml"]).is(0).says(&["left out: `k[1]`, `k[2]`"]);
+    desk.ca(&scale).is(1).says(&["no output depends on `k[1]`", "`from = \"k[*]\"`"]);
+    desk.ca(&["modes", "bank.ca.toml"])
+        .is(0)
+        .says(&["not included, because no output depends on them: `k[1]`, `k[2]`"]);
     desk.put("bank.ca.toml", &bank.replace("k[0]", "k[*]"));
     desk.ca(&scale).is(0);
     desk.put("fixed.ca.toml", &cells.replace("[SOX]", "[SOL]\nw = {}\n[SOX]").replace("from = \"c\"", "from = \"w\""));
-    desk.ca(&["modes", "fixed.ca.toml"]).is(1).says(&["nothing that is heard moves", "`c`, `d`"]);
+    desk.ca(&["modes", "fixed.ca.toml"]).is(1).says(&["nothing that reaches an output moves", "`c`, `d`"]);
 }
 
 #[test]
@@ -165,11 +167,11 @@ fn waveguides_are_left_out_and_said_to_be() {
     let desk = Desk::new();
     let wave = "[WAVEGUIDE]\nlow = { f = \"110 Hz\", z = 1, at = 0.3 }\n[SOX]\nout = { from = \"low[0]\" }\n";
     desk.put("wave.ca.toml", wave);
-    desk.ca(&["modes", "wave.ca.toml"]).is(1).says(&["nothing in this model moves but `low` (WAVEGUIDE)"]);
+    desk.ca(&["modes", "wave.ca.toml"]).is(1).says(&["this model moves; not linear: `low` (WAVEGUIDE)"]);
     desk.ca(&["tune", "wave.ca.toml", "low=A2"]).is(2).says(&["`low` is a WAVEGUIDE", "`--set low.f=…`"]);
     let cell = "[CEL]\nbar = { m = 0.01, f = 300 }\n[RES]\ntie = { between = [\"bar\", \"low[0]\"], k = 9 }\n";
     desk.put("both.ca.toml", &format!("{wave}{cell}"));
-    desk.ca(&["modes", "both.ca.toml"]).is(0).says(&["1 modes that swing", "`low` (WAVEGUIDE)"]);
+    desk.ca(&["modes", "both.ca.toml"]).is(0).says(&["1 oscillating modes", "`low` (WAVEGUIDE)"]);
 }
 
 /// A number written as a note, which also sets the MIDI note, stays a note.

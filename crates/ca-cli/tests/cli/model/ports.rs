@@ -61,7 +61,7 @@ fn a_silent_model_names_the_notes_that_play_it() {
     let desk = Desk::new();
     desk.put("keys.ca.toml", &KEYS.replace("push = {}", "push = { to = \"bob\" }"));
     let r = desk.ca(&["render", "keys.ca.toml", "--seconds", "0.05"]).is(0);
-    r.says(&["nothing sounds", "`note[0].key`", "a MIDI file plays it by the notes C4 to B4"]);
+    r.says(&["the sound is silent", "`note[0].key`", "a MIDI file plays it with the notes C4 to B4"]);
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn a_probe_of_a_port_is_its_displacement() {
     let (key, mass) = (column("key.csv"), column("m.csv"));
     assert_eq!((key[0], mass[0]), (0.0, 0.0));
     assert!((key.last().unwrap() - 3e-3).abs() < 1e-12, "{:?}", key.last());
-    desk.ca(&["render", "--help"]).is(0).says(&["how far that is from where it rests"]);
+    desk.ca(&["render", "--help"]).is(0).says(&["displacement from rest"]);
 }
 
 #[test]
@@ -113,7 +113,7 @@ fn modes_name_an_output_of_speed_once() {
          [SOX]\ncoil = { from = \"bell[*]\", hear = \"speed\", channel = 0 }\nhead = { from = \"bell[*]\", hear = \"force\", channel = 0 }\n",
     );
     let r = desk.ca(&["modes", "b.ca.toml"]).is(0);
-    assert!(r.out.contains("are left out: `coil`, `head`\n"), "{}", r.out);
+    assert!(r.out.contains("not included, because they do not measure displacement: `coil`, `head`\n"), "{}", r.out);
 }
 
 /// A bank in an instance follows the parameter of its first pitch. A number that is not a variable is reported.
@@ -129,13 +129,13 @@ fn a_bank_of_an_instance_is_tuned_by_its_first_pitch() {
     desk.ca(&["tune", "t.ca.toml", "tine[0].tip=C4", "--in-place"]).is(0);
     let tuned = std::fs::read_to_string(desk.path("t.ca.toml")).unwrap();
     assert!(tuned.contains("f = [\"261.62556") && tuned.contains("\"300 Hz\"]"), "{tuned}");
-    desk.ca(&["tune", "t.ca.toml", "tine[0].fix=C4"]).is(2).says(&["a list of the part, for all"]);
-    desk.ca(&["tune", "t.ca.toml", "tine[0].over=C4"]).is(2).says(&["a number times `tine[0].f`"]);
+    desk.ca(&["tune", "t.ca.toml", "tine[0].fix=C4"]).is(2).says(&["a list in the part, shared by all instances"]);
+    desk.ca(&["tune", "t.ca.toml", "tine[0].over=C4"]).is(2).says(&["a multiple of `tine[0].f`"]);
     desk.put(
         "u.ca.toml",
         &text
             .replace("{ unit = \"Hz\" }", "{ value = \"250 Hz\" }")
             .replace(", with = { f = [\"250 Hz\", \"300 Hz\"] }", ""),
     );
-    desk.ca(&["tune", "u.ca.toml", "tine[0].tip=C4"]).is(2).says(&["is `f` of the part, one number for all"]);
+    desk.ca(&["tune", "u.ca.toml", "tine[0].tip=C4"]).is(2).says(&["is `f` of the part, shared by all instances"]);
 }

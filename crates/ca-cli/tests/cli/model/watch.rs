@@ -15,7 +15,7 @@ fn a_file_is_checked_whenever_it_is_saved() {
         let mut all = Vec::new();
         for line in lines.by_ref() {
             let line = line.unwrap();
-            if line.contains("checked again when it is saved") {
+            if line.contains("waiting until") {
                 return all.join("\n");
             }
             all.push(line);

@@ -70,7 +70,7 @@ fn the_examples_of_the_control_run_against_a_server() {
     desk.ca(&["set", "preset=sof"]).is(1).says(&["`sof` is not a preset", "did you mean `soft`?"]);
     desk.ca(&["set", "k=800", "zz=1"]).is(1).says(&["`zz`", "live = true"]);
     desk.ca(&["set", "k=800", "z=7"]).is(1).says(&["`z` must lie between 0 and 1"]);
-    desk.ca(&["set", "k=3 kg"]).is(1).says(&["`k` is a quantity in N/m"]);
+    desk.ca(&["set", "k=3 kg"]).is(1).says(&["`k` must be in N/m, not in kg"]);
     desk.ca(&["arm", "tgr"]).is(1).says(&["no device `tgr`", "`tgr12`"]);
     desk.ca(&["set"]).is(0).says(&["k = 900 N/m"]);
     let status = desk.ca(&["status", "--json"]).is(0).json();
@@ -80,7 +80,7 @@ fn the_examples_of_the_control_run_against_a_server() {
 
     // a second server is refused, and the message names the first
     let args = ["serve", "key.ca.toml", "--seconds", "1", "-o", "second.wav", "--log", "second.mcap"];
-    desk.ca(&args).is(1).says(&["a server runs at"]);
+    desk.ca(&args).is(1).says(&["a server is already running at"]);
     desk.put("older.mcap", "a take");
     desk.ca(&["serve", "key.ca.toml", "--seconds", "1", "--log", "older.mcap"]).is(1).says(&["never overwritten"]);
     assert_eq!(std::fs::read(desk.path("older.mcap")).unwrap(), b"a take");
@@ -103,7 +103,7 @@ fn the_examples_of_the_control_run_against_a_server() {
     let seconds = reported["seconds"].as_f64().unwrap();
     assert!((samples.len() as f64 / 48000.0 - seconds).abs() < 1e-3, "{} of {seconds}", samples.len());
     assert!(crate::desk::peak(&samples) > 0.01);
-    desk.ca(&["status"]).is(1).says(&["no server runs", "ca serve"]);
+    desk.ca(&["status"]).is(1).says(&["no server is running", "ca serve"]);
 
     // the replay reproduces forces, sound and state, including changes during the run
     assert_eq!(reported["take"]["lost"], 0);
@@ -119,7 +119,7 @@ fn what_cannot_be_served_is_refused() {
     desk.put("key.ca.toml", MODEL);
     for (args, word) in [
         (&["--profile", "tgr21"][..], "did you mean `tgr12`?"),
-        (&["--profile", "tgr=falcon"], "no device `tgr`"),
+        (&["--profile", "tgr=falcon"], "the model does not use a device `tgr`"),
         (&["--priority", "100"], "99"),
         (&["-o", "x.flac", "--seconds", "1"], ".wav"),
     ] {
@@ -188,7 +188,7 @@ fn a_build_without_sound_devices_says_how_to_get_them() {
     desk.put("key.ca.toml", MODEL);
     for args in [&["--audio"][..], &["--audio", "organ", "--audio-buffer", "64"]] {
         let args = [&["serve", "key.ca.toml", "-o", "key.wav"], args].concat();
-        desk.ca(&args).is(1).says(&["without other sound devices", "--features audio", "libasound2-dev"]);
+        desk.ca(&args).is(1).says(&["sound devices, build it with", "--features audio", "libasound2-dev"]);
     }
     assert_eq!(desk.files(), ["key.ca.toml"]);
 }
@@ -214,7 +214,7 @@ fn outputs_have_files_of_their_own() {
     desk.ca(&[&sim[..], &["own.toml", "--profile", "./own.toml"]].concat()).is(2).says(&["is the profile"]);
     assert_eq!(desk.files(), before);
     assert!(std::fs::read_to_string(desk.path("x.csv")).unwrap().starts_with("time"));
-    desk.ca(&["device", "sim", "--wait", "--script", "push"]).is(2).says(&["--wait", "no beginning"]);
+    desk.ca(&["device", "sim", "--wait", "--script", "push"]).is(2).says(&["--wait", "pushes all the time"]);
 }
 
 /// A Standard MIDI File is not a raw stream. Times can also be given in minutes.

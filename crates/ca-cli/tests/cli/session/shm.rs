@@ -6,13 +6,13 @@ use std::fs;
 #[test]
 fn debris_is_shown_and_removed() {
     let desk = Desk::new();
-    desk.ca(&["shm", "list"]).is(0).says(&["nothing there"]);
+    desk.ca(&["shm", "list"]).is(0).says(&["no shared memory"]);
     let prefix = desk.ca(&["shm", "list", "--json"]).is(0).json()["prefix"].as_str().unwrap().to_owned();
     let other = prefix.replacen("ca1-", "ca0-", 1);
     let (ours, theirs) = (format!("/dev/shm/{prefix}test.data"), format!("/dev/shm/{other}test.data"));
     fs::write(&ours, [0; 64]).unwrap();
     fs::write(&theirs, vec![0; 20_000]).unwrap();
-    let list = desk.ca(&["shm", "list"]).is(0).says(&[&ours, &theirs, "dead", "another version", "20 kB"]);
+    let list = desk.ca(&["shm", "list"]).is(0).says(&[&ours, &theirs, "not in use", "another version", "20 kB"]);
     assert!(!list.out.contains("used by"));
     let held = fs::File::open(&theirs).unwrap();
     let me = std::process::id().to_string();
@@ -22,5 +22,5 @@ fn debris_is_shown_and_removed() {
     drop(held);
     let json = desk.ca(&["shm", "clean", "--json"]).is(0).json();
     assert_eq!(json["removed"][0]["path"], theirs);
-    desk.ca(&["shm", "list"]).is(0).says(&["nothing there"]);
+    desk.ca(&["shm", "list"]).is(0).says(&["no shared memory"]);
 }

@@ -40,7 +40,7 @@ fn a_page_has_what_was_printed() {
 fn a_name_that_is_misspelt_gets_an_answer() {
     let desk = Desk::new();
     desk.ca(&["bench", "--only", "strnig"]).is(2).says(&["did you mean `string`?"]);
-    desk.ca(&["bench", "--only", "mesh,zzzzzz"]).is(2).says(&["no network is called `zzzzzz`", "string, cells, mesh"]);
+    desk.ca(&["bench", "--only", "mesh,zzzzzz"]).is(2).says(&["no network `zzzzzz`", "string, cells, mesh"]);
 }
 
 /// A misspelt value would compare a processor with itself.

@@ -28,8 +28,8 @@ fn files_that_other_players_read_are_read() {
         (r, desk.wav("keys.wav").1)
     };
     for (name, remark) in [
-        ("m01_rs_after_meta.mid", "running status goes on once after a meta"),
-        ("m02_rs_after_sysex.mid", "running status goes on once after a meta or system-exclusive event"),
+        ("m01_rs_after_meta.mid", "running status continues once after a meta"),
+        ("m02_rs_after_sysex.mid", "running status continues once after a meta or system-exclusive event"),
         ("m10b_announced_fewer.mid", "its header announces 1 of its 2 tracks"),
     ] {
         let (r, sound) = render(name);
@@ -77,7 +77,7 @@ fn a_note_that_is_passed_on_is_used_and_keys_with_notes_share_a_degree_of_freedo
             .replace("[use]\n", "idle = { part = \"w\", with = { x = \"k\" } }\n[use]\n")
             .replace("n = \"D3\"\n", "n = \"D3\"\nk = 1\n"),
     );
-    desk.ca(&["check", "unused.ca.toml"]).is(0).says(&["W109", "`v[0].k` is used by nothing"]);
+    desk.ca(&["check", "unused.ca.toml"]).is(0).says(&["W109", "`v[0].k` is not used"]);
 }
 
 #[test]
@@ -153,7 +153,7 @@ fn a_device_may_have_fewer_keys_than_the_model() {
     desk.ca(&["render", "piano.ca.toml", "--gesture", "top.mid", "-q"]).is(0);
     assert!(peak(&desk.wav("piano.wav").1) > 0.01);
     let r = desk.ca(&["serve", "piano.ca.toml", "--seconds", "0.05"]).is(0);
-    r.says(&["`keys`: a device has at most 32 degrees of freedom; MIDI and gestures alone move 56 ports from `key[32].key` on"]);
+    r.says(&["`keys`: a device has at most 32 degrees of freedom; only MIDI and gestures move 56 ports from `key[32].key` on"]);
     // the limit of MIDI still applies
     let far = model.replace("dof = [0, ", "dof = [128, ");
     desk.put("piano.ca.toml", &far).ca(&["check", "piano.ca.toml"]).is(1).says(&["E009", "127"]);

@@ -41,7 +41,7 @@ fn a_pipe_gets_the_sound_of_the_file() {
     // a performance needs standard output for its summary
     desk.sh("ca serve bar.ca.toml -o - --seconds 1 | cat; ca serve bar.ca.toml -o /dev/stdout --seconds 1 || exit $?")
         .is(2)
-        .says(&["the summary goes to standard output"]);
+        .says(&["standard output is used for the summary"]);
 }
 
 #[cfg(unix)]
@@ -84,8 +84,8 @@ fn flac_holds_the_samples_of_wav() {
         assert!(crate::desk::peak(&samples) > 0.1);
     }
     for (args, word) in [
-        (&["-o", "a.flac", "--format", "f32"][..], "FLAC holds no floats"),
-        (&["-o", "a.wav", "--format", "flac"], "the name says WAV"),
+        (&["-o", "a.flac", "--format", "f32"][..], "FLAC cannot store floats"),
+        (&["-o", "a.wav", "--format", "flac"], "the extension is `.wav`"),
         (&["-o", "a.mp3"], "`.wav` or `.flac`"),
         (&["-o", "b.flac", "--rate", "699 kHz"], "655350 Hz"),
     ] {
@@ -106,7 +106,7 @@ fn a_model_comes_from_standard_input() {
     desk.sh("ca render - -q -o - < bar.ca.toml | cmp - bar.wav").is(0);
     desk.sh("ca tune - bar=A3 --in-place < bar.ca.toml || exit $?").is(2).says(&["cannot be changed in place"]);
     desk.sh("ca tune - bar=A3 --write a3.ca.toml < bar.ca.toml").is(0);
-    desk.sh("ca check - --watch < bar.ca.toml || exit $?").is(2).says(&["`-` is not a file"]);
+    desk.sh("ca check - --watch < bar.ca.toml || exit $?").is(2).says(&["`-` is a bundled model or standard input"]);
 }
 
 #[test]

@@ -67,7 +67,7 @@ fn a_module_of_a_line_is_not_set_by_itself() {
     let desk = Desk::new();
     desk.put("struck.ca.toml", STRUCK);
     let r = desk.ca(&["render", "struck.ca.toml", "--set", "low[3].m=2 g"]).is(2);
-    r.says(&["`low[3].m`: the modules of `low` come from one line", "`low.m` sets it for all"]);
+    r.says(&["`low[3].m`: the modules of `low` share one line", "`low.m` sets it for all"]);
     let r = desk.ca(&["render", "struck.ca.toml", "--set", "low[3].colour=2"]).is(2);
     assert!(!r.err.contains("sets it for all"), "{}", r.err);
 }
@@ -158,7 +158,7 @@ fn a_gesture_file_plays() {
     assert!(peak(&desk.wav("struck.wav").1) > 0.1);
     desk.ca(&["render", "struck.ca.toml", "--gesture", "still.csv"])
         .is(0)
-        .says(&["nothing sounds, what its gesture moves does", "`key`"]);
+        .says(&["the sound is silent, because the motion of its gesture does", "`key`"]);
     assert_eq!(peak(&desk.wav("struck.wav").1), 0.0);
     desk.put("z.csv", "time,z\n0,1\n3.5,5\n5,5\n");
     let args = ["render", "struck.ca.toml", "--gesture", "key.csv", "--gesture", "z.csv"];
@@ -181,9 +181,9 @@ fn a_gesture_out_of_range_is_said() {
         desk.ca(&["render", "stiff.ca.toml", "--gesture", "s.csv", "--seconds", "0.1", "-q"]).is(0)
     };
     assert_eq!(of("time,stiff\n0,500\n0.1,2000\n").err, "");
-    let ran = of("time,stiff\n0,1\n0.1,0.5\n").says(&["gesture of `stiff` asks for 1 N/m", "500 N/m at least"]);
+    let ran = of("time,stiff\n0,1\n0.1,0.5\n").says(&["the gesture sets `stiff` to 1 N/m", "its minimum is 500 N/m"]);
     assert_eq!(ran.err.matches("`stiff`").count(), 1, "{}", ran.err);
-    of("time,stiff\n0,1000\n0.1,3000\n").says(&["2 kN/m at most"]);
+    of("time,stiff\n0,1000\n0.1,3000\n").says(&["its maximum is 2 kN/m"]);
 }
 
 #[test]
@@ -208,7 +208,7 @@ fn a_nameless_track_is_given_to_a_port() {
     assert!(peak(&desk.wav("struck.wav").1) > 0.1);
     desk.ca(&["render", "struck.ca.toml", "--gesture", "hand.wav"])
         .is(2)
-        .says(&["driven by `ch0`", "`--gesture key=FILE`"]);
+        .says(&["its only track, `ch0`", "`--gesture key=FILE`"]);
     desk.ca(&["render", "struck.ca.toml", "--gesture", "key=hands.wav"]).is(2).says(&["2 tracks", "`ch1`"]);
     desk.ca(&["render", "struck.ca.toml", "--gesture", "hand.wav", "-o", "hand.wav"]).is(2).says(&["overwritten"]);
     desk.ca(&["render", "struck.ca.toml", "--gesture", "key=hand.wav", "-o", "hand.wav"]).is(2).says(&["overwritten"]);
@@ -310,7 +310,7 @@ fn a_body_is_read_from_the_folder_of_its_model() {
     r.says(&["error[E031]: `file` of `room.bell`: `models/parts/bell.obj`: it cannot be read", "^ cannot be read"]);
     desk.put("models/parts/bell.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 9\n");
     let r = desk.ca(&["render", "models/body.ca.toml"]).is(1);
-    r.says(&["`models/parts/bell.obj`, line 6: `9` is not a point", "help: points count from 1"]);
+    r.says(&["`models/parts/bell.obj`, line 6: `9` is not the number of a point", "help: points are counted from 1"]);
     desk.put("models/parts/bell.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\n");
     desk.ca(&["check", "models/body.ca.toml"]).is(0).says(&["5 MAT", "5 REF"]);
     let render = ["render", "models/body.ca.toml", "--seconds", "200 ms", "--energy", "-o", "body.wav", "-q"];
@@ -336,7 +336,7 @@ fn probes_of_several_are_called_by_their_modules() {
     let first = |file: &str| fs::read_to_string(desk.path(file)).unwrap().lines().next().unwrap().to_string();
     assert_eq!((first("a.csv"), first("b.csv")), ("time,low[1],low[2],low[3]".into(), "time,low[-1]".into()));
     let r = desk.ca(&[&render[..], &["--probe", "none"]].concat()).is(2);
-    r.says(&["--probe: `none` does nothing, so it was left out; probe the modules at its ends"]);
+    r.says(&["--probe: `none` has no effect, so it was left out of the scene; probe the modules at its ends"]);
     desk.ca(&[&render[..], &["--probe", "*"]].concat()).is(1).says(&["`*` is not a selector"]);
 }
 

@@ -77,7 +77,7 @@ fn a_model_is_reported_whole() {
     // the modules measured by outputs, named as in the model, and the key
     let motion = names(page.plot("displacement"));
     assert!(motion.contains(&"key") && motion.len() == 3, "{motion:?}");
-    assert!(names(page.plot("energy")).starts_with(&["stored", "of it in motion", "lost"]));
+    assert!(names(page.plot("energy")).starts_with(&["stored", "stored, kinetic", "lost"]));
     assert!(page.weight() < 300_000, "{} bytes beside the sound", page.weight());
     // the first modes are marked at the frequencies that are heard
     let j = desk.ca(&["modes", "struck.ca.toml", "--json"]).is(0).json();
@@ -129,19 +129,19 @@ fn what_is_odd_still_has_a_page() {
     let wild = "[SOL]\nwall = {}\n[MAS]\nbob = { m = \"1 g\", dx0 = \"1 mm\" }\n[REF]\nspring = { between = [\"wall\", \
                 \"bob\"], k = \"20 MN/m\", z = \"1 mN s/m\" }\n[SOX]\nout = { from = \"bob\", gain = 100 }\n";
     desk.put("wild.ca.toml", wild);
-    desk.ca(&["report", "quiet.ca.toml"]).is(0).says(&["nothing sounds"]);
-    Page::of(&desk, "quiet.html").says(&["nothing sounds", "silent", "Nothing moved"]);
+    desk.ca(&["report", "quiet.ca.toml"]).is(0).says(&["all outputs are silent"]);
+    Page::of(&desk, "quiet.html").says(&["all outputs are silent", "silent", "Nothing moved"]);
     desk.ca(&["report", "mute.ca.toml", "--seconds", "1"]).is(0).says(&["no output"]);
     assert_eq!(Page::of(&desk, "mute.html").titles(), ["Summary", "Energy", "Modes", "Stability", "Model"]);
     desk.ca(&["report", "empty.ca.toml"]).is(0);
-    Page::of(&desk, "empty.html").says(&["Nothing in this model moves"]);
+    Page::of(&desk, "empty.html").says(&["has no moving masses"]);
     desk.ca(&["report", "wild.ca.toml", "--seconds", "100 ms"]).is(3).says(&["diverged", "`bob`"]);
     Page::of(&desk, "wild.html").says(&["class=\"note warning\"", "diverged", "unstable", "A mode grows"]);
     desk.ca(&["report", "bar.ca.toml", "-o", "one.html", "--seconds", "20 us"]).is(0);
     assert_eq!(Page::of(&desk, "one.html").plot("sample")["grid"][2], 1);
     // the reference rate for this sound rate would be too high
     desk.ca(&["report", "bar.ca.toml", "-o", "fast.html", "--rate", "400 kHz", "--seconds", "2 ms"]).is(0);
-    Page::of(&desk, "fast.html").says(&["is beyond 1e7 Hz"]);
+    Page::of(&desk, "fast.html").says(&["is above the limit of 1e7 Hz"]);
     desk.ca(&["report", "bar.ca.toml", "-o", "loud.html", "--set", "loud=5000"]).is(3).says(&["beyond full scale"]);
     Page::of(&desk, "loud.html").says(&["multiply the gain"]);
     browse(&desk, &["quiet.html", "mute.html", "empty.html", "wild.html", "one.html", "loud.html"]);
@@ -184,13 +184,13 @@ fn modes_are_not_silent_to_who_hears_forces() {
     for (name, levels) in [("force", false), ("both", true)] {
         desk.ca(&["report", &format!("{name}.ca.toml"), "--seconds", "1", "--accuracy", "0"]);
         let page = Page::of(&desk, &format!("{name}.html"));
-        page.says(&["These outputs hear other than displacements"]);
-        for lie in ["silent", "not heard"] {
+        page.says(&["These outputs do not measure displacement"]);
+        for lie in ["silent", "not audible"] {
             assert!(!page.html.contains(&format!(">{lie}<")), "{name}: `{lie}` on the page");
         }
         assert_eq!(page.html.contains("at the displacement outputs [dB]"), levels, "{name}");
         assert!(!page.html.contains(">at the outputs [dB]<"), "{name}");
-        assert!(!names(page.plot("T60")).contains(&"not heard"), "{name}");
+        assert!(!names(page.plot("T60")).contains(&"not audible"), "{name}");
         let marks = page.plot("level of a sine")["marks"].as_array().unwrap();
         assert!(marks.len() >= 20, "{name}: {} modes are marked", marks.len());
     }
@@ -208,11 +208,11 @@ fn the_energy_of_a_divergence_is_no_number() {
         for more in [&["--energy"][..], &[]] {
             let r = desk.ca(&[&["render", "wild.ca.toml", "--seconds", "1"], more].concat()).is(3);
             assert!(r.out.contains("energy     diverged") && !r.out.contains("peak,"), "{}", r.out);
-            assert!(!r.out.contains("held") && r.out.contains("though no energy is made"), "{}", r.out);
+            assert!(!r.out.contains("stored") && r.out.contains("although no energy is created"), "{}", r.out);
         }
         desk.ca(&["report", "wild.ca.toml", "--accuracy", "0", "--seconds", "1"]).is(3);
         let page = Page::of(&desk, "wild.html");
-        page.says(&["though no energy is made"]);
+        page.says(&["although no energy is created"]);
         assert!(!page.html.contains("The ledger balances"), "{k}");
         let energies: Vec<&Json> = page.plots.iter().filter(|p| p["y"]["label"] == "energy").collect();
         assert!(energies.iter().all(|p| p["y"]["unit"] != "GJ"), "{k}: {energies:?}");
@@ -244,10 +244,10 @@ fn a_take_is_reported_as_it_was() {
         assert!(titles.contains(&title), "no {title} in {titles:?}");
     }
     page.says(&[
-        "identical to the bit: 5000 force frames",
+        "bit-identical: 5000 force frames",
         "tripped: SOFTWARE",
         "stiff = 731",
-        "loaded again",
+        "reset to the state at load",
         "bar.f",
     ]);
     assert_eq!((names(page.plot("position")), names(page.plot("force"))), (vec!["key"], vec!["key"]));
@@ -282,7 +282,7 @@ fn a_real_loop_has_its_times_on_the_page() {
     let r = desk.ca(&["report", "t.mcap"]);
     assert!(r.code == 0 || r.code == 3, "{}", r.err);
     let page = Page::of(&desk, "t.html");
-    page.says(&["Time between device frames", "Time from hand to force to hand", "99.9 %", "missed"]);
+    page.says(&["Time between device frames", "Loop time from hand to force to hand", "99.9 %", "missed"]);
     browse(&desk, &["t.html"]);
 }
 

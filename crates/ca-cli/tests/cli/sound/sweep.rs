@@ -112,10 +112,10 @@ fn threads_parts_and_resumption_give_the_same_files() {
 
     // in parts, the last first; only the complete set has a manifest
     let part = |k: &str| desk.ca(&["sweep", "s.sweep.toml", "-o", "parts", "--shard", k]).is(0).out;
-    assert!(part("3/3").contains("other parts are not there yet"));
+    assert!(part("3/3").contains("other parts are not done yet"));
     assert!(!desk.path("parts/manifest.parquet").exists());
     part("1/3");
-    assert!(part("2/3").contains("all runs are there"));
+    assert!(part("2/3").contains("all runs are done"));
     assert_eq!(same_every_time(&desk.path("parts")), one);
 
     // only a missing chunk is computed again
@@ -230,9 +230,9 @@ fn what_makes_no_sense_is_said_with_its_line() {
         desk.ca(&["sweep", "p.sweep.toml"]).is(2).says(what);
     };
     says("modle = \"rattle\"\n", &["p.sweep.toml:1", "did you mean `model`"]);
-    says("seed = 1\n", &["no `model`"]);
+    says("seed = 1\n", &["`model` is missing"]);
     says("model = \"ratle\"\n[vary]\na = [1]\n", &["p.sweep.toml:1", "did you mean `rattle`"]);
-    says("model = \"rattle\"\n", &["no `[vary]`"]);
+    says("model = \"rattle\"\n", &["`[vary]` is missing"]);
     says("model = \"rattle\"\nruns = 0\n[vary]\n", &["1 to"]);
     says("model = \"rattle\"\nruns = \"many\"\n[vary]\n", &["p.sweep.toml:2", "whole number"]);
     says("model = \"struck.ca.toml\"\n[vary]\n\"lwo.k\" = [1]\n", &["p.sweep.toml:3", "did you mean `low.k`"]);
@@ -277,30 +277,30 @@ fn units_and_places_of_a_plan_are_said_as_of_a_model() {
         assert_eq!(ran.err.matches("p.sweep.toml:").count(), 1, "{}", ran.err);
     };
     for (line, is) in [
-        ("seconds = \"0.1 kg\"", "`seconds` is given in kg, not in s"),
-        ("seconds = \"0.1 Hz\"", "`seconds` is given in Hz, not in s"),
-        ("seconds = \"0.1 s s\"", "`seconds` is given in"),
-        ("gesture_rate = \"100 g\"", "`gesture_rate` is given in kg, not in Hz"),
-        ("rate = \"44100 g\"", "`rate` is given in kg, not in Hz"),
-        ("[set]\n\"low.z\" = \"1 s\"", "`z` of `low` is given in s, not in N s/m"),
+        ("seconds = \"0.1 kg\"", "`seconds` must be in s, not in kg"),
+        ("seconds = \"0.1 Hz\"", "`seconds` must be in s, not in Hz"),
+        ("seconds = \"0.1 s s\"", "`seconds` must be in s, not in"),
+        ("gesture_rate = \"100 g\"", "`gesture_rate` must be in Hz, not in kg"),
+        ("rate = \"44100 g\"", "`rate` must be in Hz, not in kg"),
+        ("[set]\n\"low.z\" = \"1 s\"", "`z` of `low` must be in N s/m, not in s"),
     ] {
         let at = if line.starts_with('[') { "p.sweep.toml:3:" } else { "p.sweep.toml:2:" };
         says(&format!("{line}\n[vary]\n\"low.k\" = [1000]\n"), 1, &["E008", is, at]);
     }
     says("seconds = -1\n[vary]\n", 1, &["E009", "p.sweep.toml:2:"]);
-    says("seconds = \"long\"\n[vary]\n", 2, &["p.sweep.toml:2: `seconds` is a number of seconds"]);
+    says("seconds = \"long\"\n[vary]\n", 2, &["p.sweep.toml:2: `seconds` must be a number of seconds"]);
     let range = "{ from = \"1 kN/m\", to = \"2 m\", steps = 2 }";
-    says(&format!("[vary]\n\"low.k\" = {range}\n"), 1, &["E008", "p.sweep.toml:3:", "in m, not in N/m"]);
-    says("runs = 0\n[vary]\n\"low.k\" = [1000]\n", 2, &["p.sweep.toml:2: `runs` is a whole number from 1 to"]);
+    says(&format!("[vary]\n\"low.k\" = {range}\n"), 1, &["E008", "p.sweep.toml:3:", "in N/m, not in m"]);
+    says("runs = 0\n[vary]\n\"low.k\" = [1000]\n", 2, &["p.sweep.toml:2: `runs` must be a whole number from 1 to"]);
     let range = "{ from = 1, to = 2, steps = 1e9 }";
-    says(&format!("[vary]\n\"low.k\" = {range}\n"), 2, &["p.sweep.toml:3: `steps` is a whole number"]);
+    says(&format!("[vary]\n\"low.k\" = {range}\n"), 2, &["p.sweep.toml:3: `steps` must be a whole number"]);
     says("[vary]\n\"low.k\" = { from = 1, to = 2 }\n", 2, &["p.sweep.toml:3: ", "`runs`"]);
     says("[vary]\n\"rate.sound\" = [44100]\n", 2, &["p.sweep.toml:3: ", "one rate"]);
     // a name with a dot, without quotes
     says("[vary]\nlow.k = [1, 2]\n", 2, &["p.sweep.toml:3: ", "write `\"low.k\" = …`"]);
     says("[set]\nlow.k = 1\n[vary]\n", 2, &["p.sweep.toml:3: ", "write `\"low.k\" = …`"]);
     let twice = "[set]\n\"low.k\" = 1000\n[vary]\n\"low.k\" = [1000, 2000]\n";
-    says(twice, 2, &["p.sweep.toml:3: `low.k` is set here, and varied in line 5"]);
+    says(twice, 2, &["p.sweep.toml:3: `low.k` is set here and varied in line 5"]);
     assert!(!desk.path("p").exists());
 }
 
@@ -333,10 +333,9 @@ fn what_is_stopped_goes_on() {
         if signal == "INT" {
             assert_eq!(status.code(), Some(130));
             let said = String::from_utf8(ended.stderr).unwrap();
-            let (there, _) =
-                said.split_once(" of 400 runs are in `s` and stay there").unwrap_or_else(|| panic!("{said}"));
+            let (there, _) = said.split_once(" of 400 runs are kept in `s`").unwrap_or_else(|| panic!("{said}"));
             let there: usize = there.rsplit(' ').next().unwrap().parse().unwrap();
-            assert!(there > 0 && there < 400 && said.contains("the same command goes on with the others"), "{said}");
+            assert!(there > 0 && there < 400 && said.contains("run the same command again to continue"), "{said}");
             assert!(files(&desk.path("s")).keys().all(|f| !f.contains(".part")), "what is not finished is gone");
         }
         assert!(!desk.path("s/manifest.parquet").exists());

@@ -46,12 +46,12 @@ fn simulated_devices_pass() {
         assert!(v["rows"].as_array().unwrap().len() >= 20, "{v:#}");
         let (pass, found) = row(&v, "watchdog");
         assert!(pass && found.contains("WATCHDOG_OUT"), "{found}");
-        assert!(row(&v, "measured").1.contains("were asked"), "{v:#}");
+        assert!(row(&v, "measured").1.contains("N requested"), "{v:#}");
         // with the profile of the device, and on a spring of known stiffness
         assert!(row(&v, "serve").1.contains(&format!("profile `{name}`")), "{v:#}");
         assert!(row(&v, "spring").1.contains("N of the spring"), "{v:#}");
         let seen = device.stop().is(0);
-        assert!(seen.says(&["WATCHDOG_OUT", "another engine"]).out.contains(name));
+        assert!(seen.says(&["WATCHDOG_OUT", "the engine changed"]).out.contains(name));
     };
     std::thread::scope(|scope| {
         scope.spawn(|| each("falcon"));
@@ -75,18 +75,18 @@ fn a_device_without_a_profile_is_given_one_as_suggested() {
     until("it speaks", || stage.ca(&["device", "list"]).out.contains("other"));
     with(&[]).says(&["--profile other=NAME", "profile `unknown`"]);
     with(&["--profile", "other=key"]).says(&["profile `key`"]);
-    with(&["--profile", "another=key"]).is(2).says(&["the device is `other`"]);
+    with(&["--profile", "another=key"]).is(2).says(&["the tested device is `other`"]);
     drop(device);
 }
 
 #[test]
 fn a_device_that_cannot_be_had_is_an_error() {
     let stage = Stage::new();
-    stage.ca(&["device", "conformance", "nobody"]).is(1).says(&["no device of that name", "ca device list"]);
+    stage.ca(&["device", "conformance", "nobody"]).is(1).says(&["no running device `nobody`", "ca device list"]);
     let _server = stage.serve("key.ca.toml", &["--quiet"]);
     let _device = stage.key(&["--script", "hold"]);
     until("it speaks", || stage.state().2 > 100);
-    stage.ca(&["device", "conformance", "key"]).is(1).says(&["has a server already"]);
+    stage.ca(&["device", "conformance", "key"]).is(1).says(&["already has a server"]);
 }
 
 /// Repeats the test of a faulty device until the row `name` appears; a busy machine may fail an earlier row first.
@@ -100,7 +100,7 @@ fn found(lie: Lie, name: &str, beside: &RwLock<()>) {
         let by_itself = (try_of_it >= FEW).then(|| beside.write().expect("nobody panics with it"));
         let ran = tested(&stage, "key");
         drop((with_others, by_itself));
-        if ran.err.contains("no device of that name speaks") {
+        if ran.err.contains("no running device `key`") {
             // the device announces itself twice per second, if the machine allows it
             std::thread::sleep(Duration::from_millis(500));
             continue;

@@ -121,11 +121,11 @@ fn a_key_without_a_profile_is_felt_whoever_comes_first() {
         let ran = server.stop();
         let reported = ran.json();
         assert_eq!(reported["devices"][0]["dropped"], 0, "{reported:#}");
-        assert!(ran.err.contains("finger: it says: ") && ran.err.contains("1 degrees of freedom"), "{}", ran.err);
+        assert!(ran.err.contains("finger: it reports: ") && ran.err.contains("1 degrees of freedom"), "{}", ran.err);
         // the take contains the description
         stage.ca(&["replay", "take.mcap", "--verify"]).is(0);
         stage.ca(&["report", "take.mcap", "-o", "take.html"]).is(0);
-        assert!(stage.read("take.html").contains("1 degrees of freedom; at most 2 N"));
+        assert!(stage.read("take.html").contains("1 degrees of freedom, at most 2 N"));
     }
 }
 
@@ -159,13 +159,13 @@ fn a_device_with_too_little_is_reported_of_and_gives_nothing() {
     let server = stage.serve("two.ca.toml", &["--arm", "--seconds", "2"]);
     let finger = TestDevice::new(&stage.site, 1, 1);
     let ran = server.end();
-    ran.says(&["finger: the model uses 2 of its degrees of freedom and it has 1: it is not played"]);
+    ran.says(&["finger: the model needs 2 degrees of freedom, but the device has 1; the device is not used"]);
     assert_eq!(finger.forces()[0], 0.0);
     drop(finger);
     // with a profile, the device is refused too
     let server = stage.serve("two.ca.toml", &["--profile", "finger=falcon", "--arm", "--seconds", "2"]);
     let _finger = TestDevice::new(&stage.site, 1, 1);
-    server.end().says(&["its profile `falcon` 3: its frames are not used", "`dof = 1`"]);
+    server.end().says(&["its profile `falcon` has 3: its frames are ignored", "`dof = 1`"]);
 }
 
 #[test]
@@ -177,14 +177,14 @@ fn a_device_plays_the_keys_it_has() {
     let finger = TestDevice::new(&stage.site, 1, 1);
     press(&stage, &finger);
     let ran = server.stop();
-    ran.says(&["finger: it says: ", "the model has keys for 2, of which MIDI and gestures play the others"]);
+    ran.says(&["finger: it reports: ", "keys for 2 degrees of freedom; only MIDI and gestures play the others"]);
     drop(finger);
     let one = "name = \"one\"\ntitle = \"a key\"\nsource = \"none\"\ndof = 1\naxes = 1\nrange = [-0.05, 0.05]\nforce = 2\nrate = 1000\n";
     stage.put("c/profiles/one.toml", one);
     let server = stage.serve("keys.ca.toml", &["--profile", "finger=one", "--seconds", "1"]);
     server
         .end()
-        .says(&["the model uses 2 keys of `finger`, its profile has 1", "MIDI and gestures alone move the others"]);
+        .says(&["the model uses 2 keys of `finger`, but its profile has 1", "only MIDI and gestures move the others"]);
 }
 
 #[test]
@@ -205,7 +205,7 @@ fn conformance_asks_whether_it_would_be_served() {
     let _device = Liar::new(&stage.site, "tgr12", Lie::None);
     let ran = stage.ca(&["device", "conformance", "tgr12", "--json"]).is(1);
     let (pass, found) = row(&ran.json(), "serve");
-    assert!(!pass && found.contains("it has 1 degrees of freedom, the profile 12: no frame is used"), "{found}");
+    assert!(!pass && found.contains("needs 12 degrees of freedom, the device has 1; no frame is used"), "{found}");
 }
 
 #[test]
@@ -218,12 +218,12 @@ fn a_key_that_presses_while_somebody_arms_is_named_again_and_again() {
     let device = stage.key(&["--script", "hold"]);
     let server = stage.serve("presses.ca.toml", &["--arm", "--log", "t.mcap"]);
     let says =
-        "key: armed, forces still off: `key` presses with 1.5 N; move it to where it presses with less than 0.5 N";
+        "key: armed, forces still off: the model pushes on `key` with 1.5 N; move it to where the force is below 0.5 N";
     until("it is said twice", || server.said().matches(says).count() >= 2);
     let status = stage.ca(&["status"]).is(0);
-    status.says(&["`key` presses with 1.5 N"]);
+    status.says(&["the model pushes on `key` with 1.5 N"]);
     let ran = server.stop();
-    assert!(ran.out.contains("key: off to the end; armed, but `key` presses with 1.5 N"), "{}", ran.out);
+    assert!(ran.out.contains("key: off to the end; armed, but the model pushes on `key` with 1.5 N"), "{}", ran.out);
     device.stop().is(0);
     // a disarmed device does not report what it waits for
     let server = stage.serve("presses.ca.toml", &["--seconds", "1"]).end();

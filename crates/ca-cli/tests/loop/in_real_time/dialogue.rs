@@ -74,7 +74,7 @@ fn a_person_is_asked_for_each_stop() {
     // it moves during the reading, so the command asks again from the beginning
     says.store(-1, Relaxed);
     t.types("");
-    t.shows("it moved while it was read");
+    t.shows("it moved during a reading");
     t.shows("axis 0, low stop: ");
     says.store(4100, Relaxed);
     t.types("");

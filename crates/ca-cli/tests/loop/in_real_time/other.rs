@@ -143,7 +143,7 @@ fn a_prefix_that_another_user_knows_is_replaced() {
         for args in COMMANDS {
             let r = ca(args);
             let text = format!("{}{}", r.out, r.err);
-            let absent = r.code == Some(1) && text.contains("no server runs");
+            let absent = r.code == Some(1) && text.contains("no server is running");
             assert!(matches!(r.code, Some(0 | 3)) || absent, "{args:?}: {:?}\n{text}", r.code);
         }
         assert_ne!(prefix(), before);
@@ -200,7 +200,7 @@ fn a_file_of_ours_that_was_cut_is_made_anew() {
         let path = format!("/dev/shm/{}{name}", stage.site.prefix());
         fs::write(&path, []).unwrap();
         run(&stage, &["device", "list"]).is(0);
-        run(&stage, &["status"]).is(1).says(&["no server runs"]);
+        run(&stage, &["status"]).is(1).says(&["no server is running"]);
         run(&stage, &["serve", "key.ca.toml", "--seconds", "0.1"]).served(301);
         assert!(fs::metadata(&path).map_or(true, |m| m.len() > 0), "{path}");
     }
@@ -236,7 +236,7 @@ fn a_folder_by_way_of_another_users_link_is_refused() {
             let r = stage.start(c).end();
             let text = format!("{}{}", r.out, r.err);
             assert!(matches!(r.code, Some(1 | 2)), "{root:?} {args:?}: {:?}\n{text}", r.code);
-            assert!(text.contains("a symbolic link of user 65534"), "{args:?}: {text}");
+            assert!(text.contains("a symbolic link owned by user 65534"), "{args:?}: {text}");
         }
     }
     assert!(fs::read_dir(&mine).unwrap().next().is_none(), "nothing was made in there");

@@ -122,12 +122,12 @@ fn page(all: &[Played]) -> String {
         "# The hammer piano, played by a device\n\n\
          Made by `UPDATE=1 cargo test $ALL --test loop -- piano` ($ALL is in CONTRIBUTING.md): do not edit.\n\n\
          `ca device sim --profile tgr12 --script strike` strikes the twelve keys of `ca serve hammer_piano` across shared\n\
-         memory, five times each. Its hand is a finger that gives way (5 kN/m, 20 g) on keys of 200 g; its fastest moment is\n\
-         the speed at the head of each column. Device and engine wait for each other, so the figures are the same every time,\n\
-         but for a last digit; a force is kept for 0.1 s in place of 5 ms, since no time is due then.\n\n\
+         memory, five times each. Its hand is a compliant finger (5 kN/m, 20 g) on keys of 200 g; its largest speed is at the\n\
+         head of each column. Device and engine wait for each other, so the figures are the same every time, except for a last\n\
+         digit; a force is valid for 0.1 s instead of 5 ms, since this loop does not run in real time.\n\n\
          ## What the finger feels\n\n\
-         Key C4, first stroke, on its way down: the force its motor held, positive against the finger, and how fast the key\n\
-         went there. The let-off begins at 7.7 mm, the bed is at 9.2 mm.\n\n| depth (mm) |",
+         Key C4, first stroke, on its way down: the force its motor held, positive against the finger, and the speed of the key\n\
+         at that depth. The let-off begins at 7.7 mm, the bed is at 9.2 mm.\n\n| depth (mm) |",
     );
     let head = |out: &mut String| {
         for v in SPEEDS {
@@ -157,11 +157,11 @@ fn page(all: &[Played]) -> String {
     for p in all {
         let _ = write!(out, " {:.1} |", 20.0 * p.peak.log10());
     }
-    out += "\n\nAt 0.05 m/s no hammer arrives: it is the dampers that are heard, as they leave the strings.\n\n\
+    out += "\n\nAt 0.05 m/s the hammers do not reach the strings: the sound is of the dampers, as they leave the strings.\n\n\
             ## Where the energy of the finger went\n\n\
-            All keys and strokes, from `ca replay TAKE --energy`, in millijoules. What the hands gave is the force the motors held\n\
-            times the motion of the keys, as said on the wire. The border makes energy by answering a frame late; the guard\n\
-            takes as much out again before it reaches the hand (−).\n\n| mJ |";
+            All keys and strokes, from `ca replay TAKE --energy`, in millijoules. The energy given by the hands is the force the\n\
+            motors held times the motion of the keys, from the device frames. The border makes energy because it answers a frame\n\
+            late; the guard takes the same amount out before it reaches the hand (−).\n\n| mJ |";
     head(&mut out);
     let rows: [(&str, &[&str]); 8] = [
         ("given by the finger", &["given by the hands"]),

@@ -74,8 +74,8 @@ fn a_page_without_devices_is_reached_and_opens_no_shared_memory() {
     assert!(!threads(&p).iter().any(|n| n == "ca gateway"), "{:?}", threads(&p));
     has_no_shared_memory(&stage, &p, &["control", "prefix"]);
     stage.ca(&["audio"]).is(0).says(&["sound:"]);
-    stage.ca(&["set", "bar.mm=1"]).is(1).says(&["`bar` has no parameter `mm`", "did you mean `bar.m`?"]);
-    stage.ca(&["set", "bar.m=-1"]).is(0).says(&["or its terminal says why not"]);
+    stage.ca(&["set", "bar.mm=1"]).is(1).says(&["`bar` has no parameter `mm`", "it has `m`, `k`"]);
+    stage.ca(&["set", "bar.m=-1"]).is(0).says(&["errors appear in its terminal"]);
     until("it is refused", || p.said().contains("`m`"));
     stage.ca(&["stop"]).is(0);
     p.end();

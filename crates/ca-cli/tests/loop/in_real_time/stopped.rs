@@ -137,7 +137,7 @@ fn h7_a_killed_server_is_zero_force_at_the_device_and_the_next_one_is_taken() {
     stage.on();
     let before = stage.state().2;
     until("for a while", || stage.state().2 > before + 300);
-    device.stop().is(0).says(&["1 times another engine", "WATCHDOG_OUT"]);
+    device.stop().is(0).says(&["the engine changed 1 times", "WATCHDOG_OUT"]);
     let log = log(&stage.read("felt.csv"));
     // the last force of the first server; sequence numbers then restart
     let new = log.windows(2).position(|w| w[1].0 < w[0].0).unwrap() + 1;
@@ -179,11 +179,11 @@ fn a_second_server_and_a_second_device_are_refused() {
     let stage = Stage::new();
     let server = stage.serve("key.ca.toml", &["--quiet"]);
     let busy = stage.ca(&["serve", "key.ca.toml", "--seconds", "1"]).is(1);
-    busy.says(&["a server runs at", &server.id().to_string(), "CA_SHM_ROOT"]);
+    busy.says(&["a server is already running at", &server.id().to_string(), "CA_SHM_ROOT"]);
     let device = stage.key(&["--script", "hold"]);
     until("it speaks", || stage.state().2 > 100);
     let busy = stage.key(&["--seconds", "1"]).end().is(1);
-    busy.says(&["has a device already", &device.id().to_string()]);
+    busy.says(&["already has a device", &device.id().to_string()]);
     let frames = stage.state().2;
     until("the first ones go on", || stage.state().2 > frames + 300);
 }
@@ -200,16 +200,16 @@ fn a_second_page_plays_beside_the_first_and_gets_the_device_when_that_one_ends()
     let first = play("hammer_piano");
     let second = play("piano_key");
     let third = play("key.ca.toml");
-    assert!(second.said().contains("`ca arm` and `ca disarm` do not reach this one"), "{}", second.said());
+    assert!(second.said().contains("`ca arm` and `ca disarm` cannot control this performance"), "{}", second.said());
     drop(third);
     let device = stage.spawn(&["device", "sim", "--profile", "tgr12", "--seconds", "600"]);
-    until("the first has it", || first.said().contains("tgr12: here"));
-    until("the second says so", || second.said().contains("`tgr12` has a server already"));
+    until("the first has it", || first.said().contains("tgr12: connected"));
+    until("the second says so", || second.said().contains("`tgr12` already has a server"));
     assert!(second.said().contains(&format!("process {}", first.id())), "{}", second.said());
-    assert!(!second.said().contains("tgr12: here"), "{}", second.said());
+    assert!(!second.said().contains("tgr12: connected"), "{}", second.said());
     let told = first.stop();
-    assert!(!told.err.contains("has a server already"), "{}", told.err);
-    until("then the second has it", || second.said().contains("tgr12: here"));
+    assert!(!told.err.contains("already has a server"), "{}", told.err);
+    until("then the second has it", || second.said().contains("tgr12: connected"));
     drop((device, second));
 }
 

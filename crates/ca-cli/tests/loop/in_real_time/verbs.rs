@@ -7,7 +7,7 @@ use ca_haptic::host::Site;
 #[test]
 fn list_shows_who_speaks_and_what_there_is() {
     let stage = Stage::beside();
-    stage.ca(&["device", "list"]).is(0).says(&["no device speaks", "falcon", "one key (yours)"]);
+    stage.ca(&["device", "list"]).is(0).says(&["no running device", "falcon", "one key (yours)"]);
     let device = stage.key(&["--script", "hold", "--name", "left"]);
     until("it is listed", || stage.ca(&["device", "list"]).is(0).out.starts_with("left: one key"));
     let v = stage.ca(&["device", "list", "--json"]).is(0).json();
@@ -31,7 +31,7 @@ fn the_doctor_tries_shared_memory_and_finds_who_is_there() {
     };
     assert_eq!((&v["usable"], &row(&v, "memory")["state"]), (&true.into(), &"good".into()));
     assert_eq!(v["late_us"]["n"], 3000);
-    assert!(row(&v, "server")["found"].as_str().unwrap().contains("none runs"));
+    assert!(row(&v, "server")["found"].as_str().unwrap().contains("none is running"));
     // every row that is not good gives advice
     for r in v["rows"].as_array().unwrap() {
         assert_eq!(r["state"] == "good", r["fix"] == "", "{r}");
@@ -67,7 +67,7 @@ fn calibrate_writes_what_serve_reads() {
     // the calibration of another device would give wrong positions and forces
     stage.put("falcon.toml", &c.write().replace("\"key\"", "\"falcon\""));
     let other = stage.ca(&["serve", "key.ca.toml", "--seconds", "0.1", "--calibration", "key=falcon.toml"]);
-    other.is(1).says(&["falcon.toml", "the calibration of `falcon`, not of `key`"]);
+    other.is(1).says(&["falcon.toml", "this calibration is for `falcon`, not for `key`"]);
     let far = c.write().replace("force = 1.0", "force = 1e300");
     stage.put("far.toml", &far);
     let far = stage.ca(&["serve", "key.ca.toml", "--seconds", "0.1", "--calibration", "key=far.toml"]);
@@ -89,7 +89,7 @@ fn calibrate_writes_what_serve_reads() {
     for (args, word) in [
         (&["--low", "1", "--high", "1"][..], "two different numbers"),
         (&["--low", "1,2", "--high", "3"], "give 1 or 1"),
-        (&[], "nobody can be asked"),
+        (&[], "the readings cannot be asked for"),
     ] {
         let ran = stage.ca(&[&["device", "calibrate", "key"], args].concat());
         assert!(matches!(ran.code, Some(1 | 2)) && ran.err.contains(word), "{args:?}: {}", ran.err);

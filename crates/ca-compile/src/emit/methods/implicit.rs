@@ -95,7 +95,7 @@ impl Plan<'_> {
             f.moving.iter().enumerate().flat_map(|(k, (i, _))| f.moving[..k].iter().map(move |(j, _)| (*i, *j)))
         });
         let Some(pattern) = Pattern::new(n, joined, LARGEST) else {
-            let title = format!("`{}` and what is implicit with it are too many to be solved in a tick", item.name);
+            let title = format!("`{}` and the other implicit links are too many to solve in a tick", item.name);
             let help = "use `method = \"ca\"` where stiffness allows it, or a coarser mesh";
             diags.push(Diag::error("E027", title).at(item.name_span, "too many").help(help));
             return None;
@@ -129,7 +129,8 @@ impl Plan<'_> {
 }
 
 fn beyond(name: &str, span: Span) -> Diag {
-    let d = Diag::error("E009", format!("the numbers of `{name}` and what is implicit with it are beyond computing"));
+    let d =
+        Diag::error("E009", format!("the coefficients of `{name}` and the other implicit links cannot be computed"));
     d.at(span, "overflows").help("use a larger mass, or less stiffness and viscosity")
 }
 

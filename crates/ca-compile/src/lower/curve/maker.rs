@@ -59,8 +59,8 @@ impl Maker<'_, '_, '_> {
     fn end(&mut self) -> Option<f64> {
         let end = self.time("to", self.c.net.seconds.unwrap_or(f64::NAN), (0.0, DAY))?;
         if end.is_nan() {
-            let d = Diag::error("E005", format!("{} does not say when it ends", self.what)).at(self.at, "without `to`");
-            self.c.v.diags.push(d.help("add e.g. `to = 4`, in seconds, or `seconds` to `[model]`"));
+            let d = Diag::error("E005", format!("the end of {} is missing", self.what)).at(self.at, "without `to`");
+            self.c.v.diags.push(d.help("add the end in seconds, e.g. `to = 4`, or `seconds` in `[model]`"));
             return None;
         }
         Some(end)
@@ -105,7 +105,7 @@ impl Maker<'_, '_, '_> {
 
     fn too_many<T>(&mut self) -> Option<T> {
         let d = Diag::error("E027", format!("{} has more than {MOST} points", self.what)).at(self.at, "too long");
-        self.c.v.diags.push(d.help("let it end sooner, or play it from a file"));
+        self.c.v.diags.push(d.help("end it sooner, or play it from a file"));
         None
     }
 
@@ -123,7 +123,7 @@ impl Maker<'_, '_, '_> {
 
     fn nothing<T>(&mut self) -> Option<T> {
         let d = Diag::error("E019", format!("{} has no points", self.what)).at(self.at, "empty");
-        self.c.v.diags.push(d.help("write what it plays, or leave it out"));
+        self.c.v.diags.push(d.help("add points, or leave it out"));
         None
     }
 
@@ -138,9 +138,9 @@ impl Maker<'_, '_, '_> {
         let (every, end) = (self.time("every", last, ABOVE_ZERO)?, self.end()?);
         if last > every {
             let (last, every) = (Plain(last), Plain(every));
-            let d = Diag::error("E019", format!("{what} lasts {last} s and begins anew every {every} s"));
+            let d = Diag::error("E019", format!("{what} lasts {last} s, but repeats every {every} s"));
             let d = d.at(self.at, "too long");
-            self.c.v.diags.push(d.help("make `every` longer, or leave out what comes after it"));
+            self.c.v.diags.push(d.help("make `every` longer, or leave out the points after it"));
             return None;
         }
         let times = libm::ceil(end / every);
@@ -164,7 +164,7 @@ impl Maker<'_, '_, '_> {
     }
 
     fn not_two<T>(&mut self, of: &Entry) -> Option<T> {
-        let d = Diag::error("E019", format!("`ramp` of {} has a first and a last value", self.what));
+        let d = Diag::error("E019", format!("`ramp` of {} must have a first and a last value", self.what));
         let two = "write e.g. `ramp = [0, \"20 mm\"]`";
         self.c.v.diags.push(d.at(of.span, "not two values").help(two));
         None
@@ -210,10 +210,9 @@ impl Maker<'_, '_, '_> {
             if starts.len() > 1 {
                 let d =
                     Diag::error("E010", format!("{}: `every` and a list of times `at` exclude each other", self.what));
-                self.c
-                    .v
-                    .diags
-                    .push(d.at(self.at, "both are written").help("write one time, the first, or leave out `every`"));
+                self.c.v.diags.push(
+                    d.at(self.at, "both are written").help("write only the first time in `at`, or leave out `every`"),
+                );
                 return None;
             }
             let every = self.time("every", 1.0, ABOVE_ZERO)?;
@@ -227,7 +226,7 @@ impl Maker<'_, '_, '_> {
         let mut points: Points = Vec::new();
         for start in starts {
             if points.last().is_some_and(|p| p[0] > start) {
-                let d = Diag::error("E019", format!("{}: a pulse begins before the last has ended", self.what));
+                let d = Diag::error("E019", format!("{}: a pulse begins before the previous one ends", self.what));
                 self.c.v.diags.push(d.at(self.at, format!("at {} s", Plain(start))).help("shorten it, or begin later"));
                 return None;
             }
@@ -248,7 +247,7 @@ impl Maker<'_, '_, '_> {
 
     pub(super) fn follow(&mut self, of: &Entry) -> Option<Points> {
         let Value::Text(name) = &of.value else {
-            let d = Diag::error("E006", format!("`follow` of {} is the name of a gesture", self.what));
+            let d = Diag::error("E006", format!("`follow` of {} must be the name of a gesture", self.what));
             self.c.v.diags.push(d.at(of.span, "not a name").help("write e.g. `follow = \"key\"`"));
             return None;
         };
@@ -262,10 +261,13 @@ impl Maker<'_, '_, '_> {
         };
         if self.c.within.contains(name) || self.c.within.len() >= DEEP {
             let itself = self.c.within.contains(name);
-            let how =
-                if itself { "follows itself".into() } else { format!("follows one of more than {DEEP} in a row") };
+            let how = if itself {
+                "follows itself".into()
+            } else {
+                format!("is in a chain of more than {DEEP} gestures that follow each other")
+            };
             let d = Diag::error("E019", format!("{} {how}", self.what)).at(of.span, "one too many");
-            self.c.v.diags.push(d.help("let one of them say what it plays"));
+            self.c.v.diags.push(d.help("give one of them points or a curve instead of `follow`"));
             return None;
         }
         // The followed gesture may have another unit. The gain then has the ratio of the units, or is a number in SI
@@ -284,7 +286,8 @@ impl Maker<'_, '_, '_> {
                     let d = wrong_unit(&what, &quantity::unit_of(ratio), &is, unit_span(&e, t));
                     let [a, b] = [own, theirs].map(|u| wanted(u.symbol));
                     let help = format!(
-                        "it turns the unit of `{name}` ({b}) into that of this gesture ({a}); a plain number does so in SI units"
+                        "`gain` converts the unit of `{name}` ({b}) to the unit of this gesture ({a}); a plain number is \
+                         in SI units"
                     );
                     self.c.v.diags.push(d.help(help));
                     return None;
@@ -314,7 +317,7 @@ impl Maker<'_, '_, '_> {
     /// Adds curves at the times of all their points.
     pub(super) fn sum(&mut self, of: &Entry) -> Option<Points> {
         let Value::List(list) = &of.value else {
-            let d = Diag::error("E019", format!("`sum` of {} is a list", self.what)).at(of.span, "not a list");
+            let d = Diag::error("E019", format!("`sum` of {} must be a list", self.what)).at(of.span, "not a list");
             self.c
                 .v
                 .diags

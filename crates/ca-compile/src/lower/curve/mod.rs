@@ -70,7 +70,7 @@ impl Curves<'_, '_> {
         }
         if points.is_empty() {
             let d = Diag::error("E019", format!("{what} has no points")).at(e.span, "empty");
-            self.v.diags.push(d.help("write `[[seconds, value], …]`, times rising"));
+            self.v.diags.push(d.help("write `[[seconds, value], …]` with increasing times"));
             return None;
         }
         let back = (1..points.len()).find(|i| points[*i][0] < points[i - 1][0]);
@@ -100,9 +100,9 @@ impl Curves<'_, '_> {
         let makers = || CURVES.iter().map(|m| m.0);
         let found: Vec<&Entry> = t.iter().filter(|x| makers().any(|m| m == x.key)).collect();
         let [of] = found[..] else {
-            let many = if found.is_empty() { "nothing that makes it" } else { "more than one thing that makes it" };
+            let many = if found.is_empty() { "no curve" } else { "more than one curve" };
             let all = makers().map(|m| format!("`{m}`")).collect::<Vec<_>>().join(", ");
-            let d = Diag::error("E019", format!("{what} says {many}")).at(e.span, "one of them is wanted");
+            let d = Diag::error("E019", format!("{what} defines {many}")).at(e.span, "needs one curve");
             self.v.diags.push(d.help(format!("write points, or a table with one of {all}; `sum` adds several")));
             return None;
         };
@@ -114,8 +114,8 @@ impl Curves<'_, '_> {
             let all = keys.iter().map(|k| format!("`{k}`")).collect::<Vec<_>>().join(", ");
             self.v.diags.push(match nearest(&x.key, keys.iter().copied()) {
                 Some(near) => d.help(format!("did you mean `{near}`?")).fix(x.key_span, near),
-                None if keys.is_empty() => d.help("it stands alone"),
-                None => d.help(format!("it has {all}")),
+                None if keys.is_empty() => d.help(format!("`{}` does not take other keys", of.key)),
+                None => d.help(format!("its keys are {all}")),
             });
             good = false;
         }

@@ -38,8 +38,8 @@ pub fn gestures(model: &Model, net: &mut Resolved, alg: Option<f64>, named: &[Na
         };
         if let Some(input) = by_port.get(&e.key) {
             let port = &net.inputs[*input as usize].name;
-            let d = Diag::error("E021", format!("gesture `{}` drives a parameter that a port drives", e.key));
-            v.diags.push(d.at(e.key_span, "driven by a port").help(format!("let it move `{port}` instead")));
+            let d = Diag::error("E021", format!("gesture `{}` drives a parameter that a port already drives", e.key));
+            v.diags.push(d.at(e.key_span, "driven by a port").help(format!("let the gesture drive `{port}` instead")));
             continue;
         }
         let what = format!("gesture `{}`", e.key);
@@ -55,12 +55,12 @@ pub fn gestures(model: &Model, net: &mut Resolved, alg: Option<f64>, named: &[Na
         spent += points.len();
         if spent > MOST {
             let d = Diag::error("E027", format!("the gestures have more than {MOST} points"));
-            let help = "let some of them end sooner, or play them from files";
+            let help = "end some of them sooner, or play them from files";
             v.diags.push(d.at(e.key_span, "with this one").help(help));
             return;
         }
         if let Some([t, x]) = points.iter().find(|p| !(p[0].is_finite() && p[1].is_finite())) {
-            let title = format!("{what} has no value at {} s: {}", Plain(*t), Plain(*x));
+            let title = format!("{what} does not have a finite value at {} s: {}", Plain(*t), Plain(*x));
             v.diags.push(Diag::error("E009", title).at(e.span, "out of range").help("use smaller numbers"));
             continue;
         }
@@ -101,9 +101,9 @@ fn drives_nothing(e: &Entry, model: &Model, net: &Resolved, named: &[Named], dia
         if matches!(item.kind.as_str(), "ENX" | "ENF" | "TGR") || !net.items.iter().any(|i| *i.name == *e.key) {
             return; // broken, and reported at its own place
         }
-        d = d.at(e.key_span, "not a port").at(item.name_span, format!("{} is not moved by a gesture", item.kind));
+        d = d.at(e.key_span, "not a port").at(item.name_span, format!("{} cannot follow a gesture", item.kind));
         diags.push(d.help(format!(
-            "tie it to an ENX by a link and let the gesture move that; or push it by an ENF `to = \"{}\"`",
+            "link it to an ENX that the gesture drives, or push it by an ENF with `to = \"{}\"`",
             e.key
         )));
         return;

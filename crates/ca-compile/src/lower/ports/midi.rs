@@ -42,11 +42,11 @@ impl Values<'_> {
                 "back" => self.flag(m, &what).map(|v| map.back = v),
                 "release" => self.constant(m, Unit::SECOND, POSITIVE, &what).map(|v| map.release = v),
                 _ => {
-                    let d = Diag::error("E026", format!("{what} is not known")).at(m.key_span, "not part of a mapping");
+                    let d = Diag::error("E026", format!("unknown key {what}")).at(m.key_span, "not part of a mapping");
                     self.diags.push(match nearest(&m.key, KEYS.iter().copied()) {
                         Some(near) => d.help(format!("did you mean `{near}`?")).fix(m.key_span, near),
                         None => d.help(
-                            "a mapping has one of `note`, `cc`, `bend`, `pressure`, then `to`, and if you like \
+                            "a mapping has one of `note`, `cc`, `bend`, `pressure`, then `to`, and optionally \
                              `from`, `channel`, `attack`, `release`, `velocity`, `back`",
                         ),
                     });
@@ -62,7 +62,7 @@ impl Values<'_> {
                         format!("`midi` of `{owner}` has two sources: `{}` and `{}`", first.key, m.key),
                     );
                     let d = d.at(m.key_span, "second source").at(first.key_span, "first source");
-                    self.diags.push(d.help("keep one of them: a port follows one thing"));
+                    self.diags.push(d.help("keep one of them: a port follows one source"));
                     good = false;
                 }
                 source = Some(m);
@@ -80,8 +80,9 @@ impl Values<'_> {
         }
         if let (true, Some(e)) = (good, entries.iter().find(|e| matches!(e.key.as_str(), "velocity" | "back"))) {
             if !matches!(map.source, MidiSource::Note { .. }) {
-                let d = Diag::error("E026", format!("`{}` in {what} is for notes", e.key)).at(e.key_span, "no notes");
-                self.diags.push(d.help("leave it out, or let notes move the port"));
+                let d = Diag::error("E026", format!("`{}` in {what} is only for notes", e.key))
+                    .at(e.key_span, "not with this source");
+                self.diags.push(d.help("leave it out, or use `note` as the source"));
                 return None;
             }
         }
@@ -95,9 +96,10 @@ impl Values<'_> {
             Value::Text(t) if t == "none" => return Some(Velocity::None),
             _ => {}
         }
-        let d = Diag::error("E026", format!("{what} is `\"depth\"`, `\"speed\"` or `\"none\"`"));
-        let help = "`depth`: how far it goes; `speed`: how fast it goes all the way; `none`: all the way, in `attack` at any velocity";
-        self.diags.push(d.at(e.span, "none of them").help(help));
+        let d = Diag::error("E026", format!("{what} must be `\"depth\"`, `\"speed\"` or `\"none\"`"));
+        let help = "`depth`: velocity sets how far the port moves; `speed`: velocity sets how fast it moves all the way; \
+                    `none`: it moves all the way in `attack` at any velocity";
+        self.diags.push(d.at(e.span, "not a choice").help(help));
         None
     }
 
@@ -105,8 +107,10 @@ impl Values<'_> {
         if let Value::Bool(b) = e.value {
             return Some(b);
         }
-        let d = Diag::error("E026", format!("{what} is `true` or `false`")).at(e.span, "neither");
-        self.diags.push(d.help("with `false` each note brings it to its other side, and none back"));
+        let d = Diag::error("E026", format!("{what} must be `true` or `false`")).at(e.span, "neither");
+        self.diags.push(
+            d.help("with `false`, each note moves the port to its other side, and note off does not move it back"),
+        );
         None
     }
 
@@ -114,7 +118,7 @@ impl Values<'_> {
         if e.value == Value::Bool(true) {
             return Some(());
         }
-        let d = Diag::error("E026", format!("{what} is either `true` or left out")).at(e.span, "not `true`");
+        let d = Diag::error("E026", format!("{what} must be `true` or left out")).at(e.span, "not `true`");
         self.diags.push(d.help("write `true`, or remove it"));
         None
     }
@@ -155,11 +159,11 @@ impl Values<'_> {
         let Value::Text(t) = &e.value else { return self.small(e, (0, 127), "notes", what) };
         let found = note_number(t);
         if found.is_none() {
-            let d = Diag::error("E026", format!("{what}: no note `{t}` of MIDI")).at(e.span, "not a note");
+            let d = Diag::error("E026", format!("{what}: `{t}` is not a MIDI note")).at(e.span, "not a note");
             let d = match near_note(t).filter(|m| note_number(m).is_some()) {
                 Some(m) => d.help(format!("did you mean `{m}`?")).fix(e.span, format!("\"{m}\"")),
                 None => d.help(
-                    "write a letter from A to G, `#` or `b` if any, and the octave: `C4` is 60; from `C-1` to `G9`",
+                    "write a letter from A to G, optionally `#` or `b`, and an octave, from `C-1` to `G9`; `C4` is 60",
                 ),
             };
             self.diags.push(d);

@@ -57,9 +57,10 @@ pub(in crate::lower) fn port(
         return;
     }
     if let (true, Some(e)) = (dofs.len() > 1, entry("midi")) {
-        let d = Diag::error("E026", format!("`{}`: a note moves one axis, not {}", item.name, dofs.len()));
-        v.diags
-            .push(d.at(e.span, "in space").help("let it move an ENX on a line, tied to this by a link with `along`"));
+        let d = Diag::error("E026", format!("`{}`: `midi` moves one axis, not {}", item.name, dofs.len()));
+        v.diags.push(
+            d.at(e.span, "in space").help("use `midi` for an ENX on a line, and link it to this port with `along`"),
+        );
     }
     let mut inputs = [None; 3];
     for (k, dof) in dofs.iter().enumerate() {

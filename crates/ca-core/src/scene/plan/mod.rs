@@ -72,26 +72,29 @@ impl fmt::Display for PlanError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         const AGAIN: &str = "compile the model again";
         match self {
-            PlanError::Magic => f.write_str("this is not a compiled scene: give a file that `to_bytes` wrote"),
+            PlanError::Magic => f.write_str("the bytes are not a compiled scene: give those that `to_bytes` returned"),
             PlanError::Version(v) => {
-                write!(f, "the compiled scene has format {v}, and this program reads format {PLAN_VERSION}: {AGAIN}")
+                write!(f, "the compiled scene has format {v}, but this program reads format {PLAN_VERSION}: {AGAIN}")
             }
             PlanError::Arithmetic(a) => {
-                write!(f, "the compiled scene is for arithmetic {a}, and this program plays {ARITHMETIC}: {AGAIN}")
+                write!(f, "the compiled scene is for arithmetic {a}, but this program plays {ARITHMETIC}: {AGAIN}")
             }
             PlanError::Length { expected, found } => {
-                write!(f, "the compiled scene should have {expected} bytes and has {found}: copy it whole, or {AGAIN}")
+                write!(
+                    f,
+                    "the compiled scene should have {expected} bytes but has {found}: copy it completely, or {AGAIN}"
+                )
             }
             PlanError::Checksum => write!(f, "the compiled scene was changed since it was written: {AGAIN}"),
             PlanError::Record => write!(f, "the compiled scene cannot be read: {AGAIN}"),
             PlanError::Law(code) => {
-                write!(f, "the law `{code}` is not in the catalog: add the kinds of the crate that has it")
+                write!(f, "the law `{code}` is not in the catalog: add the kinds of the crate that defines it")
             }
             PlanError::Kind(code) => {
-                write!(f, "the kind `{code}` is not in the catalog: add the kinds of the crate that has it")
+                write!(f, "the kind `{code}` is not in the catalog: add the kinds of the crate that defines it")
             }
             PlanError::Unit(symbol) => {
-                write!(f, "no unit has the symbol `{symbol}`: add the kinds of the crate that uses it to the catalog")
+                write!(f, "unknown unit `{symbol}`: add the kinds of the crate that uses it to the catalog")
             }
             PlanError::Invalid(what) => write!(f, "the compiled scene cannot be played, {what}: {AGAIN}"),
         }

@@ -99,7 +99,7 @@ impl Laws {
         let OpRecord { pass, law, form, ports, n, first, mat, coef, mem, tap } = record;
         let law = law.map(|law| self.get(law)).transpose()?;
         if law.is_some() != (pass == Pass::Links) {
-            return Err(Wrong("a law is missing in a pass of links, or stands in another pass"));
+            return Err(Wrong("a law is missing in a pass of links, or is in another pass"));
         }
         let kernel = law.map_or_else(|| pass.kernel(), |law| (law.fns.kernel)(by(form)));
         let fns = law.map(|law| law.fns);
@@ -182,7 +182,7 @@ fn loaded(record: LoadedRecord, layout: &Layout) -> Result<State, Wrong> {
             let own = State { scene, ..flat(own, &group.layout)? };
             let fresh = SlowState::new(own, group.ports.len(), group.coupled, group.compensated);
             if (ports.len(), unknown.len()) != (fresh.ports.len(), fresh.unknown.len()) {
-                return Err(Wrong("the state of the group at the gesture rate has another shape than its layout"));
+                return Err(Wrong("the state of the group at the gesture rate differs in shape from its layout"));
             }
             let (ports, unknown) = (ports.into_owned(), unknown.into_owned());
             state.slow = Some(Box::new(SlowState { ports, unknown, ..fresh }));
@@ -262,7 +262,7 @@ fn item(record: ItemRecord, values: &[Arc<[Source]>], known: &Known) -> Result<L
     let kind = known.kind(&record.kind).ok_or_else(|| PlanError::Kind(record.kind.as_ref().into()))?;
     let generator = if let Role::Generator(generator) = kind.role { Some(generator) } else { None };
     if record.derives && generator.is_none() {
-        return Err(Wrong("a live item derives its numbers, and its kind does not").into());
+        return Err(Wrong("a live item derives its numbers, but its kind does not").into());
     }
     let module = |module: ModuleRecord| {
         let loader = match module.loader {

@@ -77,9 +77,9 @@ fn a_loss_is_reported_while_it_lasts_and_that_it_is_over() {
     let at: Vec<f64> = reported.iter().map(|t| t.0).collect();
     assert_eq!(at, [2.0, 2.5, 3.5, 4.5], "{reported:?}");
     assert!(reported.iter().all(|t| t.1));
-    assert!(reported[0].2.starts_with("disk: written 2.0 s late; beyond 2.5 s something is lost"), "{reported:?}");
+    assert!(reported[0].2.starts_with("disk: written 2.0 s late; data are lost beyond 2.5 s"), "{reported:?}");
     for (k, samples) in [(1, 16), (2, 48_016), (3, 96_016)] {
-        let text = format!("disk: {samples} sound samples are missing so far; ");
+        let text = format!("disk: {samples} sound samples lost so far, because ");
         assert!(reported[k].2.starts_with(&text), "{reported:?}");
     }
     drop(held);
@@ -206,7 +206,7 @@ fn a_disk_that_stands_still_for_a_while_loses_nothing() {
     let ticks = p.disk.expect("no failure").expect("a disk").ticks;
     assert_eq!((p.broken, p.lost, ticks.len()), ([0, 0], [[0; 3]; 2], 5001));
     assert!(ticks.windows(2).all(|w| w[0] < w[1]));
-    assert!(p.ear.heard().2.iter().all(|t| !t.contains("missing")), "{:?}", p.ear.heard().2);
+    assert!(p.ear.heard().2.iter().all(|t| !t.contains("lost so far")), "{:?}", p.ear.heard().2);
 }
 
 #[test]
@@ -217,7 +217,7 @@ fn a_disk_that_stands_still_for_long_loses_what_is_counted_and_no_other_file_doe
     assert_eq!((ticks.len(), records), (9001, 9001 + 3));
     // a frame has the tick of its force, which is at its end
     let fits = ticks.iter().filter(|t| **t + 16 <= 48_000).count();
-    assert!(reported.iter().any(|t| t.starts_with("disk: ") && t.contains("are missing so far")), "{reported:?}");
+    assert!(reported.iter().any(|t| t.starts_with("disk: ") && t.contains("lost so far")), "{reported:?}");
     let disk = p.disk.expect("no failure").expect("a disk");
     assert_eq!(disk.ticks, ticks[..fits]);
     let forces = disk.records.iter().filter(|r| matches!(r, Record::Force { .. })).count();

@@ -158,15 +158,15 @@ impl Watch {
             // one message a second; the summary has all gaps
             if at >= self.quiet {
                 self.quiet = at + u64::from(self.playback.rate);
-                news.push(format!("{}: nothing to play at sample {at}", self.playback.device));
+                news.push(format!("{}: no samples to play at sample {at}", self.playback.host));
             }
         }
         let alive = self.counts.alive.load(Relaxed);
         if alive != self.was_alive {
             let what = if alive {
-                "asks for sound"
+                "requests sound again"
             } else {
-                "no longer asks for sound; the engine goes on at its last rate, and is heard again once it asks"
+                "no longer requests sound; the engine continues at its last rate; sound returns with the next request"
             };
             // the first start is not reported
             if !alive || self.counts.stops.load(Relaxed) > 0 {

@@ -26,7 +26,7 @@ pub struct NoChoice;
 
 impl std::fmt::Display for NoChoice {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str("the sound goes to no device that could be chosen")
+        f.write_str("the sound output of this performance cannot be changed")
     }
 }
 

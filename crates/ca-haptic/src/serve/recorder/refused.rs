@@ -45,19 +45,26 @@ fn listed(names: &[String]) -> String {
 impl fmt::Display for Refused {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Refused::Swapping => f.write_str("another version of the model is on its way; try again"),
-            Refused::Busy => f.write_str("the engine has more to do than it can take; try again"),
+            Refused::Swapping => f.write_str("another version of the model is being loaded; try again"),
+            Refused::Busy => f.write_str("the command queue of the engine is full; try again"),
             Refused::Param(why) => why.fmt(f),
-            Refused::Device(name, there) => write!(f, "no device `{name}` here; there is {}", listed(there)),
+            Refused::Device(name, there) if there.is_empty() => {
+                write!(f, "no device `{name}`: the model does not use devices")
+            }
+            Refused::Device(name, there) => write!(f, "no device `{name}`; choose from {}", listed(there)),
             Refused::Mass(why) => why.fmt(f),
-            Refused::Place => f.write_str("a mass is pulled to a place [m]"),
-            Refused::NoGesture => f.write_str("the model brings no gesture; give it a `[gesture]`"),
-            Refused::Port(name, there) if there.is_empty() => write!(f, "the model has no port `{name}`; it has none"),
-            Refused::Port(name, there) => write!(f, "the model has no port `{name}`; there is {}", listed(there)),
+            Refused::Place => f.write_str("the position of a mass must be a finite number [m]"),
+            Refused::NoGesture => f.write_str("the model does not have a gesture; add a `[gesture]`"),
+            Refused::Port(name, there) if there.is_empty() => {
+                write!(f, "no port `{name}`: the model does not have ports")
+            }
+            Refused::Port(name, there) => write!(f, "no port `{name}`; choose from {}", listed(there)),
             Refused::OfDevice(port, device) => write!(f, "`{port}` is moved by its device, `{device}`"),
-            Refused::Value(port) => write!(f, "`{port}` goes to a number [m or N], in a time [s]"),
-            Refused::Far(port) => write!(f, "`{port}` goes no further than {FURTHEST:e} [m or N]"),
-            Refused::Large => f.write_str("it is so much larger that it needs to be started anew"),
+            Refused::Value(port) => write!(f, "`{port}` needs a finite value [m or N] and a time [s]"),
+            Refused::Far(port) => write!(f, "the absolute value of `{port}` must be at most {FURTHEST:e} [m or N]"),
+            Refused::Large => f.write_str(
+                "the new version is too large to replace the model while it plays; stop it and start it again",
+            ),
             Refused::Fixed(part) => part.fmt(f),
         }
     }

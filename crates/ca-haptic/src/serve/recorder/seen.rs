@@ -71,7 +71,7 @@ impl Seen {
         self.loops.force(frame);
         let undamped = frame.flags & flag::PASSIVITY_OFF != 0;
         if undamped && !self.undamped {
-            notices.push(self.said(frame.tick, true, "damping for passivity gave energy to the hand; off for a while"));
+            notices.push(self.said(frame.tick, true, "passivity damping gave energy to the hand; off for a while"));
         }
         self.undamped = undamped;
         let now = (Mode::read(frame.mode), Cause::read(frame.cause));

@@ -19,5 +19,5 @@ fn damping_that_gave_energy_is_reported_once_each_time() {
         recorder.look(&Record::Force { port: 0, frame });
     }
     let texts: Vec<_> = recorder.notices.iter().map(|h| h.text.as_str()).collect();
-    assert_eq!(texts, ["key: damping for passivity gave energy to the hand; off for a while"; 2]);
+    assert_eq!(texts, ["key: passivity damping gave energy to the hand; off for a while"; 2]);
 }

@@ -21,7 +21,7 @@ pub struct Difference {
 impl fmt::Display for Difference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Difference { tick, time, what, was, is } = self;
-        write!(f, "{what} at {time:.6} s (tick {tick}): it was {was}, it is {is}")
+        write!(f, "{what} at {time:.6} s (tick {tick}): was {was}, is now {is}")
     }
 }
 
@@ -96,7 +96,11 @@ impl Apart {
 /// Returns the name and both values of the first field in which two force frames differ.
 pub(super) fn which(was: &ForceFrame, is: &ForceFrame) -> (String, String, String) {
     if let Some(k) = (0..was.force.len()).find(|k| was.force[*k].to_bits() != is.force[*k].to_bits()) {
-        return (format!("the force of degree {k}"), format!("{:e} N", was.force[k]), format!("{:e} N", is.force[k]));
+        return (
+            format!("the force at degree of freedom {k}"),
+            format!("{:e} N", was.force[k]),
+            format!("{:e} N", is.force[k]),
+        );
     }
     let fields = |f: &ForceFrame| {
         [
@@ -115,7 +119,7 @@ pub(super) fn which(was: &ForceFrame, is: &ForceFrame) -> (String, String, Strin
     };
     let differ = fields(was).into_iter().zip(fields(is)).find(|(a, b)| a.1 != b.1);
     differ.map_or_else(
-        || ("the head".into(), "other bytes".into(), "others".into()),
+        || ("the header".into(), "other bytes".into(), "different bytes".into()),
         |(a, b)| (format!("`{}`", a.0), a.1.to_string(), b.1.to_string()),
     )
 }

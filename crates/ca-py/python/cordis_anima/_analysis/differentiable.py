@@ -35,7 +35,7 @@ class Instances:
         threads: int | None,
     ) -> None:
         if not isinstance(scene, Scene):
-            raise UsageError(f"a scene is what `ca.load` or `ca.parse` gives, not {type(scene).__name__}")
+            raise UsageError(f"a scene must come from `ca.load` or `ca.parse`, not {type(scene).__name__}")
         self.names = tuple(names)
         # unknown names are reported here, not in a later callback
         for name in names:
@@ -106,6 +106,6 @@ def constants(scene: Scene, values: Mapping[str, Any], wanted: str) -> tuple[Sce
         UsageError: if the values are not what is `wanted`.
     """
     if not isinstance(values, Mapping) or not values:
-        raise UsageError(f"values are {wanted}")
+        raise UsageError(f"values must be {wanted}")
     fixed = {name: v for name, v in values.items() if isinstance(v, (bool, int, float, str))}
     return scene.replace(fixed) if fixed else scene, {name: v for name, v in values.items() if name not in fixed}

@@ -149,17 +149,17 @@ def fit(
     given: Any
     if isinstance(target, (str, os.PathLike)):
         if sr is not None:
-            raise UsageError("`sr` is for samples; a file has its own rate")
+            raise UsageError("`sr` is only for samples, because a file contains its rate; leave it out")
         given = os.fspath(target)
     else:
         if np.iscomplexobj(target):
-            raise UsageError("a recording is of real numbers")
+            raise UsageError("a recording must contain real numbers")
         samples = np.asarray(target, dtype=np.float64)
         if samples.ndim == 1:
             samples = samples[:, None]
         transposed(samples)
         if samples.ndim != 2 or not samples.size or not np.isfinite(samples).all():
-            raise UsageError("a recording is an array (frames,) or (frames, channels) of finite numbers")
+            raise UsageError("a recording must be an array (frames,) or (frames, channels) of finite numbers")
         given = (float(scene.rate if sr is None else sr), np.ascontiguousarray(samples))
     renders = whole("renders", renders, 1, 2**32 - 1)
     pairs: list[tuple[str, str, str]] = []
@@ -167,7 +167,7 @@ def fit(
         try:
             low, high = ends
         except (TypeError, ValueError):
-            raise UsageError(f"ranges: `{name}` goes from one number to another: {ends!r} is not two") from None
+            raise UsageError(f"ranges: the range of `{name}` must be two numbers, not {ends!r}") from None
         pairs.append((name, str(low), str(high)))
     model, raw = scene._model.fit(
         given,

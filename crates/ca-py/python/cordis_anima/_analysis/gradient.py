@@ -127,7 +127,7 @@ class Gradient:
 
 def _place(names: Sequence[str], name: str) -> int:
     if name not in names:
-        raise UsageError(f"no derivative by `{name}` was asked for, but by {', '.join(f'`{n}`' for n in names)}")
+        raise UsageError(f"no derivative by `{name}` was computed, only by {', '.join(f'`{n}`' for n in names)}")
     return names.index(name)
 
 
@@ -139,8 +139,8 @@ def _cotangent(given: npt.ArrayLike, shape: tuple[int, ...] | None) -> Floats:
         transposed(values)
     if values.ndim != 2 or (shape is not None and values.shape != shape):
         wanted = "(frames, channels)" if shape is None else str(shape)
-        turned = "; transpose it, `.T`" if values.shape[::-1] == shape else ""
-        raise UsageError(f"the cotangent has the shape {np.shape(given)}: {wanted}{turned}")
+        turned = "; transpose it with `.T`" if values.shape[::-1] == shape else ""
+        raise UsageError(f"the cotangent has the shape {np.shape(given)}; it must be {wanted}{turned}")
     return np.ascontiguousarray(values)
 
 
@@ -152,7 +152,8 @@ def named(wrt: object) -> list[str]:
     """
     names: list[Any] = [wrt] if isinstance(wrt, str) or not isinstance(wrt, Iterable) else list(wrt)
     if not names or not all(isinstance(name, str) for name in names):
-        raise UsageError("`wrt` names no parameter" if not names else f"wrt = {wrt!r}: names of parameters, e.g. [\"low.f\"]")
+        what = f"wrt = {wrt!r}: must be" if names else "`wrt` is empty; it needs"
+        raise UsageError(f"{what} names of parameters, e.g. [\"low.f\"]")
     return names
 
 
@@ -274,9 +275,9 @@ class Derivatives:
         ((480,), 'reverse')
         """
         if mode not in ("auto", "reverse", "forward"):
-            raise UsageError(f"mode = {mode!r}: `auto`, `reverse` or `forward`")
+            raise UsageError(f"mode = {mode!r}: must be `auto`, `reverse` or `forward`")
         if cotangent is not None and (loss is not None or seconds is not None):
-            raise UsageError("a cotangent says how long is played, and of which loss it is")
+            raise UsageError("`cotangent` replaces `loss` and `seconds`; leave these out")
         seconds = None if seconds is None else length(seconds)
         way, driven = self._way(wrt, mode), made(self._compiled, gesture)
         # a port may be moving at load, which depends on the gesture
@@ -285,24 +286,24 @@ class Derivatives:
         value, played = None, None
         if loss is not None:
             if not callable(loss):
-                raise UsageError("a loss is called with the sound, and gives its value and its derivatives by each sample")
+                raise UsageError("`loss` must be a function of the sound, which returns its value and derivatives by each sample")
             if isinstance(way, _core.Reverse):
                 audio, played = way.play(seconds, driven)
             else:
                 audio = way.audio(seconds, driven)
             found = loss(audio)
             if not isinstance(found, tuple) or len(found) != 2:
-                raise UsageError(f"a loss gives two things, its value and its derivatives by each sample, not {type(found).__name__}")
+                raise UsageError(f"`loss` must return its value and its derivatives by each sample, not {type(found).__name__}")
             value, of = found
             try:
                 value = float(value)
             except (TypeError, ValueError):
-                raise UsageError(f"the value of a loss is a number, not {type(value).__name__}") from None
+                raise UsageError(f"the value of a loss must be a number, not {type(value).__name__}") from None
             given = _cotangent(of, audio.shape)
         elif cotangent is not None:
             given = _cotangent(cotangent, None)
         else:
-            raise UsageError("a gradient is that of a `loss`, or goes by a `cotangent`; `tangents` has all derivatives")
+            raise UsageError("a gradient needs a `loss` or a `cotangent`; use `tangents` for the derivatives of each sample")
         names, values, units = _about(way)
         inputs: dict[str, Floats] = {}
         if isinstance(way, _core.Reverse):

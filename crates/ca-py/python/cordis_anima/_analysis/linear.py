@@ -148,16 +148,16 @@ class Linear:
             UsageError: if part of the scene has another scheme, see `other_scheme`; or if an array has the wrong shape.
         """
         if self.other_scheme is not None:
-            raise UsageError(f"a part of this scene has `{self.other_scheme}`, whose tick is none of these matrices")
+            raise UsageError(f"a part of this scene has `{self.other_scheme}`, whose tick does not follow these matrices")
         at: Floats = np.asarray(x, dtype=np.float64)
         motion: Floats = np.asarray(d, dtype=np.float64)
         if at.ndim not in (1, 2) or len(at) != len(self) or motion.shape != at.shape:
             places = f"({len(self)},) or ({len(self)}, states)"
-            raise UsageError(f"`x` and `d` are both {places}, not {at.shape} and {motion.shape}")
+            raise UsageError(f"`x` and `d` must both have the shape {places}, not {at.shape} and {motion.shape}")
         given = [np.asarray(v, dtype=np.float64) for v in (force, *driven)]
         for name, v, n in zip(("force", "driven[0]", "driven[1]"), given, (len(self), len(self.driven), len(self.driven)), strict=False):
             if v.ndim and v.shape not in ((n,), (n, *at.shape[1:])):
-                raise UsageError(f"`{name}` is a number for all, or {(n, *at.shape[1:])}, not {v.shape}")
+                raise UsageError(f"`{name}` must be a number for all, or have the shape {(n, *at.shape[1:])}, not {v.shape}")
         # values per place apply to all states
         given = [v[:, None] if v.ndim == 1 and at.ndim == 2 else v for v in given]
         shape = (len(self.driven), *at.shape[1:])

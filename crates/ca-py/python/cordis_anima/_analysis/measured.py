@@ -82,7 +82,7 @@ class Measured:
         seconds = None if seconds is None else number("seconds", seconds, "s")
         times = [int(t) for t in times]
         if not times or min(times) < 1 or max(times) > 1_000_000 or not 4 <= reference <= 1_000_000 or reference % 4:
-            raise UsageError("`times` are whole numbers from 1 on, `reference` is a multiple of 4")
+            raise UsageError("`times` must be whole numbers from 1 to 1000000, and `reference` a multiple of 4 up to 1000000")
         probes = [probes] if isinstance(probes, str) else list(probes)
         raw = self._model.accuracy(
             rate=self._asked[0], seconds=seconds, probes=probes, times=times, reference=reference, progress=progress

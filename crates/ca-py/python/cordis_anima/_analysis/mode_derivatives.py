@@ -48,7 +48,7 @@ def derivatives(
         UsageError: if part of the scene has another scheme, or changes discontinuously.
     """
     if part.other_scheme is not None:
-        raise UsageError(f"a part of this scene has `{part.other_scheme}`, whose modes are not differentiated")
+        raise UsageError(f"a part of this scene has `{part.other_scheme}`; its modes cannot be differentiated")
     changes = [_change(part, p, moved) for p in parameters]
     heard, t60, shapes = modes
     poles, vectors = _poles(part, heard, t60, shapes)
@@ -88,7 +88,7 @@ def _change(
         for i, (a, b) in enumerate(zip(_EIGHTH, _SIXTH), 1):
             up, down = moved(name, value + i * h, unit), moved(name, value - i * h, unit)
             if up.places != part.places or down.places != part.places:
-                raise UsageError(f"`{name}` changes what is built, and not only its numbers, so that there is no derivative by it")
+                raise UsageError(f"no derivative by `{name}`: it changes the structure of the scene, not only its numbers")
             for m, (u, d) in enumerate(zip(_matrices(up), _matrices(down))):
                 high[m], low[m] = high[m] + (u - d) * (a / h), low[m] + (u - d) * (b / h)
         sizes = [(abs(x).max(), abs(x - y).max()) for x, y in zip(high, low)]
@@ -96,7 +96,7 @@ def _change(
         floors = [1e-13 * abs(m).max() / h for m in _matrices(part)]
         if all(off <= _ASKED * size + floor for (size, off), floor in zip(sizes, floors)):
             return high[0], high[1], high[2]
-    raise UsageError(f"the linear part has no derivative by `{name}` at its value: a corner or a jump")
+    raise UsageError(f"no derivative by `{name}` at its value: the linear part has a corner or a jump there")
 
 
 def _poles(part: Linear, heard: Floats, t60: Floats, shapes: Floats) -> tuple[Complex, Complex]:

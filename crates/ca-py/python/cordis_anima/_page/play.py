@@ -40,7 +40,7 @@ def _program(given: str | os.PathLike[str] | None) -> list[str]:
     found = shutil.which(wanted)
     if found is None:
         where = "`ca=`" if given is not None else "the environment variable CA"
-        raise UsageError(f"the program `{wanted}` is not found ({where}); without it, `python -m cordis_anima` plays")
+        raise UsageError(f"the program `{wanted}` given by {where} is not found; leave it out to use `python -m cordis_anima`")
     return [found]
 
 
@@ -88,7 +88,7 @@ class _Program:
 
     def set(self, values: list[tuple[str, str]]) -> str:
         if not self.is_playing():
-            raise FailedError("the scene does not play any more")
+            raise FailedError("the scene has stopped; play it again")
         words = [f"{name}={value}" for name, value in values]
         told = subprocess.run([*self._ca, "set", *words], capture_output=True, text=True)
         if told.returncode:
@@ -124,7 +124,7 @@ class Playing:
     url: str
 
     def __init__(self, *_: object, **__: object) -> None:
-        raise UsageError("a scene is played by `Scene.play`")
+        raise UsageError("use `Scene.play` to play a scene")
 
     @classmethod
     def _of(
@@ -145,9 +145,9 @@ class Playing:
         made._end = weakref.finalize(made, made._plays.stop)
         address = made._plays.address()
         if address is None:
-            why = "\n".join(made._plays.lines()) or f"it says nothing within {_PATIENCE:g} s"
+            why = "\n".join(made._plays.lines()) or f"no answer within {_PATIENCE:g} s"
             made._end()
-            raise FailedError(f"`ca play` does not play it: {why}")
+            raise FailedError(f"`ca play` failed: {why}")
         made.url = address
         return made
 
@@ -197,7 +197,7 @@ class Playing:
 
     def _repr_html_(self) -> str:
         if not self.is_playing:
-            return "<p>it has ended</p>"
+            return "<p>playing has ended</p>"
         url = html.escape(self.url)
         frame = f'<iframe src="{url}" allow="autoplay; midi" style="width:100%;height:640px;border:0"></iframe>'
-        return f'{frame}<p><a href="{url}" target="_blank" rel="noreferrer">the page by itself</a></p>'
+        return f'{frame}<p><a href="{url}" target="_blank" rel="noreferrer">open the page in a new tab</a></p>'

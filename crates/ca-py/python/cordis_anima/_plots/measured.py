@@ -41,7 +41,7 @@ def energy(ledger: Render | Energy, ax: Axes | None = None) -> Axes:
     """
     e = ledger.energy if isinstance(ledger, Render) else ledger
     if e is None:
-        raise UsageError("no energy ledger was kept: `render(…, energy=True)`")
+        raise UsageError("the render has no energy ledger; record it with `render(…, energy=True)`")
     ax = given_or_new(ax, 3.4)
     rows = [
         ("start", 0.0, e.start, STOCK),
@@ -87,7 +87,7 @@ def modes(modes: Modes, port: str | None = None, ax: Axes | None = None) -> Axes
     """
     swings = modes.heard > 0
     if not swings.any():
-        raise UsageError("nothing in it swings")
+        raise UsageError("no mode oscillates")
     if port is not None and port not in modes.ports:
         raise UsageError(f"no port `{port}`; the modes have levels at {', '.join(modes.ports) or 'none'}")
     ax = given_or_new(ax, 3.6)
@@ -126,7 +126,7 @@ def modes(modes: Modes, port: str | None = None, ax: Axes | None = None) -> Axes
     hertz(ax)
     still = int((~swings).sum())
     if still:
-        ax.set_title(f"{still} that {'does' if still == 1 else 'do'} not swing left out", loc="right", fontsize=8)
+        ax.set_title(f"modes not shown (no oscillation): {still}", loc="right", fontsize=8)
     return named(ax, "frequency as heard [Hz]", name)
 
 
@@ -163,7 +163,7 @@ def accuracy(accuracy: Accuracy, ax: Axes | None = None) -> Axes:
     _names(ax, [(accuracy.ns[i], error[i], f"{accuracy.method[i]} ×{accuracy.times[i]}") for i in best])
     ax.set_title(f"against {accuracy.against}", loc="left", fontsize=8)
     key = ax.legend(loc="upper left", bbox_to_anchor=(1.01, 1), fontsize=8, frameon=False, alignment="left")
-    key.set_title("full: nothing is both\nmore exact and quicker")
+    key.set_title("filled: no method is both\nmore accurate and faster")
     key.get_title().set_fontsize(8)
     return named(ax, "time of one sample [ns]", "error, relative")
 

@@ -72,7 +72,7 @@ def sweep(sweep: Sweep, x: str, y: str, *, color: str | None = None, ax: Axes | 
             axis.set_major_formatter(FixedFormatter(texts))
     lost = int(np.where(played, ~(has_x & has_y), ~(has_x | has_y)).sum())
     if lost:
-        ax.set_title(f"{lost} without a place left out", loc="right", fontsize=8)
+        ax.set_title(f"runs not shown: {lost}", loc="right", fontsize=8)
     # one legend entry per label
     marks = {str(mark.get_label()): mark for mark in [*ax.collections, *ax.lines]}
     if list(marks) != ["ok"]:

@@ -195,7 +195,7 @@ def probes(render: Render, selector: str | Sequence[str] | None = None, ax: Axes
         if name not in render.probes:
             raise UsageError(f"no probe `{name}`; the render has {', '.join(render.probes) or 'none'}")
     if not asked:
-        raise UsageError("the render has no probes: `render(…, probes=[…])`")
+        raise UsageError("the render has no probes; record them with `render(…, probes=[…])`")
     ax = given_or_new(ax, 3.4)
     units = list(dict.fromkeys(render.units[name] for name in asked))
     sides = {units[0]: ax}
@@ -233,7 +233,7 @@ def _below(top: float) -> float:
 
 def _heard(render: Render) -> None:
     if render.audio.size == 0:
-        raise UsageError("the render has no sound: a model is heard where it has a SOX or SOF, for longer than no time")
+        raise UsageError("the render has no sound; add a SOX or SOF to the model, and render more than 0 s")
 
 
 def _time(render: Render) -> Floats:

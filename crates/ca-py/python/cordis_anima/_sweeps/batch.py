@@ -107,7 +107,7 @@ def batch(
     True
     """
     if not isinstance(values, Mapping):
-        raise UsageError("values are columns by name, e.g. {\"low.f\": [110, 220]}")
+        raise UsageError("values must be columns by name, e.g. {\"low.f\": [110, 220]}")
     seconds = None if seconds is None else length(seconds)
     threads = (os.cpu_count() or 1) if threads is None else whole("threads", threads, 1, 4096)
     asked = {name: _column(name, given) for name, given in values.items()}
@@ -134,8 +134,8 @@ def batch(
 def _column(name: str, given: object) -> list[Any]:
     """Values of one parameter."""
     if isinstance(given, (str, bytes, Mapping, Set)) or not hasattr(given, "__iter__") or getattr(given, "ndim", 1) == 0:
-        raise UsageError(f"`{name}` is {given!r}: a list or an array, with a value for each instance")
+        raise UsageError(f"`{name}` is {given!r}; use a list or an array with one value per instance")
     all = list(itertools.islice(given, _MOST + 1))
     if len(all) > _MOST:
-        raise UsageError(f"`{name}` has more than {_MOST} values: play fewer instances at a time")
+        raise UsageError(f"`{name}` has more than {_MOST} values; play fewer instances at a time")
     return [value(name, v) for v in all]

@@ -99,7 +99,7 @@ class Sweep(Mapping[str, Column]):
     @staticmethod
     def _missing(name: str) -> str:
         """Message for a column that does not exist."""
-        return f"no column `{name}`" + (": `sweep` makes it with measure=True" if name in ("partial", "t60") else "")
+        return f"no column `{name}`" + ("; `sweep(…, measure=True)` adds it" if name in ("partial", "t60") else "")
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.columns)
@@ -215,7 +215,7 @@ def sweep(
     runs = None if runs is None else whole("runs", runs, 1, 2**40)
     seed = whole("seed", seed, 0, 2**64 - 1)
     if not (executor is None or callable(getattr(executor, "submit", None))):
-        raise UsageError(f"executor = {executor!r}: one of `concurrent.futures`, or nothing")
+        raise UsageError(f"executor = {executor!r}: must be an executor of `concurrent.futures`, or `None`")
     batch = None if batch is None else whole("batch", batch, 1, 2**40)
     chunk = None if chunk is None else whole("chunk", chunk, 1, 1_000_000)
     begin = time.perf_counter()
@@ -225,7 +225,7 @@ def sweep(
     # workers may have another working directory
     target = None if to is None else os.path.abspath(os.fsdecode(to))
     if isinstance(audio, str) and (target is None or target.endswith(".zarr")):
-        raise UsageError(f"audio = {audio!r} is for a folder, `to=`; in memory and in Zarr, `True` or `False`")
+        raise UsageError(f"audio = {audio!r} needs a folder, `to=`; in memory and in Zarr, use `True` or `False`")
     total, size = core.runs, core.chunk if chunk is None else chunk
     sound = target is None and bool(audio)
 
@@ -272,7 +272,7 @@ def sweep(
     else:
         raw = core.gather(target, form, size)
         if raw is None:
-            raise FailedError(f"`{target}` has not all runs after all: is it the same folder for all workers?")
+            raise FailedError(f"`{target}` does not contain all runs; check that all workers use the same folder")
         columns = _arrays(raw)
     return Sweep(columns, tuple(core.columns[1]), sounds, core.rate, target, core.hash, time.perf_counter() - begin)
 
@@ -284,11 +284,11 @@ def _job(scene: Scene, vary: Mapping[str, Space], asked: tuple[Any, ...], gestur
             steps = None if space.steps is None else whole(f"`{name}`: steps", space.steps, 2, 1_000_000)
             axes.append((name, (value(name, space.low), value(name, space.high), bool(space.log), steps)))
         elif isinstance(space, (str, bytes, Mapping, Set)) or not hasattr(space, "__iter__") or getattr(space, "ndim", 1) == 0:
-            raise UsageError(f"`{name}` may be {space!r}: a `Range`, or a list of values")
+            raise UsageError(f"`{name}` is {space!r}; use a `Range`, or a list of values")
         else:
             values = list(itertools.islice(space, _VALUES + 1))
             if len(values) > _VALUES:
-                raise UsageError(f"`{name}` may be one of more than {_VALUES} values: say a `Range`, or fewer")
+                raise UsageError(f"`{name}` has more than {_VALUES} values; use a `Range`, or fewer values")
             axes.append((name, [value(name, v) for v in values]))
     rate, _ = scene._asked
     hands = made(scene._compiled, gesture)

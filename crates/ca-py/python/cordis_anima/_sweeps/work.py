@@ -57,8 +57,8 @@ def check_room(runs: int, columns: int, first: Callable[[], tuple[Any, float]], 
     if need > memory() // 2:
         what = "rows and sounds" if sound else "rows"
         raise UsageError(
-            f"{runs} runs: their {what} take {_bytes(need)}, half of the memory here is {_bytes(memory() // 2)}, and one "
-            f"thread plays them in {_duration(each * runs)}; ask for fewer, or for parts of them in calls of their own"
+            f"{runs} runs: their {what} take {_bytes(need)}, but half of the memory is {_bytes(memory() // 2)}; one thread "
+            f"plays them in {_duration(each * runs)}; use fewer runs, or split them into several calls"
         )
 
 
@@ -66,7 +66,7 @@ def tell(seconds: float, runs: int, level: int) -> bool:
     """Warns about a long sweep, `level` calls above. Returns true if it did."""
     if seconds < _LONG:
         return False
-    warnings.warn(f"{runs} runs are left, which take about {_duration(seconds)}; Ctrl-C ends them", stacklevel=level + 1)
+    warnings.warn(f"{runs} runs are left, which take about {_duration(seconds)}; Ctrl-C stops them", stacklevel=level + 1)
     return True
 
 

@@ -39,9 +39,9 @@ def missing(job: Job, path: str, audio: bool, chunk: int) -> list[int]:
     group = _group(path, "a")
     said = group.attrs.get("cordis_anima")
     if said not in (None, asked):
-        raise UsageError(f"`{path}` holds another sweep; choose another store, or remove this one")
+        raise UsageError(f"`{path}` contains another sweep; choose another store, or remove this one")
     if said is None and any(True for _ in group.keys()):
-        raise UsageError(f"`{path}` holds something else; choose another store")
+        raise UsageError(f"`{path}` contains other data; choose another store")
     if not group.attrs.get("made"):
         # an unfinished creation starts again
         group.attrs["cordis_anima"] = asked
@@ -90,7 +90,7 @@ def fill(job: Job, path: str, audio: bool, chunk: int, which: int) -> tuple[int,
             for k, sound in enumerate(sounds):
                 if len(sound) not in (0, block.shape[1]):
                     what = f"run {first + k} has {len(sound)} frames, others {block.shape[1]}"
-                    raise UsageError(f"{what}: an array has one length; say `seconds`, or write into a folder")
+                    raise UsageError(f"{what}; sounds in Zarr need one length: set `seconds`, or write into a folder")
                 block[k, : len(sound)] = sound
             to[first:end] = block
         for name, values in columns.items():

@@ -90,7 +90,7 @@ pub fn check(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
         "check" => {
             says(&["stability", "modules"]);
             if line.has("--schedule") {
-                says(&["One tick, measured here:", "Left out:"]);
+                says(&["One tick, measured on this machine:", "Left out:"]);
             }
         }
         "bench" => says(&["44.1 kHz", "ns/module", line.of("--only").unwrap()]),

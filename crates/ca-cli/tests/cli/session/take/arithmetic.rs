@@ -28,7 +28,7 @@ fn a_take_from_before_distances_were_kept_agrees_to_the_tolerance() {
     let said = Command::new(env!("CARGO_BIN_EXE_ca")).args(["replay", OLD, "--verify"]).output().unwrap();
     let text = String::from_utf8_lossy(&said.stdout);
     assert!(said.status.success() && text.contains("agrees     to 1e-9 of the peak"), "{text}");
-    assert!(text.contains(&format!("arithmetic 0, here {ARITHMETIC}")), "{text}");
+    assert!(text.contains(&format!("arithmetic 0 in the take, {ARITHMETIC} here")), "{text}");
 }
 
 /// The replay uses a spring that is stiffer by one millionth.

@@ -24,7 +24,7 @@ fn a_replay_tells_and_sounds() {
     fs::write(desk.path("cut.mcap"), &bytes[..bytes.len() - 2000]).unwrap();
     desk.ca(&["replay", "cut.mcap", "--verify"]).is(0).says(&["identical", "cut off"]);
     desk.ca(&["replay", "no.mcap"]).is(1).says(&["`no.mcap`"]);
-    desk.put("x.mcap", "hello").ca(&["replay", "x.mcap"]).is(1).says(&["no MCAP file"]);
+    desk.put("x.mcap", "hello").ca(&["replay", "x.mcap"]).is(1).says(&["not an MCAP file"]);
     desk.ca(&["replay", "take.mcap", "-o", "x.flac"]).is(2).says(&["`.wav`"]);
 }
 
@@ -107,7 +107,7 @@ fn what_was_cut_off_is_saved() {
     desk.ca(&["log", "recover", "cut.mcap"]).is(1).says(&["--force"]);
     desk.ca(&["log", "recover", "cut.mcap", "--force"]).is(3);
     desk.ca(&["log", "recover", "cut.mcap", "-o", "cut.mcap", "--force"]).is(2).says(&["overwritten"]);
-    desk.ca(&["log", "recover", "take.mcap", "-o", "copy.mcap"]).is(0).says(&["was whole"]);
+    desk.ca(&["log", "recover", "take.mcap", "-o", "copy.mcap"]).is(0).says(&["was complete"]);
     assert_eq!(fs::read(desk.path("take.mcap")).unwrap(), bytes, "the take itself is left alone");
 }
 
@@ -148,9 +148,9 @@ fn parts_come_out_as_files() {
     assert!(fs::read_to_string(desk.path("p.csv")).unwrap().contains(",731,stiff\n"));
     desk.ca(&["log", "export", "take.mcap", "/param", "-o", "p.npy"]).is(2).says(&["`.csv`"]);
     desk.ca(&["log", "export", "take.mcap", "/scene", "-o", "s.csv"]).is(2).says(&["for viewers"]);
-    desk.ca(&["log", "export", "take.mcap", "/no", "-o", "s.csv"]).is(2).says(&["nothing on `/no`"]);
+    desk.ca(&["log", "export", "take.mcap", "/no", "-o", "s.csv"]).is(2).says(&["no messages on topic `/no`"]);
     desk.ca(&["log", "export", "take.mcap", "/hash", "-o", "s.xls"]).is(2).says(&["`.csv` or `.npy`"]);
-    desk.ca(&["log", "export", "take.mcap", "nothing", "-o", "n"]).is(2).says(&["no `nothing` is attached"]);
+    desk.ca(&["log", "export", "take.mcap", "nothing", "-o", "n"]).is(2).says(&["no attachment `nothing`"]);
     desk.ca(&["log", "export", "take.mcap", "sound", "-o", "s.wav"]).is(1).says(&["--force"]);
     desk.ca(&["log", "export", "take.mcap", "sound", "-o", "take.mcap", "--force"]).is(2).says(&["overwritten"]);
 }
@@ -167,7 +167,9 @@ fn a_take_plays_another_model() {
     assert_eq!(r.code, 0, "{}{}", r.out, r.err);
     assert!(peak(&desk.wav("bell.wav").1) > 0.01);
     desk.put("deaf.ca.toml", "[CEL]\nbar = { m = 1, f = 9, dx0 = 1 }\n[SOX]\nout = { from = \"bar\", gain = 0.1 }\n");
-    desk.ca(&["render", "deaf.ca.toml", "--gesture", "take.mcap"]).is(2).says(&["nothing is driven by `key`"]);
+    desk.ca(&["render", "deaf.ca.toml", "--gesture", "take.mcap"])
+        .is(2)
+        .says(&["`key` is not a port or live parameter"]);
 }
 
 /// A limit on the file size simulates a full disk.

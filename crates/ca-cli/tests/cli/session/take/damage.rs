@@ -73,7 +73,7 @@ fn the_first_difference_is_found_with_both_values() {
         data[at..at + 4].copy_from_slice(&0.1f32.to_le_bytes());
     });
     let d = replay(&bad).difference.expect("a difference");
-    assert!(d.what.contains("force of degree 1") && d.what.contains("`right`"), "{d}");
+    assert!(d.what.contains("force at degree of freedom 1") && d.what.contains("`right`"), "{d}");
     assert_eq!((d.was.as_str(), d.tick), ("1e-1 N", 1199 * 16 + 1), "{d}");
 
     // a hand position changed by 1 nm: a later force or sample must differ
@@ -217,13 +217,13 @@ fn what_is_no_take_says_so() {
         fs::write(&path, text).unwrap();
         let e = Take::open(&path).unwrap_err();
         assert_eq!(e.kind, FileErrorKind::Format);
-        assert!(e.to_string().contains("no MCAP file"), "{e}");
+        assert!(e.to_string().contains("not an MCAP file"), "{e}");
     }
     let mut out = mcap::Writer::new(std::io::BufWriter::new(fs::File::create(&path).unwrap())).unwrap();
     out.finish().unwrap();
     drop(out);
     let e = Take::open(&path).unwrap_err();
-    assert!(e.to_string().contains("no take of `ca`"), "{e}");
+    assert!(e.to_string().contains("not a take of `ca`"), "{e}");
     let mut out = mcap::Writer::new(std::io::BufWriter::new(fs::File::create(&path).unwrap())).unwrap();
     let metadata = [("format", "99"), ("host.ca", "7.0")].map(|(k, v)| (k.to_owned(), v.to_owned())).into();
     out.write_metadata(&mcap::records::Metadata { name: "ca.take".into(), metadata }).unwrap();

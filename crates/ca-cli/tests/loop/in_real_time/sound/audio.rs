@@ -322,7 +322,7 @@ fn a_server_that_dies_takes_no_force_along() {
         frames() > 1000
     });
     jack.server.take().unwrap().kill();
-    until("it is reported", || server.said().contains("no longer asks for sound"));
+    until("it is reported", || server.said().contains("no longer requests sound"));
     let begin = frames();
     until("frames go on", || frames() > begin + 6000);
     assert!(server.lives());
@@ -343,7 +343,7 @@ fn what_no_device_plays_is_refused_before_anything_is_written() {
     };
     run(&nobody, &["--audio", "jack"]).says(&["no JACK server answers", "jackd -d"]);
     let organ: &[_] =
-        if cfg!(feature = "audio") { &["no sound device `organ`", "there is"] } else { &["--audio pulse"] };
+        if cfg!(feature = "audio") { &["no sound device `organ`", "available"] } else { &["--audio pulse"] };
     run(&nobody, &["--audio", "organ"]).says(organ);
     let Some(jack) = Jack::start(&stage, 128) else { return };
     run(&jack, &["--audio", "organ"]).says(&[if cfg!(feature = "audio") { "`jack`" } else { "--audio jack" }]);

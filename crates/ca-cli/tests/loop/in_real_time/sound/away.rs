@@ -40,7 +40,7 @@ fn a_jack_server_that_dies_leaves_its_sound_to_another_and_has_it_back() {
         plays(&stage).contains("(JACK)") && frames(&stage) > 3000
     });
     jack.server.take().unwrap().kill();
-    until("it is said", || served.said().contains("is gone"));
+    until("it is said", || served.said().contains("sound: lost JACK"));
     until("PulseAudio plays", || plays(&stage).contains("(PulseAudio)"));
     let listener = client(&pulse.socket).unwrap();
     let (_stream, heard) = ears(&listener);
@@ -71,7 +71,7 @@ fn a_pulse_server_that_dies_leaves_its_sound_to_the_page_and_has_it_back() {
         plays(&stage).contains("(PulseAudio)") && frames(&stage) > 9000
     });
     pulse.server.take().unwrap().kill();
-    until("it is said", || played.said().contains("PulseAudio is gone"));
+    until("it is said", || played.said().contains("sound: lost PulseAudio"));
     until("the page plays", || plays(&stage) == "by the page" && played.said().contains("sound: by the page"));
     let begin = frames(&stage);
     until("frames go on", || frames(&stage) > begin + 3000);
@@ -92,7 +92,7 @@ fn what_plays_is_chosen_while_it_plays() {
     let Some(pulse) = Server::start(&stage, SINK) else { return };
     let served = ca(&stage, None, Some(&pulse), &["serve", "hum.ca.toml", "--json"]);
     until("it answers", || frames(&stage) > 0);
-    stage.ca(&["audio"]).is(0).says(&["sound: by nothing", "`jack`", "`pulse`"]);
+    stage.ca(&["audio"]).is(0).says(&["sound: none", "`jack`", "`pulse`"]);
     stage.ca(&["audio", "jack"]).is(1).says(&["no JACK server answers"]);
     stage.ca(&["audio", "page"]).is(1).says(&["`ca serve` does not have a page"]);
     stage.ca(&["audio", "pulse"]).is(0).says(&["(PulseAudio), 48000 Hz"]);

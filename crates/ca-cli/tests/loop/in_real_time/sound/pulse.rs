@@ -148,7 +148,7 @@ fn a_pulse_server_that_dies_takes_no_force_along() {
     pulse.server.take().unwrap().kill();
     until("it is reported", || {
         let said = server.said();
-        said.contains("no longer asks for sound") && said.contains("PulseAudio: the server is gone")
+        said.contains("no longer requests sound") && said.contains("PulseAudio: lost connection to the server")
     });
     let begin = frames();
     until("frames go on", || frames() > begin + 6000);
@@ -194,14 +194,14 @@ fn a_page_is_heard_by_pulse_audio_where_it_plays_it() {
         let args = ["serve", "bar.ca.toml", "--audio", "organ", "--seconds", "1"];
         pulse.ca(&stage, &args).end().is(1).says(&["no sound device `organ`", "`pulse`"]);
     }
-    let ran = play(&pulse, &[]).says(&["sound: ", "(PulseAudio), 48000 Hz, ", " ms after the model"]);
+    let ran = play(&pulse, &[]).says(&["sound: ", "(PulseAudio), 48000 Hz, ", " ms latency"]);
     assert_eq!(ran.json()["audio"]["host"], "PulseAudio", "{}", ran.out);
     page(play(&pulse, &["--audio", "page"]));
     page(play(&pulse, &["--rate", "96 kHz"])).says(&["PulseAudio plays at 48000 Hz, not at 96000"]);
     serve(&pulse, &["--rate", "96 kHz"]).is(1).says(&["PulseAudio plays at 48000 Hz", "--rate 48000Hz"]);
     stage.put("bar.ca.toml", &choir(3));
-    page(play(&pulse, &[])).says(&["PulseAudio plays 2 channels"]);
-    serve(&pulse, &[]).is(1).says(&["plays 2 channels", "3 outputs"]);
+    page(play(&pulse, &[])).says(&["PulseAudio has 2 channels"]);
+    serve(&pulse, &[]).is(1).says(&["has 2 channels", "3 outputs"]);
 }
 
 /// Servers that follow the protocol up to an invalid step are refused or dropped in bounded time and memory.
@@ -209,10 +209,10 @@ fn a_page_is_heard_by_pulse_audio_where_it_plays_it() {
 fn a_pulse_server_that_lies_is_given_up() {
     let said = [
         (Lie::Talks, 1, "no PulseAudio server answers in time"),
-        (Lie::Queues, 1, "it asks for too much at once"),
-        (Lie::Stands, 1, "its server does not answer in time"),
-        (Lie::Asks, 3, "PulseAudio: the server is gone (it asks for too much at once)"),
-        (Lie::Leaves, 3, "PulseAudio: the server is gone"),
+        (Lie::Queues, 1, "it requested too many samples at once"),
+        (Lie::Stands, 1, "the server does not answer in time"),
+        (Lie::Asks, 3, "PulseAudio: lost connection to the server (it requested too many samples at once)"),
+        (Lie::Leaves, 3, "PulseAudio: lost connection to the server"),
     ];
     for (lie, code, why) in said {
         let stage = Stage::new();
@@ -227,7 +227,7 @@ fn a_pulse_server_that_lies_is_given_up() {
         });
         let served = server.ca(&stage, &["serve", "bar.ca.toml", "--audio", "pulse"]);
         if code == 3 {
-            let reported = |said: &str| said.contains(why) && said.contains("no longer asks for sound");
+            let reported = |said: &str| said.contains(why) && said.contains("no longer requests sound");
             until("it is reported", || reported(&served.said()));
             served.stop().is(3);
         } else {

@@ -14,10 +14,10 @@ pub(in super::super) fn layout(l: &Layout, inputs: usize, live: usize) -> Verifi
     let Counts { n_mat, n_lia, n_coef, n_mem, n_touch, n_tap, channels, n_out } = l.counts;
     ensure(l.rates.ratio > 0 && l.rates.frame > 0, "a gesture frame has 0 ticks")?;
     ensure(l.rates.sample_dt > 0.0 && l.rates.sample_dt.is_finite(), "the length of a sample is not above 0")?;
-    ensure(block(0, 3, n_mat, n_coef), "masses have more coefficients than there are")?;
+    ensure(block(0, 3, n_mat, n_coef), "masses use more coefficients than there are")?;
     ensure(l.places.rest.len() == n_mat, "masses and their rest positions differ in number")?;
     ensure([l.links.ends.len(), l.links.e0.len()] == [n_lia; 2], "links and their ends differ in number")?;
-    ensure(l.links.rows.len() == l.links.reach.len(), "distances and the rows that they stand in differ in number")?;
+    ensure(l.links.rows.len() == l.links.reach.len(), "distances and their rows differ in number")?;
     ensure(n_touch <= n_lia, "more contacts than links are solved together")?;
     ensure(channels <= n_out, "there are more channels than outputs")?;
     for set in &l.links.pair_sets {
@@ -31,23 +31,23 @@ pub(in super::super) fn layout(l: &Layout, inputs: usize, live: usize) -> Verifi
     ensure(each(&l.places.nodes, n_mat), "a node of a moving point is beyond the masses")?;
     ensure(
         l.places.moving_points.iter().all(|p| moving(p, l)),
-        "a moving point stands beyond the nodes, masses or coefficients",
+        "a moving point is beyond the nodes, masses or coefficients",
     )?;
     let modal = l.places.modal.iter().all(|p| {
         let [mat, first, share, n] = [p.mat, p.first, p.share, p.n].map(|v| v as usize);
         mat < n_mat && within(first, n, n_mat) && within(share, n, l.places.shares.len())
     });
-    ensure(modal, "a mass goes by modes or shares that are not there")?;
+    ensure(modal, "a mass uses modes or shares that do not exist")?;
     let solved = l.places.solved_modal.iter().all(|h| {
         let [modal, mat, tap] = [h.modal, h.mat, h.tap].map(|v| v as usize);
         modal < l.places.modal.len() && mat < n_mat && within(tap, SolvedModal::TAPS, n_tap)
     });
-    ensure(solved, "a mass that is solved by its modes is not there")?;
+    ensure(solved, "a mass that is solved by its modes does not exist")?;
     let coupled = l.places.modal_couplings.iter().all(|g| {
         let [first, n, numbers] = [g.first, g.n, g.numbers].map(|v| v as usize);
         n > 0 && within(first, n, l.places.solved_modal.len()) && block(numbers, n, n, l.places.couplings.len())
     });
-    ensure(coupled, "masses are coupled by numbers that are not there")?;
+    ensure(coupled, "masses are coupled by numbers that do not exist")?;
     let ports = l
         .ports
         .enx
@@ -57,10 +57,13 @@ pub(in super::super) fn layout(l: &Layout, inputs: usize, live: usize) -> Verifi
         .chain(l.ports.enf.iter().map(|p| (p.input, p.mat)));
     let port = |(input, mat): (u32, u32)| (input as usize) < inputs && (mat as usize) < n_mat;
     ensure(ports.into_iter().all(port), "a port is beyond the inputs or masses")?;
-    ensure(l.ports.driven.iter().all(|d| driven(d, inputs, live)), "a port drives coefficients that are not there")?;
+    ensure(l.ports.driven.iter().all(|d| driven(d, inputs, live)), "a port drives coefficients that do not exist")?;
     waves(&l.waves, n_mat, n_mem)?;
     ensure(each(&l.weighed, n_mat), "a weight is beyond the masses")?;
-    ensure(l.out.heard.iter().all(|h| heard(h, l)), "a heard link is beyond the masses, coefficients or forces")?;
+    ensure(
+        l.out.heard.iter().all(|h| heard(h, l)),
+        "the link of an output is beyond the masses, coefficients or forces",
+    )?;
     outputs(l)?;
     l.implicit.as_ref().map_or(Ok(()), |a| implicit(a, l))?;
     l.ledger.as_ref().map_or(Ok(()), |plan| ledger(plan, l))
@@ -94,7 +97,7 @@ fn waves(w: &Waves, n_mat: usize, n_mem: usize) -> Verified {
         let memory = d.from < n_mem && d.to < n_mem && within(d.first, d.len, n_mem);
         end && memory && d.junction < w.junctions.len()
     });
-    ensure(delays, "a way of a waveguide is beyond the memory or junctions, or too short")
+    ensure(delays, "a delay of a waveguide is beyond the memory or junctions, or too short")
 }
 
 fn heard(h: &HeardLink, l: &Layout) -> bool {
@@ -113,7 +116,7 @@ fn outputs(l: &Layout) -> Verified {
     ensure(outputs, "an output is beyond the channels, masses or forces")?;
     ensure(l.out.blockers.len() <= l.out.outputs.len(), "there are more high passes than outputs")?;
     let [motion, blocked] = l.out.of_motion;
-    ensure(within(motion, blocked, l.out.outputs.len()), "more outputs hear motion than there are")?;
+    ensure(within(motion, blocked, l.out.outputs.len()), "more outputs measure motion than there are")?;
     let rows = l.out.output_rows.iter().all(|row| {
         let first = row.first.is_none_or(|first| within(first as usize, row.n as usize, l.counts.n_mat));
         (row.channel as usize) < l.counts.n_out && first
@@ -137,7 +140,7 @@ pub(super) fn pattern(p: &Pattern) -> bool {
 fn implicit(a: &ImplicitLinks, l: &Layout) -> Verified {
     ensure(pattern(&a.pattern), "the pattern of implicit links is not a factor")?;
     let places = a.places.len() == a.pattern.size() && each(&a.places, l.counts.n_mat);
-    ensure(places, "an implicit link joins what is not there")?;
+    ensure(places, "an implicit link joins masses that do not exist")?;
     let numbers = a.pattern.numbers().checked_add(a.places.len());
     let numbers = numbers.is_some_and(|n| within(a.coef, n, l.counts.n_coef));
     ensure(numbers, "the factor of implicit links is beyond the coefficients")?;
@@ -147,9 +150,9 @@ fn implicit(a: &ImplicitLinks, l: &Layout) -> Verified {
         let fixed = fixed.iter().all(|(i, _)| (*i as usize) < l.counts.n_mat);
         moving && fixed && each(coef, l.counts.n_coef) && tap(*of)
     };
-    ensure(a.forces.iter().all(force), "the force of an implicit link is made of what is not there")?;
+    ensure(a.forces.iter().all(force), "the force of an implicit link uses numbers that do not exist")?;
     let pairs = a.pairs.iter().all(|pair| each(&pair.ends, l.counts.n_mat) && tap(pair.tap));
-    ensure(pairs, "an implicit link joins what is not there")
+    ensure(pairs, "an implicit link joins masses that do not exist")
 }
 
 fn ledger(plan: &LedgerPlan, l: &Layout) -> Verified {

@@ -22,11 +22,11 @@ pub(in super::super) fn group(group: &SlowGroup, layout: &Layout, inputs: usize)
     let ports = group.ports.iter().chain(&group.shown).all(copied);
     ensure(ports, "a place of a group is beyond the masses")?;
     let coupled = group.coupled;
-    ensure(coupled <= group.ports.len() && coupled <= inputs, "links hold more places of a group than there are")?;
+    ensure(coupled <= group.ports.len() && coupled <= inputs, "links use more places of a group than there are")?;
     let response = &group.response;
     let width = response.places.len().checked_mul(2).and_then(|n| n.checked_add(1));
     let known = width.is_some_and(|width| block(0, coupled, width, response.known.len()));
     let answer = block(0, coupled, coupled, response.answer.len());
     let places = each(&response.places, layout.counts.n_mat);
-    ensure(known && answer && places, "the sound answers a group by numbers that are not there")
+    ensure(known && answer && places, "the response of the sound to a group uses numbers that do not exist")
 }

@@ -35,16 +35,19 @@ impl Batch<'_> {
     fn verify(&self, l: &Layout, work: &mut Work) -> Verified {
         let Batch { law, ports, n, first, coef, mem } = *self;
         work.take(n)?;
-        ensure(within(first, n, l.counts.n_lia), "a pass runs over links that are not there")?;
-        ensure(block(coef, law.coefs, n, l.counts.n_coef), "links have coefficients that are not there")?;
-        ensure(block(mem, law.mem, n, l.counts.n_mem), "links have memory that is not there")?;
+        ensure(within(first, n, l.counts.n_lia), "a pass runs over links that do not exist")?;
+        ensure(block(coef, law.coefs, n, l.counts.n_coef), "links use coefficients that do not exist")?;
+        ensure(block(mem, law.mem, n, l.counts.n_mem), "links use memory that does not exist")?;
         let ends = &l.links.ends[first..first + n];
         port(ports.measure, ends, ports.reach, l)?;
         if let Some((measure, first, reach)) = ports.onto {
             ensure(within(first, n, l.links.onto.len()), "the second port of a quadripole is missing")?;
             port(measure, &l.links.onto[first..first + n], reach, l)?;
         }
-        ensure(ports.pair_set.is_none_or(|set| set < l.links.pair_sets.len()), "a batch joins a set that is not there")
+        ensure(
+            ports.pair_set.is_none_or(|set| set < l.links.pair_sets.len()),
+            "a batch joins a set that does not exist",
+        )
     }
 }
 

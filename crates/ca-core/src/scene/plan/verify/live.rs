@@ -13,7 +13,7 @@ const OF_GENERATOR: usize = 4;
 /// Verifies the live plan of a layout; `live` is the number of live coefficients of its state.
 pub(super) fn plan(plan: &LivePlan, l: &Layout, live: usize, known: &Known) -> Verified {
     let coefs = plan.coefs.len() == live && each(&plan.coefs, l.counts.n_coef);
-    ensure(coefs && each(&plan.driven_coefs, live), "a live coefficient is not there")?;
+    ensure(coefs && each(&plan.driven_coefs, live), "a live coefficient does not exist")?;
     plan.items.iter().try_for_each(|i| item(i, live, known))?;
     plan.implicit.as_ref().map_or(Ok(()), |a| implicit(a, live))
 }
@@ -22,12 +22,12 @@ fn item(item: &LiveItem, live: usize, known: &Known) -> Verified {
     let follows = item.follows.iter().all(|(arg, ..)| *arg < item.args.len());
     ensure(follows, "a live item follows a parameter that it does not have")?;
     let derived = item.generator.is_none() || item.args.len() == item.kind.params.len();
-    ensure(derived, "a live item has other parameters than its kind")?;
+    ensure(derived, "a live item and its kind differ in parameters")?;
     item.modules.iter().try_for_each(|m| module(m, item, live, known))
 }
 
 fn module(m: &LiveModule, item: &LiveItem, live: usize, known: &Known) -> Verified {
-    ensure(each(&m.to, live), "a live module sets a coefficient that is not there")?;
+    ensure(each(&m.to, live), "a live module sets a coefficient that does not exist")?;
     let least = match m.loader {
         Loader::Times(_) => 0,
         Loader::Mat(spec, _) => known.mat(spec.code).map_or(usize::MAX, |(kind, _)| kind.params.len()),
@@ -48,7 +48,7 @@ fn implicit(a: &LiveImplicit, live: usize) -> Verified {
     let rows = mobility.len();
     let entry = entries.iter().all(|(row, _)| (*row as usize) < rows);
     let link = links.iter().all(|(_, [first, n])| within(*first as usize, *n as usize, entries.len()));
-    ensure(rows == pattern.size() && entry && link, "the live factor of implicit links has other rows")?;
+    ensure(rows == pattern.size() && entry && link, "the live factor of implicit links differs in its rows")?;
     if within(a.first as usize, a.made.numbers(), live) {
         Ok(())
     } else {

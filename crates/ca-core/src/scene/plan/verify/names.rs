@@ -17,14 +17,14 @@ pub(super) fn scene(scene: &Scene) -> Verified {
 
 fn symbols(symbols: &Symbols, scene: &Scene) -> Verified {
     let Symbols { runs, mats, lias } = symbols;
-    ensure(super::each(mats, scene.layout.counts.n_mat), "a name is of a mass that is not there")?;
+    ensure(super::each(mats, scene.layout.counts.n_mat), "a name belongs to a mass that does not exist")?;
     let lia = |[op, i]: &[u32; 2]| scene.passes.forces.get(*op as usize).is_some_and(|op| (*i as usize) < op.n);
-    ensure(lias.iter().all(lia), "a name is of a link that is not there")?;
+    ensure(lias.iter().all(lia), "a name belongs to a link that does not exist")?;
     let all = mats.len().checked_add(lias.len()).and_then(|all| u32::try_from(all).ok());
     let all = all.ok_or(super::Wrong("there are more names than modules"))?;
     let begins = runs.first().is_none_or(|run| run.first == 0) && runs.is_empty() == (all == 0);
     let rising = runs.windows(2).all(|r| r[0].first < r[1].first) && runs.last().is_none_or(|run| run.first < all);
-    ensure(begins && rising, "names do not follow each other")?;
+    ensure(begins && rising, "names are not in sequence")?;
     let ends = runs.iter().skip(1).map(|run| run.first).chain([all]);
     let counted = runs.iter().zip(ends).all(|(run, end)| {
         let more = |i: u32| i.checked_add(end - run.first).is_some();
@@ -34,5 +34,5 @@ fn symbols(symbols: &Symbols, scene: &Scene) -> Verified {
         };
         index && run.name.axis.is_none_or(|axis| axis < 3)
     });
-    ensure(counted, "a name has a number that is not there")
+    ensure(counted, "a name has a number that does not exist")
 }

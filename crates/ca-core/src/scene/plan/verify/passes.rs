@@ -25,13 +25,13 @@ pub(super) fn scene(scene: &Scene) -> Verified {
     }
     if let Some(Substeps { times, tick, inputs }) = &l.rates.substeps {
         ensure((1..=TICKS).contains(times), "a sample has 0 ticks, or too many")?;
-        ensure(super::each(inputs, scene.inputs.len()), "a sample is given an input that is not there")?;
+        ensure(super::each(inputs, scene.inputs.len()), "a sample uses an input that does not exist")?;
         passes(tick, |form| form, l, &mut work)?;
         ensure(!tick.iter().any(|op| counts(op.pass)), "a tick between samples counts samples")?;
     }
     if let Some(ledger) = &l.ledger {
         let accounts = ledger.accounts.iter().all(|a| a.op < scene.passes.forces.len());
-        ensure(accounts, "an account is of a pass that is not there")?;
+        ensure(accounts, "an account belongs to a pass that does not exist")?;
     }
     let tick = [&scene.passes.reads[..], scene.passes.summed(), &scene.passes.writes, &scene.passes.moves]
         .into_iter()

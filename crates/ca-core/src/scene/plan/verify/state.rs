@@ -30,14 +30,14 @@ pub(in super::super) fn state(s: &StateRecord, l: &Layout) -> Verified {
     ];
     let counted = lengths.iter().all(|(is, by_layout)| is == by_layout);
     let rings = late == Some(s.late.len()) && past == Some(s.lowpass.len());
-    ensure(counted && rings, "the state has another shape than its layout")?;
+    ensure(counted && rings, "the state differs in shape from its layout")?;
     let cells = s.cells.iter().all(|cell| cell.n <= cell.node.len() && each(&cell.node, l.counts.n_mat));
-    ensure(cells, "a moving point stands beyond the masses")?;
-    ensure(each(s.live.iter(), l.counts.n_coef), "a live coefficient is not there")?;
+    ensure(cells, "a moving point is beyond the masses")?;
+    ensure(each(s.live.iter(), l.counts.n_coef), "a live coefficient does not exist")?;
     let [slots, coefs] = &s.written;
     ensure(
         each(slots.iter(), l.counts.n_mat) && each(coefs.iter(), l.counts.n_coef),
         "the order of the document is beyond the state",
     )?;
-    ensure(s.kick.as_ref().is_none_or(|kick| kick.len() <= l.counts.n_mat), "the start pushes what is not there")
+    ensure(s.kick.as_ref().is_none_or(|kick| kick.len() <= l.counts.n_mat), "the start pushes masses that do not exist")
 }
