@@ -30,8 +30,7 @@ impl Aim {
     pub fn changes(&self, loaded: &Loaded, rate: Option<f64>, quiet: bool) -> Result<Vec<(String, String)>, Failure> {
         let Some(error) = self.error else { return Ok(Vec::new()) };
         if let Some(path) = &self.write {
-            super::new::may_be(path, true)?;
-            // `--force` is no option here
+            super::new::is_model(path)?;
             if path.symlink_metadata().is_ok() {
                 return Err(Failure::Failed(format!("--write: `{}` exists; choose another name", path.display())));
             }

@@ -74,13 +74,19 @@ fn describe(path: &Path) -> Result<(), Failure> {
     Ok(atomic_file::write(path, format!("{own:#}\n").as_bytes())?)
 }
 
-/// Refuses a path without the extension of model files and, unless `force` is true, an existing file.
-pub(super) fn may_be(path: &Path, force: bool) -> Result<(), Failure> {
+/// Refuses a path without the extension of model files.
+pub(super) fn is_model(path: &Path) -> Result<(), Failure> {
     if !path.to_string_lossy().to_ascii_lowercase().ends_with(".ca.toml") {
         let own = path.with_file_name(format!("{}.ca.toml", load::stem(path)));
         let what = format!("`{}`: a model file ends in `.ca.toml`", path.display());
         return Err(Failure::Usage(format!("{what}; name it `{}`", own.display())));
     }
+    Ok(())
+}
+
+/// Refuses a path without the extension of model files and, unless `force` is true, an existing file.
+pub(super) fn may_be(path: &Path, force: bool) -> Result<(), Failure> {
+    is_model(path)?;
     if !force && path.symlink_metadata().is_ok() {
         return Err(Failure::Failed(format!("`{}` exists; use `--force` to overwrite it", path.display())));
     }

@@ -8,8 +8,8 @@
 //! §3.2). "stable" and "stable3d" are passive at any stiffness (`method`).
 //! Test: A17, B05, C01 to C06.
 
-use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, LawEntry, LawFns, METHOD, PAIRS, Phi, Sense};
-use crate::kind::{ANY, Kind, Need, POSITIVE, Param, Role, Type, Unit};
+use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, LawEntry, LawFns, METHOD, PAIRS, Phi, SENSE, Sense, THRESHOLD};
+use crate::kind::{Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::spring::Linear;
 use crate::method::{cluster, gradient, quadratised};
 use crate::numeric::{Real, Table};
@@ -30,13 +30,8 @@ pub static KIND: Kind = Kind {
         BETWEEN,
         Param::number("k", Unit::STIFFNESS, POSITIVE, Need::Required, "stiffness in contact"),
         Param::number("z", Unit::VISCOSITY, POSITIVE, Need::Default(0.0), "viscosity in contact"),
-        Param::number("d", Unit::METRE, ANY, Need::Default(0.0), "threshold of the signed distance second − first"),
-        Param::new(
-            "sense",
-            Type::Choice(Sense::WORDS),
-            Need::Default(0.0),
-            "outside: keeps the ends apart; inside: contains the second",
-        ),
+        THRESHOLD,
+        SENSE,
         Param::new("sticky", Type::Flag, Need::Default(1.0), "false: the force never pulls"),
         PAIRS,
         ALONG,

@@ -7,8 +7,8 @@
 //! "stable" and "stable3d" are passive at any stiffness (`method`). It never pulls. Test: B04.
 
 use super::pow::P;
-use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, LawEntry, LawFns, METHOD, PAIRS, Phi, Sense};
-use crate::kind::{ANY, Dim, Kind, Need, POSITIVE, Param, Role, Type, Unit};
+use super::{ALONG, BETWEEN, Bound, ContactMethod, Law, LawEntry, LawFns, METHOD, PAIRS, Phi, SENSE, Sense, THRESHOLD};
+use crate::kind::{Dim, Kind, Need, POSITIVE, Param, Role, Type, Unit};
 use crate::method::spring::Power;
 use crate::method::{cluster, gradient, quadratised};
 use crate::numeric::{Real, Table, quarter_power};
@@ -34,13 +34,8 @@ pub static KIND: Kind = Kind {
             Need::Default(0.0),
             "loss at an impact: ratio of damping force to elastic force, per unit of speed",
         ),
-        Param::number("d", Unit::METRE, ANY, Need::Default(0.0), "threshold of the signed distance second − first"),
-        Param::new(
-            "sense",
-            Type::Choice(Sense::WORDS),
-            Need::Default(0.0),
-            "outside: keeps the ends apart; inside: contains the second",
-        ),
+        THRESHOLD,
+        SENSE,
         PAIRS,
         ALONG,
         METHOD,

@@ -134,6 +134,18 @@ fn by_potential(p: &[ParamBinding], at: usize) -> bool {
     p.get(at).and_then(|p| p.number()).is_some_and(|word| ElasticMethod::of(word) == ElasticMethod::Stable)
 }
 
+/// Parameter `d` of a contact: its threshold.
+pub const THRESHOLD: Param =
+    Param::number("d", Unit::METRE, ANY, Need::Default(0.0), "threshold of the signed distance second − first");
+
+/// Parameter [`Sense`] of a contact.
+pub const SENSE: Param = Param::new(
+    "sense",
+    Type::Choice(Sense::WORDS),
+    Need::Default(0.0),
+    "outside: keeps the ends apart; inside: contains the second",
+);
+
 /// Parameter [`Pairs`].
 pub const PAIRS: Param = Param::new(
     "pairs",
