@@ -47,7 +47,7 @@ fn it_writes_a_sound() {
     let bytes = std::fs::metadata(&out).expect("a file").len();
     assert!(bytes > 3 * 48_000 * 3, "{bytes} bytes for three seconds of 24 bits");
     let scene = Loaded::read(STRING, "string.ca.toml").compile(&Options::default()).expect("it compiles").scene;
-    for (seconds, why) in [(f64::NAN, "no time"), (-1.0, "no time"), (1e300, "memory")] {
+    for (seconds, why) in [(f64::NAN, "duration"), (-1.0, "duration"), (1e300, "memory")] {
         assert!(render(&scene, Some(seconds)).unwrap_err().to_string().contains(why), "{seconds}");
     }
     assert!(play(Some("no_such.ca.toml"), &out).unwrap_err().to_string().contains("no_such.ca.toml"));

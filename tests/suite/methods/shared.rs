@@ -1,7 +1,7 @@
 //! Discrete gradients of links that share masses, and ports that run a tick late.
 
 use super::stable::{made, ran};
-use crate::play::{audited, mat, with};
+use crate::play::{Random, audited, mat, with};
 use ca_compile::Options;
 use ca_core::internal::scene::same_since;
 use ca_core::{ARITHMETIC, Level, Scene, State, tick};
@@ -85,6 +85,28 @@ fn a_shared_contact_that_never_pulls_only_loses() {
         pulled = s.links.tap.iter().fold(pulled, |most, f| most.max(*f));
     }
     assert_eq!(pulled, 0.0);
+}
+
+/// A contact that would pull is left out while a curve at the same mass is solved. Noise of ±1 N at the mass.
+#[test]
+fn a_contact_left_out_beside_a_curve_makes_nothing() {
+    let text = "[rate]\nsound = 1\ngesture = 1\n[SOL]\nwall = {}\n[MAS]\na = { m = 7.3e-3 }\nb = { m = 74 }\n\
+                [RES]\nheld = { between = [\"a\", \"wall\"], k = 6e-3 }\n\
+                [HRZ]\nblow = { between = [\"b\", \"a\"], k = 0.276, method = \"stable3d\" }\n\
+                [CUB]\ncurve = { between = [\"a\", \"b\"], k = 4e-4, k3 = 4e-4, method = \"stable\" }\n\
+                [SOX]\no = { from = \"a\" }\n[ENF]\nhand = { to = \"a\" }\n";
+    let scene = audited(text);
+    assert_eq!(scene.certificate.level, Level::Proven);
+    for seed in 1..=20 {
+        let (mut s, mut noise) = (scene.state(), Random(seed));
+        for _ in 0..2_000 {
+            s.input[0] = noise.uniform();
+            tick(&scene, &mut s);
+        }
+        let made = made(&s);
+        assert!(made <= 1e-11, "seed {seed}: made {made:e} of the peak");
+        assert_eq!(s.links.touches.unsolved, 0, "seed {seed}");
+    }
 }
 
 const PULSES: &str = "[gesture]\nh = { pulse = \"3 mm\", every = 0.2, rise = 0.006, hold = 0.01, fall = 0.02, offset = \"-2 mm\", to = 2 }\n";

@@ -26,7 +26,8 @@ use crate::state::State;
 use crate::state::active_contacts::{ActiveContact, Curve, Part};
 use core::marker::PhantomData;
 
-/// Most Newton steps per tick (four are usual). After [`SEARCHED`] a step may be shortened, up to [`SHORTER`] times.
+/// Most Newton steps per tick (four are usual). After [`SEARCHED`] a step may be shortened, up to [`SHORTER`] times, but
+/// not in the two steps after a contact is left out.
 const STEPS: usize = 100;
 const SEARCHED: usize = 4;
 const SHORTER: usize = 20;
@@ -133,9 +134,9 @@ fn push<R: Real>(t: &ActiveContact<R>, curve: &Curve<R>, tables: &[Table<R>]) ->
 /// Solves for the push `p` and the change of penetration `at` of all contacts. Returns false at the iteration limit.
 pub(super) fn newton<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], to: &mut Response<R, MODES>) -> bool {
     let (mut solved, mut before, mut least) = (false, R::INFINITY, R::INFINITY);
-    let near = near::<R>();
+    let (near, mut searched) = (near::<R>(), SEARCHED);
     for step in 0..STEPS {
-        let full = step < SEARCHED || solved || !shortened(all, &to.layout.tables);
+        let full = step < searched || solved || !shortened(all, &to.layout.tables);
         for t in &mut *all {
             if let Some(curve) = t.curve {
                 let [push, slope] = push(t, curve, &to.layout.tables);
@@ -187,9 +188,13 @@ pub(super) fn newton<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], t
             }
             return true;
         }
+        if again {
+            // the step has begun with the push of a contact that is now left out, so the function has changed
+            searched = searched.max(step + 3);
+        }
         let hardly_smaller = full && worst <= near.rounded && worst > R::of(0.75) * before;
         let little = worst <= near.stands || moves <= near.of_all * far;
-        let stands = step > SEARCHED && little && worst > R::of(0.5) * least;
+        let stands = step > searched && little && worst > R::of(0.5) * least;
         solved = !again && (worst <= near.last || hardly_smaller || stands);
         (before, least) = (worst, least.min(worst));
         if solved {
