@@ -1,6 +1,8 @@
 //! Tests the pages of `docs/`: generated parts are up to date, and statements are true.
 
 use super::commands;
+#[cfg(unix)]
+use crate::desk::peak;
 use crate::desk::{Desk, blocks, from_root};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -210,15 +212,40 @@ fn links_between_documents_lead_somewhere() {
     assert!(seen > 40, "{seen} links");
 }
 
+/// The files of the page about imports are saved under their names, the last text in backquotes before each. Then its
+/// commands run in order.
+#[cfg(unix)]
+#[test]
+fn the_commands_of_the_page_of_imports_run() {
+    let page = fs::read_to_string(from_root("docs/import.md")).unwrap();
+    let desk = Desk::new();
+    for language in ["text", "toml"] {
+        for (before, file) in blocks(&page, language) {
+            desk.put(before.rsplit('`').nth(1).unwrap(), file);
+        }
+    }
+    let lines: Vec<&str> = blocks(&page, "sh").into_iter().flat_map(|(_, b)| b.lines()).collect();
+    assert!(lines.len() >= 7, "{lines:?}");
+    let said: String = lines.iter().map(|line| desk.sh(line).is(0)).map(|ran| ran.out + &ran.err).collect();
+    for words in ["N201", "read as the position one sample before", "6 MAT, 9 LIA: 6 MAS, 8 REF, 1 BUT"] {
+        assert!(said.contains(words), "no `{words}` in\n{said}");
+    }
+    let read = |name: &str| fs::read(desk.path(name)).unwrap();
+    assert!(read("one.wav") == read("direct.wav"), "the sound of the imported model is another");
+    assert!(peak(&desk.wav("pyramid.wav").1) > 1e-3 && peak(&desk.wav("played.wav").1) > 1e-3);
+}
+
 #[test]
 fn what_contributors_are_sent_to_is_there() {
-    let page = fs::read_to_string(from_root("CONTRIBUTING.md")).unwrap();
     let folders = ["crates/", "tests/", "docs/", "benches/", "models/"];
-    let named = page.split('`').skip(1).step_by(2).filter(|s| folders.iter().any(|f| s.starts_with(f)));
     let mut seen = 0;
-    for path in named.filter(|s| !s.contains(['*', ' ']) && !s.contains("NAME")) {
-        assert!(from_root(path).exists(), "CONTRIBUTING.md: no {path}");
-        seen += 1;
+    for name in ["CONTRIBUTING.md", "docs/extend.md"] {
+        let page = fs::read_to_string(from_root(name)).unwrap();
+        let named = page.split('`').skip(1).step_by(2).filter(|s| folders.iter().any(|f| s.starts_with(f)));
+        for path in named.filter(|s| !s.contains(['*', ' ']) && !s.contains("NAME")) {
+            assert!(from_root(path).exists(), "{name}: no {path}");
+            seen += 1;
+        }
     }
     assert!(seen > 25, "{seen}");
 }
