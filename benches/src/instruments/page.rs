@@ -8,6 +8,8 @@ use std::fmt::Write as _;
 /// Text above the table.
 pub const HEAD: &str = "# The bundled instruments, measured
 
+After this page you can choose a bundled instrument by its sound, its pitch and its computation time.
+
 Made by `UPDATE=1 cargo bench -p ca-benches --bench instruments`: do not edit.
 
 Each instrument is played by its own gesture, unless its entry in `benches/src/instruments` says otherwise, and measured. A test

@@ -23,6 +23,7 @@ fn records() -> [Kind; 7] {
 pub fn page() -> String {
     let mut text = format!(
         "# Messages between the page and the program\n\n\
+         After this page you can write another page for `ca play`, or a program that sends it the same messages.\n\n\
          Made by `UPDATE=1 cargo test -p ca-session --test protocol` from the types in `crates/ca-session/src/protocol`: do \
          not edit.\n\n\
          Version {VERSION}. Text is JSON, an object with a `type`. A page sends requests over the socket `ws` beside its \

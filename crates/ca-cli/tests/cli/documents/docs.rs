@@ -1,56 +1,82 @@
 //! Tests the pages of `docs/`: generated parts are up to date, and statements are true.
 
+use super::commands;
+#[cfg(unix)]
+use crate::desk::peak;
 use crate::desk::{Desk, blocks, from_root};
 use std::fs;
 use std::path::{Path, PathBuf};
 
 const INTRO: &str = "# Kinds of modules
 
+After this page you can choose a kind of module by its equation, and name its parameters.
+
 Made by `ca list --markdown`: do not edit. `ca list BUT` shows the whole page of a kind: each parameter with its unit,
 range and default, the sources in full, and an example that sounds. `e` is the elongation of a link, second end minus
 first, and `F` its force, positive where it pulls; `x1` is the position one tick before, `T` the tick, `f` the summed
-force. [model-format.md](model-format.md) tells how a model file is written.
+force. [The language pages](language/README.md) explain how to write a model file.
 
 ";
 
-#[test]
-fn the_page_of_kinds_is_fresh() {
-    let want = format!("{INTRO}{}", Desk::new().ca(&["list", "--markdown"]).is(0).out);
-    let path = from_root("docs/kinds.md");
+/// Compares a generated page with its file, which `UPDATE=1` writes.
+fn fresh(page: &str, want: &str) {
+    let path = from_root(page);
     if std::env::var_os("UPDATE").is_some() {
-        fs::write(&path, &want).unwrap();
+        fs::write(&path, want).unwrap();
     }
     let is = fs::read_to_string(&path).unwrap_or_default();
     assert!(
         is == want,
-        "docs/kinds.md is stale; run `UPDATE=1 cargo test $ALL --test cli -- docs` ($ALL is in CONTRIBUTING.md) and look at what changed"
+        "{page} is stale; run `UPDATE=1 cargo test $ALL --test cli -- docs` ($ALL is in CONTRIBUTING.md) and look at what changed"
     );
 }
 
 #[test]
-fn the_examples_of_the_format_are_models_without_findings() {
-    let page = fs::read_to_string(from_root("docs/model-format.md")).unwrap();
-    let models = blocks(&page, "toml");
-    assert!(models.len() >= 5, "only {} examples were found", models.len());
-    let desk = Desk::new();
-    for (_, model) in &models {
-        desk.put("example.ca.toml", model);
-        let r = desk.ca(&["render", "example.ca.toml", "--seconds", "2"]).is(0);
-        assert_eq!(r.err, "", "{model}");
-        let check = desk.ca(&["check", "example.ca.toml"]).is(0);
-        assert_eq!(check.err, "", "{model}");
-    }
+fn the_page_of_kinds_is_fresh() {
+    fresh("docs/kinds.md", &format!("{INTRO}{}", Desk::new().ca(&["list", "--markdown"]).is(0).out));
 }
 
 #[test]
-fn the_page_of_the_format_names_all_there_is() {
+fn the_page_of_commands_is_fresh() {
+    let desk = Desk::new();
+    let help = |words: &[&str]| desk.with(&[("COLUMNS", "100")], &[&["help"][..], words].concat()).is(0).out;
+    fresh("docs/commands.md", &commands::page(help));
+}
+
+/// Pages about the language of models, with their texts.
+fn language() -> Vec<(PathBuf, String)> {
+    let files = markdown(&from_root("docs/language")).into_iter();
+    files.map(|path| (path.clone(), fs::read_to_string(path).unwrap())).collect()
+}
+
+#[test]
+fn the_examples_of_the_format_are_models_without_findings() {
+    let desk = Desk::new();
+    let mut seen = 0;
+    for (path, page) in language() {
+        let models = blocks(&page, "toml");
+        assert!(!models.is_empty() || path.ends_with("README.md"), "{}: no example", path.display());
+        for (_, model) in &models {
+            desk.put("example.ca.toml", model);
+            let r = desk.ca(&["render", "example.ca.toml", "--seconds", "2"]).is(0);
+            assert_eq!(r.err, "", "{model}");
+            let check = desk.ca(&["check", "example.ca.toml"]).is(0);
+            assert_eq!(check.err, "", "{model}");
+        }
+        seen += models.len();
+    }
+    assert!(seen >= 20, "only {seen} examples were found");
+}
+
+#[test]
+fn the_pages_of_the_format_name_all_there_is() {
     use ca_model::read::{GROUP, META, RATES, SECTIONS};
-    let page = fs::read_to_string(from_root("docs/model-format.md")).unwrap();
+    let page: String = language().into_iter().map(|(_, text)| text).collect();
     for word in META.iter().chain(RATES).chain(GROUP) {
-        assert!(page.contains(&format!("`{word}`")), "the page does not know `{word}`");
+        assert!(page.contains(&format!("`{word}`")), "the pages do not know `{word}`");
     }
     for section in SECTIONS {
-        assert!(page.contains(&format!("`[{section}]`")), "the page does not know `[{section}]`");
+        assert!(page.contains(&format!("`[{section}]`")), "the pages do not know `[{section}]`");
     }
 }
 
@@ -108,11 +134,47 @@ fn the_page_of_safety_has_the_numbers_of_the_guard() {
     assert!(std::fs::read_to_string(from_root("README.md")).unwrap().contains("docs/safety.md"));
 }
 
+/// Markdown files of a folder, in the order of their names.
+pub fn markdown(folder: &Path) -> Vec<PathBuf> {
+    let files = fs::read_dir(folder).unwrap().map(|e| e.unwrap().path());
+    let mut files: Vec<PathBuf> = files.filter(|p| p.extension().is_some_and(|e| e == "md")).collect();
+    files.sort();
+    files
+}
+
 /// Pages of `docs/`, including those written by benches.
 fn pages() -> Vec<PathBuf> {
-    let folders = [from_root("docs"), from_root("docs/measured")].map(|f| fs::read_dir(f).unwrap().flatten());
-    let files = folders.into_iter().flatten().map(|e| e.path());
-    files.filter(|p| p.extension().is_some_and(|e| e == "md")).collect()
+    ["docs", "docs/language", "docs/measured"].iter().flat_map(|folder| markdown(&from_root(folder))).collect()
+}
+
+/// Each page begins with what its reader can do after it. A long page has a table of contents, which names its sections.
+#[test]
+fn pages_begin_with_what_their_readers_can_do() {
+    for path in markdown(&from_root("docs")).into_iter().chain(markdown(&from_root("docs/language"))) {
+        let text = fs::read_to_string(&path).unwrap();
+        let first = text.lines().skip(1).find(|l| !l.is_empty()).unwrap_or_default();
+        assert!(first.starts_with("After this page you "), "{}: {first}", path.display());
+    }
+    for (path, page) in language().iter().filter(|(path, _)| !path.ends_with("README.md")) {
+        for anchor in anchors(page).iter().skip(1) {
+            assert!(page.contains(&format!("](#{anchor})")), "{}: #{anchor} is not in its contents", path.display());
+        }
+    }
+}
+
+/// Anchors of the headings of a page, as GitHub makes them.
+fn anchors(page: &str) -> Vec<String> {
+    let mut code = false;
+    let is_heading = |line: &&str| {
+        code ^= line.starts_with("```");
+        !code && line.starts_with('#')
+    };
+    let anchor = |line: &str| {
+        let text = line.trim_start_matches('#').trim().to_lowercase();
+        let kept = text.chars().filter(|c| c.is_alphanumeric() || [' ', '-', '_'].contains(c));
+        kept.map(|c| if c == ' ' { '-' } else { c }).collect()
+    };
+    page.lines().filter(is_heading).map(anchor).collect()
 }
 
 #[test]
@@ -125,35 +187,65 @@ fn the_index_of_the_documents_names_every_page() {
     }
 }
 
-/// Links between pages lead to existing files. Section anchors and external links are not checked.
+/// Links between pages lead to existing files and sections. External links are not checked.
 #[test]
 fn links_between_documents_lead_somewhere() {
     let mut pages = pages();
     pages.extend(["README.md", "CONTRIBUTING.md", "crates/ca-py/README.md"].map(from_root));
     let mut seen = 0;
-    for page in pages.iter().filter(|p| p.extension().is_some_and(|e| e == "md")) {
+    for page in &pages {
         let text = fs::read_to_string(page).unwrap();
         for link in text.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(link, _)| link) {
-            let file = link.split('#').next().unwrap_or("");
-            if file.is_empty() || file.contains("://") || file.contains(char::is_whitespace) {
+            if link.contains("://") || link.contains(char::is_whitespace) {
                 continue;
             }
-            assert!(page.parent().unwrap().join(file).exists(), "{}: no {file}", page.display());
+            let (file, anchor) = link.split_once('#').unwrap_or((link, ""));
+            let to = if file.is_empty() { page.clone() } else { page.parent().unwrap().join(file) };
+            assert!(to.exists(), "{}: no {file}", page.display());
+            if !anchor.is_empty() && to.extension().is_some_and(|e| e == "md") {
+                let there = anchors(&fs::read_to_string(&to).unwrap());
+                assert!(there.iter().any(|a| a == anchor), "{}: {file} has no #{anchor}", page.display());
+            }
             seen += 1;
         }
     }
     assert!(seen > 40, "{seen} links");
 }
 
+/// The files of the page about imports are saved under their names, the last text in backquotes before each. Then its
+/// commands run in order.
+#[cfg(unix)]
+#[test]
+fn the_commands_of_the_page_of_imports_run() {
+    let page = fs::read_to_string(from_root("docs/import.md")).unwrap();
+    let desk = Desk::new();
+    for language in ["text", "toml"] {
+        for (before, file) in blocks(&page, language) {
+            desk.put(before.rsplit('`').nth(1).unwrap(), file);
+        }
+    }
+    let lines: Vec<&str> = blocks(&page, "sh").into_iter().flat_map(|(_, b)| b.lines()).collect();
+    assert!(lines.len() >= 7, "{lines:?}");
+    let said: String = lines.iter().map(|line| desk.sh(line).is(0)).map(|ran| ran.out + &ran.err).collect();
+    for words in ["N201", "read as the position one sample before", "6 MAT, 9 LIA: 6 MAS, 8 REF, 1 BUT"] {
+        assert!(said.contains(words), "no `{words}` in\n{said}");
+    }
+    let read = |name: &str| fs::read(desk.path(name)).unwrap();
+    assert!(read("one.wav") == read("direct.wav"), "the sound of the imported model is another");
+    assert!(peak(&desk.wav("pyramid.wav").1) > 1e-3 && peak(&desk.wav("played.wav").1) > 1e-3);
+}
+
 #[test]
 fn what_contributors_are_sent_to_is_there() {
-    let page = fs::read_to_string(from_root("CONTRIBUTING.md")).unwrap();
     let folders = ["crates/", "tests/", "docs/", "benches/", "models/"];
-    let named = page.split('`').skip(1).step_by(2).filter(|s| folders.iter().any(|f| s.starts_with(f)));
     let mut seen = 0;
-    for path in named.filter(|s| !s.contains(['*', ' ']) && !s.contains("NAME")) {
-        assert!(from_root(path).exists(), "CONTRIBUTING.md: no {path}");
-        seen += 1;
+    for name in ["CONTRIBUTING.md", "docs/extend.md"] {
+        let page = fs::read_to_string(from_root(name)).unwrap();
+        let named = page.split('`').skip(1).step_by(2).filter(|s| folders.iter().any(|f| s.starts_with(f)));
+        for path in named.filter(|s| !s.contains(['*', ' ']) && !s.contains("NAME")) {
+            assert!(from_root(path).exists(), "{name}: no {path}");
+            seen += 1;
+        }
     }
     assert!(seen > 25, "{seen}");
 }

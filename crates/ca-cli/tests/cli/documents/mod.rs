@@ -1,5 +1,6 @@
 //! Tests of documents: the README, the pages of `docs/`, codes, the JSON Schema, and terminology.
 
+mod commands;
 mod completions;
 pub mod docs;
 mod explain;

@@ -2,6 +2,7 @@
 //! can refuse.
 
 use crate::desk::{Desk, blocks, from_root};
+use crate::documents::docs::markdown;
 use jsonschema::Validator;
 use serde_json::{Value as Json, json};
 use std::fs;
@@ -59,9 +60,9 @@ fn collect(folder: &Path, found: &mut Vec<(String, String)>) {
 /// All `toml` blocks of the pages, except plans of sweeps.
 fn examples() -> Vec<(String, String)> {
     let mut pages = vec![from_root("README.md"), from_root("crates/ca-py/README.md")];
-    pages.extend(fs::read_dir(from_root("docs")).unwrap().map(|e| e.unwrap().path()));
+    pages.extend(["docs", "docs/language"].iter().flat_map(|folder| markdown(&from_root(folder))));
     let mut all = Vec::new();
-    for page in pages.iter().filter(|p| p.extension().is_some_and(|e| e == "md")) {
+    for page in &pages {
         let text = fs::read_to_string(page).unwrap();
         let models =
             blocks(&text, "toml").into_iter().filter(|(_, b)| document(b).get("model").is_none_or(Json::is_object));
