@@ -2,7 +2,8 @@
 //!
 //! One [`Kind`] record holds everything a build knows about a module. The syntax, unit checks, did-you-mean, `ca list`,
 //! the JSON Schema, live slots and the conformance suite all walk these records. So a module is one file
-//! and one line in the list of its folder (docs/extend.md has what else a law or a generator needs). An enum with a match in every layer would spread one module over ten files.
+//! and one line in the list of its folder (docs/extend.md has what else a law or a generator needs). An enum with a match
+//! in every layer would spread one module over ten files.
 
 pub mod builder;
 pub mod cloud;
