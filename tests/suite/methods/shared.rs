@@ -109,6 +109,37 @@ fn a_contact_left_out_beside_a_curve_makes_nothing() {
     }
 }
 
+/// Sweeps find what Newton's method alone finds, as takes of arithmetic 6 have it: soft and stiff contacts and springs
+/// with common masses, and friction beside contacts in space.
+#[test]
+fn sweeps_find_the_solution_of_newtons_method() {
+    let row = |stiff: f64| {
+        format!(
+            "[SOL]\nl = {{}}\n[MAS]\na = {{ m = 1e-3, x = 1e-3, v = -0.5 }}\nb = {{ m = 2e-3, x = 2e-3 }}\nc = {{ m = 1e-3, x = 3e-3, v = -1 }}\n\
+             [HRZ]\ns = {{ between = [[\"l\", \"a\", \"b\"], [\"a\", \"b\", \"c\"]], k = {:?}, method = \"stable\" }}\n\
+             [CUB]\nr = {{ between = [[\"l\", \"a\"], [\"b\", \"c\"]], k = {:?}, k3 = {:?}, z = 0.01, method = \"stable\" }}\n\
+             [SOX]\no = {{ from = \"a\" }}\n",
+            30.0 * stiff,
+            stiff,
+            1e4 * stiff
+        )
+    };
+    let rub = stack(1e5) + "[BOW]\nw = { between = [\"r.f\", \"r.a\"], f = 0.1, v0 = 0.01, method = \"newton\" }\n";
+    for text in [row(1e2), row(1e4), row(1e6), stack(1e4), stack(1e8), rub] {
+        let now = with(&text, &Options::default());
+        let old = with(&text, &Options { arithmetic: Some(6), ..Options::default() });
+        assert_eq!(same_since(&now), 7, "{text}");
+        let [mut a, mut b] = [now.state(), old.state()];
+        for n in 0..400 {
+            tick(&now, &mut a);
+            tick(&old, &mut b);
+            for (i, (x, y)) in a.x.iter().zip(b.x.iter()).enumerate() {
+                assert!((x - y).abs() <= 1e-12 * y.abs().max(1e-3), "tick {n}, slot {i}: {x:e} and {y:e}\n{text}");
+            }
+        }
+    }
+}
+
 const PULSES: &str = "[gesture]\nh = { pulse = \"3 mm\", every = 0.2, rise = 0.006, hold = 0.01, fall = 0.02, offset = \"-2 mm\", to = 2 }\n";
 
 /// The energy given by a moving port is stored or lost: a contact by both methods, friction by Newton's method, and an

@@ -41,8 +41,16 @@ pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
 /// transfers of forces. Links from `late` on need all of these.
 ///
 /// External forces on a line follow the links, so that a row of links that integrates its masses can add them. The
-/// first `in_space` of `layout.enf` are in space, where no row does so.
-pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize, in_space: usize) -> Vec<Op> {
+/// first `in_space` of `layout.enf` are in space, where no row does so. With `sweeps`, links that are solved together are
+/// first solved one by one.
+pub fn forces(
+    layout: &Layout,
+    mut links: Vec<Op>,
+    late: usize,
+    weight: usize,
+    in_space: usize,
+    sweeps: bool,
+) -> Vec<Op> {
     let mut list = Vec::new();
     let enf = |first: usize, n: usize| Op { first, ..Op::pass(Pass::Enf { counted: true }, n) };
     if in_space > 0 {
@@ -82,7 +90,7 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize, i
     }
     list.extend(late);
     let modes = !layout.places.modal_couplings.is_empty();
-    list.extend(together.then(|| Op::pass(Pass::Contacts { modes }, layout.counts.n_touch)));
+    list.extend(together.then(|| Op::pass(Pass::Contacts { modes, sweeps }, layout.counts.n_touch)));
     if solved > 0 {
         list.push(Op::pass(Pass::ModesAgain, solved));
     }

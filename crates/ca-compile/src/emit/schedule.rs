@@ -194,7 +194,8 @@ pub fn schedule(
     };
     layout.links.rows = rows(&links.forces, &layout.links.ends, &layout.links.reach, &layout.places.rest);
     let mut reads = pass_list::reads(&layout, live_places.len(), aimed);
-    let mut forces = pass_list::forces(&layout, links.forces, links.late, weight, in_space);
+    let sweeps = options.arithmetic.is_none_or(|a| a >= 7);
+    let mut forces = pass_list::forces(&layout, links.forces, links.late, weight, in_space, sweeps);
     if let Some((_, group, _)) = &slow {
         slow::passes(group, &mut reads, &mut forces);
     }

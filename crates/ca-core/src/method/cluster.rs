@@ -92,22 +92,10 @@ fn gather<R: Real, S: Spring<R> + 'static, G: Measure>(op: &Op<R>, layout: &Layo
         let touches = from + link.free > R::ZERO || from > R::ZERO || z > R::ZERO;
         let part = if touches { Part::Acts } else { Part::Waits };
         let coef = core::array::from_fn(|k| s.coef[op.coef + k * op.n + i]);
-        let at = if part == Part::Waits { link.free } else { contact.alone(from, link.free, link.own, z) };
-        let mem = op.mem + i;
-        enter(
-            s,
-            ActiveContact {
-                mem,
-                clip: contact.clip,
-                curve: Some(OfSpring::<R, S>::CURVE),
-                coef,
-                from,
-                z,
-                at,
-                part,
-                ..link
-            },
-        );
+        if let Some(t) = enter(s, op.mem + i, link) {
+            (t.curve, t.part, t.clip, t.coef) = (Some(OfSpring::<R, S>::CURVE), part, contact.clip, coef);
+            (t.from, t.z, t.went) = (from, z, R::of(2.0) * (now - from));
+        }
     }
 }
 
@@ -120,20 +108,34 @@ impl<R: Real, S: Spring<R> + 'static> OfSpring<R, S> {
             let contact = Contact::<R, S>::of(coef);
             contact.potential(from) - contact.potential(from + change)
         },
+        begin: |t| {
+            if t.part == Part::Waits { t.free } else { Contact::<R, S>::of(&t.coef).alone(t.from, t.free, t.own, t.z) }
+        },
     };
 }
 
 /// Returns the push of a curve with its viscosity, and its slope, at the assumed change of penetration.
-fn push<R: Real>(t: &ActiveContact<R>, curve: &Curve<R>, tables: &[Table<R>]) -> [R; 2] {
+pub(super) fn push<R: Real>(t: &ActiveContact<R>, curve: &Curve<R>, tables: &[Table<R>]) -> [R; 2] {
     let [push, slope] = (curve.push)(&t.coef, tables, t.from, t.at);
     let half = R::of(0.5) * t.z;
     let [push, slope] = [push + half * t.at, slope + half];
     if t.clip && push < R::ZERO { [R::ZERO; 2] } else { [push, slope] }
 }
 
-/// Solves for the push `p` and the change of penetration `at` of all contacts. Returns false at the iteration limit.
-pub(super) fn newton<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], to: &mut Response<R, MODES>) -> bool {
-    let (mut solved, mut before, mut least) = (false, R::INFINITY, R::INFINITY);
+/// Solves for the push `p` and the change of penetration `at` of all contacts. Returns false at the iteration limit. If
+/// they are `solved` already, finds their derivatives.
+pub(super) fn newton<R: Real, const MODES: bool>(
+    all: &mut [ActiveContact<R>],
+    to: &mut Response<R, MODES>,
+    mut solved: bool,
+) -> bool {
+    let (mut before, mut least) = (R::INFINITY, R::INFINITY);
+    for t in &mut *all {
+        t.found = [t.p, t.at, t.y];
+        if let (false, Some(curve)) = (solved, t.curve) {
+            t.at = (curve.begin)(t);
+        }
+    }
     let (near, mut searched) = (near::<R>(), SEARCHED);
     for step in 0..STEPS {
         let full = step < searched || solved || !shortened(all, &to.layout.tables);

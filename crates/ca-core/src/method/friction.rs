@@ -14,7 +14,7 @@
 //! contacts. The λ of the secant are viscosities in it. A table that adds energy is limited to its resisting part.
 
 use super::newton::root;
-use super::system::{join, reach};
+use super::system::{LinearPush, join, reach};
 use super::{free_motion, mobility};
 use crate::law::{Bound, Phi};
 use crate::numeric::{Real, Table};
@@ -23,7 +23,6 @@ use crate::op::links::measure::{Along, Line, Measure, Radial};
 use crate::op::{Cheaper, LoadFns};
 use crate::op::{Energies, Form, Kernel, Law, LawFns, Op, SolveStage, Together};
 use crate::state::State;
-use crate::state::active_contacts::ActiveContact;
 
 /// Newton's method runs while slope times T²/m of both ends is below this; the root is unique up to 4.48 (§3.5).
 pub const STEEPEST: f64 = 4.0;
@@ -146,6 +145,7 @@ fn gather<R: Real, P: Curve<C>, G: Measure, const C: usize>(op: &Op<R>, layout: 
             s.links.tap[op.tap + i] = R::ZERO;
         }
         let link = reach::<R, G>(op, layout, s, i, R::of(1.0), measured.gradient());
-        join(s, ActiveContact { z, ..link });
+        let none = R::ZERO;
+        join(s, op.mem + 2 * i, link, LinearPush { clip: false, open: false, gamma: none, psi: none, z });
     }
 }

@@ -23,6 +23,7 @@ pub mod pefrl;
 pub(crate) mod potential;
 pub mod quadratised;
 pub(crate) mod spring;
+mod sweeps;
 mod system;
 pub(crate) mod together;
 
@@ -32,6 +33,7 @@ use crate::state::State;
 
 /// Returns the change of position \[m/tick\] that all forces so far give to a slot in this tick. A port that runs a
 /// tick late moves to its next position; any other port continues its motion.
+#[inline(always)]
 pub fn free_motion<R: Real>(layout: &Layout<R>, s: &State<R>, slot: usize) -> R {
     let n = layout.counts.n_mat;
     let goes = s.coef[slot] * s.d[slot] + s.coef[n + slot] * s.x[slot] + s.coef[2 * n + slot] * s.f[slot];
@@ -42,6 +44,7 @@ pub fn free_motion<R: Real>(layout: &Layout<R>, s: &State<R>, slot: usize) -> R 
 }
 
 /// Returns the mobility T²/m of a slot \[m/N\].
+#[inline(always)]
 pub fn mobility<R: Real>(layout: &Layout<R>, s: &State<R>, slot: usize) -> R {
     s.coef[2 * layout.counts.n_mat + slot]
 }

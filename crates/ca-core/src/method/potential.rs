@@ -19,7 +19,7 @@ use crate::op::layout::{Layout, MeasureKind};
 use crate::op::links::measure::{Along, Line, Measure};
 use crate::op::{Cheaper, Energies, Form, Kernel, Law, LawFns, Op, SolveStage, Together};
 use crate::state::State;
-use crate::state::active_contacts::{ActiveContact, COEFS, Curve};
+use crate::state::active_contacts::{COEFS, Curve, Part};
 
 /// Numbers that determine the potential of a link.
 pub type Numbers<R> = [R; COEFS];
@@ -193,7 +193,10 @@ fn gather<R: Real, P: Potential<C, M>, G: Measure, const C: usize, const M: usiz
         let to = reach::<R, G>(op, layout, s, i, R::of(1.0), measured.gradient());
         let (curve, coef) = (Some(OfPotential::<R, P, C, M>::CURVE), link.numbers);
         let mem = op.mem + (M + 1) * i + M;
-        enter(s, ActiveContact { mem, curve, coef, from: w - e, z, at: R::of(-2.0) * w, ..to });
+        if let Some(t) = enter(s, mem, to) {
+            (t.curve, t.part, t.clip, t.coef) = (curve, Part::Acts, false, coef);
+            (t.from, t.z, t.went) = (w - e, z, R::of(-2.0) * w);
+        }
     }
 }
 
@@ -206,5 +209,6 @@ impl<R: Real, P: Potential<C, M>, const C: usize, const M: usize> OfPotential<R,
             [-force, rise]
         },
         released: |n, tables, from, change| P::energy(n, tables, -from) - P::energy(n, tables, -(from + change)),
+        begin: |t| t.went,
     };
 }

@@ -22,7 +22,7 @@
 //! as far as that loses energy.
 
 use super::spring::{Contact, Spring};
-use super::system::{Response, conjugate, join, nothing, reach};
+use super::system::{LinearPush, Response, conjugate, join, nothing, reach};
 use crate::numeric::Real;
 use crate::op::layout::{Layout, MeasureKind};
 use crate::op::links::measure::{Along, Line, Measure, Radial};
@@ -82,7 +82,7 @@ fn gather<R: Real, S: Spring<R>, G: Measure>(op: &Op<R>, layout: &Layout<R>, s: 
             continue;
         }
         let link = reach::<R, G>(op, layout, s, i, contact.side, measured.gradient());
-        let (free, w) = (link.free, link.diag);
+        let (free, w) = (link.free, link.own);
         let (gamma, z) = match (eta >= R::ZERO, free < R::ZERO) {
             (true, opening) => {
                 let gamma = if opening && psi == R::ZERO { R::ZERO } else { contact.spring.gamma(contact.k, eta) };
@@ -91,7 +91,7 @@ fn gather<R: Real, S: Spring<R>, G: Measure>(op: &Op<R>, layout: &Layout<R>, s: 
             (false, true) => (R::of(4.0) * psi / ((free * free + R::of(4.0) * w * psi * psi).sqrt() - free), R::ZERO),
             (false, false) => (R::ZERO, R::ZERO),
         };
-        join(s, ActiveContact { clip: contact.clip, open: eta < R::ZERO, gamma, psi, z, ..link });
+        join(s, mem, link, LinearPush { clip: contact.clip, open: eta < R::ZERO, gamma, psi, z });
     }
 }
 

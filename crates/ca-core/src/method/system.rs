@@ -17,7 +17,7 @@ use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::op::links::measure::Measure;
 use crate::state::State;
-use crate::state::active_contacts::ActiveContact;
+use crate::state::active_contacts::{ActiveContact, Part};
 use nalgebra::Vector3;
 
 /// Returns the factor by which the squared residual must fall.
@@ -30,7 +30,21 @@ pub(super) fn nothing<R: Real>() -> R {
     R::of(if matches!(R::PRECISION, Precision::Single) { 1e-35 } else { 1e-200 })
 }
 
-/// Makes the record of link `i` of `op`, with its motion by all other forces; `u` is the gradient of its elongation.
+/// Ends of a link, and its motion by all other forces.
+pub(super) struct Reach<R: Real> {
+    ends: [u32; 2],
+    axes: usize,
+    g: [R; 3],
+    tap: Option<usize>,
+    side: R,
+    /// change of penetration over two ticks \[m\]
+    pub(super) free: R,
+    /// mobility of both ends \[m/N\]
+    pub(super) own: R,
+}
+
+/// Measures the reach of link `i` of `op`; `u` is the gradient of its elongation.
+#[inline(always)]
 pub(super) fn reach<R: Real, G: Measure>(
     op: &Op<R>,
     layout: &Layout<R>,
@@ -38,33 +52,50 @@ pub(super) fn reach<R: Real, G: Measure>(
     i: usize,
     side: R,
     u: Vector3<R>,
-) -> ActiveContact<R> {
+) -> Reach<R> {
     let g: [R; 3] = (u * -side).into();
     let (ends, axes) = (layout.links.ends[op.first + i], if G::SPACE { 3 } else { 1 });
-    let (mut free, mut w) = (R::ZERO, R::ZERO);
+    let (mut free, mut own) = (R::ZERO, R::ZERO);
     for (k, g) in g[..axes].iter().enumerate() {
         let [a, b] = ends.map(|m| m as usize + k);
         free += *g * (free_motion(layout, s, b) + s.d[b] - free_motion(layout, s, a) - s.d[a]);
-        w += *g * *g * (mobility(layout, s, a) + mobility(layout, s, b));
+        own += *g * *g * (mobility(layout, s, a) + mobility(layout, s, b));
     }
     let tap = op.form.tap.then_some(op.tap + i);
-    ActiveContact { ends, axes, g, mem: op.mem + 2 * i, tap, side, free, diag: w, own: w, ..ActiveContact::default() }
+    Reach { ends, axes, g, tap, side, free, own }
 }
 
-/// Adds a link to the list of this tick, if it has stiffness or viscosity.
-pub(super) fn join<R: Real>(s: &mut State<R>, link: ActiveContact<R>) {
-    let stiff = R::of(0.25) * link.gamma * link.gamma + R::of(0.5) * link.z;
+/// Adds a link to the list of this tick and returns its record, in which all but the reach is from an earlier tick.
+#[inline(always)]
+pub(super) fn enter<R: Real>(s: &mut State<R>, mem: usize, by: Reach<R>) -> Option<&mut ActiveContact<R>> {
     let touches = &mut s.links.touches;
-    let Some(t) = touches.list.get_mut(touches.n).filter(|_| stiff > R::ZERO) else { return };
-    *t = ActiveContact { stiff, bias: link.gamma * link.psi, diag: link.diag + R::of(1.0) / stiff, ..link };
+    let t = touches.list.get_mut(touches.n)?;
     touches.n += 1;
+    let Reach { ends, axes, g, tap, side, free, own } = by;
+    (t.mem, t.ends, t.axes, t.g, t.tap, t.side, t.free, t.own) = (mem, ends, axes, g, tap, side, free, own);
+    Some(t)
 }
 
-pub(super) fn enter<R: Real>(s: &mut State<R>, link: ActiveContact<R>) {
-    let touches = &mut s.links.touches;
-    let Some(t) = touches.list.get_mut(touches.n) else { return };
-    *t = link;
-    touches.n += 1;
+/// Push of a link that is linear in the motion of the coming tick.
+pub(super) struct LinearPush<R> {
+    pub(super) clip: bool,
+    pub(super) open: bool,
+    pub(super) gamma: R,
+    pub(super) psi: R,
+    pub(super) z: R,
+}
+
+/// Adds a linear link, if it has stiffness or viscosity.
+pub(super) fn join<R: Real>(s: &mut State<R>, mem: usize, by: Reach<R>, link: LinearPush<R>) {
+    let LinearPush { clip, open, gamma, psi, z } = link;
+    let stiff = R::of(0.25) * gamma * gamma + R::of(0.5) * z;
+    if stiff > R::ZERO
+        && let Some(t) = enter(s, mem, by)
+    {
+        (t.curve, t.part, t.clip, t.open, t.went) = (None, Part::Acts, clip, open, t.free);
+        (t.gamma, t.psi, t.z, t.stiff, t.bias) = (gamma, psi, z, stiff, gamma * psi);
+        t.diag = t.own + R::of(1.0) / stiff;
+    }
 }
 
 /// Response to pushes: the mobility of each slot, and with `MODES` the coupling of modal masses.

@@ -1,15 +1,16 @@
 //! The pass that solves for all links collected in a tick and applies their pushes.
 
 use super::system::{Response, gathered, respond};
-use super::{cluster, quadratised};
-use crate::numeric::Real;
+use super::{cluster, quadratised, sweeps};
+use crate::numeric::{Precision, Real};
 use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::state::State;
 use crate::state::active_contacts::{ActiveContact, ActiveContacts, Part};
 
-/// Solves for the pushes of all collected links. `MODES` is true if several act at modal masses of one group.
-pub fn solve<R: Real, const MODES: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+/// Solves for the pushes of all collected links. `MODES` is true if several act at modal masses of one group, `SWEEPS`
+/// if sweeps precede Newton's method.
+pub fn solve<R: Real, const MODES: bool, const SWEEPS: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let ActiveContacts { n, list, push, unsolved } = &mut s.links.touches;
     let all = &mut list[..core::mem::take(n)];
     if all.iter().all(|t| t.part == Part::Waits) {
@@ -17,11 +18,14 @@ pub fn solve<R: Real, const MODES: bool>(_op: &Op<R>, layout: &Layout<R>, s: &mu
     }
     let mobility = &s.coef[2 * layout.counts.n_mat..];
     let mut to = Response::<R, MODES> { layout, mobility, push, tap: &mut s.links.tap };
-    let acting = if all.iter().any(|t| t.curve.is_some()) {
-        *unsolved += u64::from(!cluster::newton(all, &mut to));
-        gathered(all, |t| t.part != Part::LeftOut)
-    } else {
-        quadratised::pushes(all, &mut to)
+    let solved = SWEEPS && sweeps::swept(all, &mut to);
+    let acting = match all.iter().any(|t| t.curve.is_some()) {
+        _ if solved && !matches!(R::PRECISION, Precision::Dual) => all.len(),
+        true => {
+            *unsolved += u64::from(!cluster::newton(all, &mut to, solved));
+            gathered(all, |t| t.part != Part::LeftOut)
+        }
+        false => quadratised::pushes(all, &mut to),
     };
     let (acting, left_out) = all.split_at_mut(acting);
     for t in &mut *acting {

@@ -145,10 +145,12 @@ pub enum Pass {
     ImplicitPairs,
     /// before links that are solved with the coming motion: represents the free motion of modal masses by a force
     ModesAhead,
-    /// contacts solved together; with `modes`, masses of one group are coupled through their modes
+    /// contacts solved together
     Contacts {
-        /// see above
+        /// whether masses of one group are coupled through their modes
         modes: bool,
+        /// whether sweeps precede Newton's method, as from arithmetic 7 on
+        sweeps: bool,
     },
     /// after these links: passes their forces on modal masses on to the modes
     ModesAgain,

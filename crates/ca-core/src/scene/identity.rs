@@ -9,7 +9,7 @@
 use crate::numeric::Real;
 use crate::numeric::words::word;
 use crate::op::layout::{Counts, Layout, LinkArrays, MeasureKind, OutputArrays, Places, PortArrays, Rates};
-use crate::op::{Op, SolveStage};
+use crate::op::{Op, Pass, SolveStage};
 use crate::scene::Scene;
 use crate::state::{Identity, State};
 use core::fmt::{self, Write as _};
@@ -25,9 +25,10 @@ use core::hash::Hasher as _;
 /// - 4: contacts that are solved together drop stored energy below 1e-200 J.
 /// - 5: set-valued friction sticks from the first tick on if nothing moves at load.
 /// - 6: ports at links solved with the coming motion run a tick late; shared `stable` contacts use discrete gradients.
+/// - 7: links that are solved together are first solved one by one, in sweeps.
 ///
-/// Takes from before 5 and 6 are compiled as they were then, and so play the same bits.
-pub const ARITHMETIC: u32 = 6;
+/// Takes from before 5, 6 and 7 are compiled as they were then, and so play the same bits.
+pub const ARITHMETIC: u32 = 7;
 
 /// Returns the oldest arithmetic that plays a scene with the same bits as [`ARITHMETIC`].
 pub fn same_since<R: Real>(scene: &Scene<R>) -> u32 {
@@ -36,10 +37,15 @@ pub fn same_since<R: Real>(scene: &Scene<R>) -> u32 {
         op.law.is_some() && (op.ports.measure == MeasureKind::Radial || second == Some(MeasureKind::Radial))
     };
     let curved = |op: &Op<R>| op.law.is_some_and(|law| matches!(law.stage, SolveStage::Coupled(Some(_))));
-    if !scene.layout.ports.ahead.is_empty() || scene.passes.forces.iter().any(curved) {
+    let coupled = |op: &Op<R>| op.law.is_some_and(|law| matches!(law.stage, SolveStage::Coupled(_)));
+    let forces = &scene.passes.forces;
+    if forces.iter().any(|op| op.pass == Pass::Contacts { modes: false, sweeps: true }) {
+        return 7;
+    }
+    if !scene.layout.ports.ahead.is_empty() || forces.iter().any(curved) {
         return 6;
     }
-    if scene.passes.forces.iter().any(|op| op.law.is_some_and(|law| matches!(law.stage, SolveStage::Coupled(_)))) {
+    if forces.iter().any(coupled) {
         return 4;
     }
     if scene.passes.sorted {

@@ -13,6 +13,8 @@ pub(crate) struct Curve<R: Real> {
     pub push: AtChange<R, [R; 2]>,
     /// potential before the tick less that after it \[J\]
     pub released: AtChange<R, R>,
+    /// change of penetration over two ticks at which Newton's method begins \[m\]
+    pub begin: fn(&ActiveContact<R>) -> R,
 }
 
 /// Function of coefficients, tables, the penetration before the tick \[m\] and its change over two ticks \[m\].
@@ -35,59 +37,62 @@ pub(crate) enum Part {
 
 /// One link that acts in this tick. For friction, γ and ψ are 0, and the elongation is a penetration that shrinks.
 #[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
 pub(crate) struct ActiveContact<R: Real = f64> {
+    /// role in this tick
+    pub part: Part,
+    /// true if it may only push
+    pub clip: bool,
+    /// true if it is opening and still stores energy
+    pub open: bool,
     /// first slot of each end
     pub ends: [u32; 2],
     /// axes of an end: 1 on a line, 3 in space
     pub axes: usize,
+    /// search direction \[N\]
+    pub p: R,
+    /// change of penetration over two ticks, first assumed, then found \[m\]
+    pub at: R,
+    /// change of penetration over two ticks that all other forces would cause \[m\]
+    pub free: R,
+    /// mobility of its ends \[m/N\]
+    pub own: R,
+    /// penetration before the tick, of a curve \[m\]
+    pub from: R,
+    /// viscosity \[N per m/tick\]
+    pub z: R,
     /// gradient of the penetration at the second end; at the first it is the negative
     pub g: [R; 3],
+    /// its push, if that is not linear in the coming motion; none for links that use ψ and for friction
+    pub curve: Option<&'static Curve<R>>,
+    /// coefficients of the law of a curve
+    pub coef: [R; COEFS],
+    /// residual \[m\]
+    pub r: R,
+    /// twice the change of penetration in the tick before, at which sweeps begin \[m\]
+    pub went: R,
+    /// push per change of penetration over two ticks, γ²/4 + z/2 \[N/m\]
+    pub stiff: R,
+    /// push without motion \[N\]: γψ, or that of the tangent
+    pub bias: R,
     /// first number of its memory
     pub mem: usize,
     /// index into [`LinkState::tap`](crate::state::LinkState::tap) if an output or the ledger reads its force
     pub tap: Option<usize>,
     /// sign that converts its push into the tension of a link
     pub side: R,
-    /// true if it may only push
-    pub clip: bool,
-    /// true if it is opening and still stores energy
-    pub open: bool,
     /// change of ψ per change of penetration \[√(N/m)\]
     pub gamma: R,
     /// ψ before the tick \[√J\]; the energy stored is ψ²/2
     pub psi: R,
-    /// viscosity \[N per m/tick\]
-    pub z: R,
-    /// push per change of penetration over two ticks, γ²/4 + z/2 \[N/m\]
-    pub stiff: R,
-    /// change of penetration over two ticks that all other forces would cause \[m\]
-    pub free: R,
     /// diagonal of the system \[m/N\]
     pub diag: R,
     /// unknown of the system: push beyond `bias` \[N\]
     pub y: R,
-    /// its push, if that is not linear in the coming motion; none for links that use ψ and for friction
-    pub curve: Option<&'static Curve<R>>,
-    /// coefficients of the law of a curve
-    pub coef: [R; COEFS],
-    /// penetration before the tick, of a curve \[m\]
-    pub from: R,
-    /// change of penetration over two ticks, first assumed, then found \[m\]
-    pub at: R,
-    /// push without motion \[N\]: γψ, or that of the tangent
-    pub bias: R,
-    /// mobility of its ends \[m/N\]
-    pub own: R,
-    /// role in this tick
-    pub part: Part,
     /// solution: push, change of penetration and `y`, whose derivatives take one more step
     pub found: [R; 3],
     /// values at the start of a step: change of penetration, push, and the excess of the curve over it
     pub last: [R; 3],
-    /// residual \[m\]
-    pub r: R,
-    /// search direction \[N\]
-    pub p: R,
     /// system matrix times the search direction \[m\]
     pub q: R,
 }

@@ -186,7 +186,7 @@ impl Alone {
         let law = passes.first()?.law?;
         let mut s = State::default();
         if let SolveStage::Coupled(_) = law.stage {
-            let pass = Pass::Contacts { modes: false };
+            let pass = Pass::Contacts { modes: false, sweeps: false };
             passes.push(Op::new(pass, pass.kernel(), links));
             s.links.touches = ActiveContacts::new(links, slots);
         }

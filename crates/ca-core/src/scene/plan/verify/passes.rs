@@ -83,7 +83,7 @@ fn other(op: &Op, l: &Layout) -> Verified {
         Pass::ImplicitPairs | Pass::Positions => numbers(0),
         Pass::ModesAhead | Pass::ModesAgain => all(l.places.solved_modal.len()),
         // a state without contacts has no array of pushes
-        Pass::Contacts { modes: true } => {
+        Pass::Contacts { modes: true, .. } => {
             l.counts.n_touch > 0 || (l.places.modal_couplings.is_empty() && l.places.solved_modal.is_empty())
         }
         Pass::Group { compensated } | Pass::GroupOut { compensated } => {
@@ -110,7 +110,7 @@ fn other(op: &Op, l: &Layout) -> Verified {
         | Pass::WavesIn
         | Pass::WavesOut
         | Pass::Implicit
-        | Pass::Contacts { modes: false }
+        | Pass::Contacts { modes: false, .. }
         | Pass::LedgerOfForces
         | Pass::Between
         | Pass::ToTicks

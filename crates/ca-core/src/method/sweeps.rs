@@ -1,0 +1,98 @@
+//! Sweeps over links that are solved together: each link in turn is solved against the present pushes of all others.
+//!
+//! This is the Gauss-Seidel method with one Newton step a link. For link l, with the push h(s), its slope h′ and the
+//! mobility c of the ends, and with s the change of penetration assumed so far:
+//! ```text
+//! r = s* − Σ W N + c (N − h(s)) − s        s ← s + r / (1 + c h′)        N ← h(s) + h′ r / (1 + c h′)
+//! ```
+//! The system has one solution (`cluster.rs`), and each sweep brings soft links nearer to it, by a factor of about kT²/m.
+//! If a link is stiff (c h′ > 1), or a contact would pull that may not, the solvers of `cluster.rs` and `quadratised.rs` follow.
+
+use super::cluster::push;
+use super::system::Response;
+use crate::numeric::{Precision, Real};
+use crate::state::active_contacts::{ActiveContact, Part};
+
+/// Most sweeps per tick. From the third on the change must fall by [`FALLS`] from each to the next.
+const SWEEPS: usize = 16;
+const FALLS: f64 = 0.25;
+
+/// Solves for the push `p`, the change of penetration `at`, and `y` of links that are linear. Returns false if it has not
+/// found them.
+pub(super) fn swept<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], to: &mut Response<R, MODES>) -> bool {
+    let last = R::of(if matches!(R::PRECISION, Precision::Single) { 3e-7 } else { 4e-16 });
+    for t in &mut *all {
+        (t.p, t.at) = (R::ZERO, t.went);
+    }
+    let (mut before, mut solved) = (R::INFINITY, false);
+    for sweep in 0..SWEEPS {
+        let acting = all.iter_mut().filter(|t| sweep == 0 || t.part == Part::Acts || t.p != R::ZERO);
+        let worst = acting.map(|t| visit(t, to, sweep == 0)).fold(R::ZERO, R::max);
+        let falls = worst <= R::of(FALLS) * before;
+        // the next change would be smaller by the same factor
+        solved = worst <= last || falls && sweep > 0 && worst * worst <= last * before;
+        if solved && sweep > 0 {
+            // others may have pushed a waiting contact meanwhile
+            for t in all.iter_mut().filter(|t| t.part == Part::Waits && t.p == R::ZERO) {
+                solved &= visit(t, to, true) == R::ZERO;
+            }
+        }
+        // in this order, so that NaN ends the sweeps
+        if solved || !(falls || sweep < 2) || worst == R::INFINITY {
+            break;
+        }
+        before = worst;
+    }
+    for t in &mut *all {
+        solved &= t.curve.is_some() || !t.clip || t.p >= R::ZERO;
+        t.y = t.stiff * t.at;
+        for k in 0..t.axes {
+            let [a, b] = t.ends.map(|m| m as usize + k);
+            (to.push[a], to.push[b]) = (R::ZERO, R::ZERO);
+        }
+    }
+    solved
+}
+
+/// Solves one link, and returns the change of its motion relative to the motion. `to.push` holds the motions by all
+/// pushes. Returns infinity for a stiff link.
+#[inline(always)]
+fn visit<R: Real, const MODES: bool>(t: &mut ActiveContact<R>, to: &mut Response<R, MODES>, first: bool) -> R {
+    let [a, b] = t.ends.map(|m| m as usize);
+    let Response { layout, mobility, push: moved, .. } = to;
+    let mut by_all = t.g[0] * (moved[b] - moved[a]);
+    for k in 1..t.axes {
+        by_all += t.g[k] * (moved[b + k] - moved[a + k]);
+    }
+    if t.part == Part::Waits && t.p == R::ZERO {
+        t.at = t.free - by_all;
+        if t.from + t.at <= R::ZERO {
+            return R::ZERO;
+        }
+    }
+    let [force, rise] = match t.curve {
+        Some(curve) => push(t, curve, &layout.tables),
+        None => [t.bias + t.stiff * t.at, t.stiff],
+    };
+    // where the force falls, only its value is used
+    let rise = rise.max(R::ZERO);
+    let (steep, to_depth) = (t.own * rise, t.from + t.at);
+    // in the tick in which a contact closes or opens, the slope may be small and the contact stiff
+    let crosses = (t.from > R::ZERO) != (to_depth > R::ZERO);
+    if steep > R::of(1.0) || crosses && t.own * force.abs() > t.from.max(to_depth) {
+        return R::INFINITY;
+    }
+    if first || t.part == Part::Waits {
+        // without a division in each sweep
+        t.r = R::of(1.0) / t.free.abs().max(t.went.abs()).max(t.from.abs()).max(R::of(f64::MIN_POSITIVE));
+    }
+    let change = (t.free - by_all + t.own * (t.p - force) - t.at) / (R::of(1.0) + steep);
+    let more = force + rise * change - t.p;
+    t.at += change;
+    t.p += more;
+    for k in 0..t.axes {
+        moved[a + k] -= t.g[k] * mobility[a + k] * more;
+        moved[b + k] += t.g[k] * mobility[b + k] * more;
+    }
+    change.abs() * t.r
+}
