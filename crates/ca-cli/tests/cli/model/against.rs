@@ -1,6 +1,6 @@
 //! Tests `ca check --device`: each limit of a device from 0.1 % below and 0.1 % above.
 
-use crate::desk::Desk;
+use crate::sandbox::Sandbox;
 use serde_json::Value as Json;
 
 /// A key on a spring of stiffness `k` \[N/m\], and a device with degrees of freedom, stiffness \[N/m\], force \[N\],
@@ -20,9 +20,9 @@ const EASY: Key = Key { k: 1000.0, of: 0, dof: 1, stiffness: 40e3, force: 100.0,
 
 impl Key {
     fn asked(&self) -> (i32, Json, String) {
-        let desk = Desk::new();
+        let sandbox = Sandbox::new();
         let (k, dof) = (self.k, self.of);
-        desk.put(
+        sandbox.put(
             "key.ca.toml",
             &format!(
                 "[TGR]\nkey = {{ device = \"one\", dof = {dof} }}\n[SOL]\nwall = {{}}\n[RES]\nspring = {{ between = [\"key\", \
@@ -30,7 +30,7 @@ impl Key {
             ),
         );
         let Key { dof, stiffness, force, friction, rate, .. } = *self;
-        desk.put(
+        sandbox.put(
             "one.toml",
             &format!(
                 "name = \"one\"\ntitle = \"One key\"\nsource = \"a test\"\ndof = {dof}\nrange = [-0.01, 0.01]\nforce = \
@@ -39,8 +39,8 @@ impl Key {
             ),
         );
         let args = ["check", "key.ca.toml", "--device", "one.toml"];
-        let reported = desk.ca(&args);
-        let all = desk.ca(&[&args[..], &["--json"]].concat()).json()["device"].clone();
+        let reported = sandbox.ca(&args);
+        let all = sandbox.ca(&[&args[..], &["--json"]].concat()).json()["device"].clone();
         (reported.code, all, reported.out)
     }
 }
@@ -108,12 +108,12 @@ fn degrees_of_freedom_end_at_their_number() {
 /// Only a power law holds this key, so the line names no link.
 #[test]
 fn a_law_that_stiffens_begins_a_line_by_itself() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let text = "[TGR]\nkey = { device = \"tgr12\", dof = 0 }\n[SOL]\nwall = { dx0 = \"-1 mm\" }\n[MAS]\nbob = { m = \"10 g\", dx0 = \"1 mm\" }\n\
                 [REF]\nspring = { between = [\"wall\", \"bob\"], k = 20000, z = 0.1 }\n\
                 [HRZ]\nhit = { between = [\"key\", \"bob\"], k = 1e9 }\n[SOX]\nout = { from = \"bob\", gain = 100 }\n";
-    desk.put("key.ca.toml", text);
-    let r = desk.ca(&["check", "key.ca.toml", "--device", "tgr12"]);
+    sandbox.put("key.ca.toml", text);
+    let r = sandbox.ca(&["check", "key.ca.toml", "--device", "tgr12"]);
     assert!(r.out.lines().any(|l| l.trim_start().starts_with("it stiffens within the travel")), "{}\n{}", r.out, r.err);
     assert!(r.out.lines().all(|l| !l.trim_start().starts_with(';')), "{}", r.out);
 }

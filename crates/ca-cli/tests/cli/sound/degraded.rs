@@ -1,6 +1,6 @@
 //! Tests `ca render` with exit code 3: divergence and clipping.
 
-use crate::desk::{BAR, Desk, KEY, STRUCK, peak};
+use crate::sandbox::{BAR, KEY, STRUCK, Sandbox, peak};
 
 pub const UNSTABLE: &str = r#"
 [SOL]
@@ -34,58 +34,58 @@ push = [[0, 0], [0.01, "200 N"], [0.02, 0]]
 /// The audited first half second is at rest; a port moves the model later.
 #[test]
 fn a_model_that_diverges_after_its_audit_is_not_told_a_time_that_nobody_saw() {
-    let desk = Desk::new();
-    desk.put(
+    let sandbox = Sandbox::new();
+    sandbox.put(
         "late.ca.toml",
         "[ENX]\nhand = {}\n[MAS]\nbob = { m = \"1 g\" }\n[REF]\nspring = { between = [\"hand\", \"bob\"], k = \"10 MN/m\" }\n[SOX]\nout \
          = { from = \"bob\" }\n[gesture]\nhand = [[0, 0], [1.5, 0], [1.6, \"1 mm\"]]\n",
     );
-    let r = desk.ca(&["render", "late.ca.toml", "--seconds", "2"]).is(3);
+    let r = sandbox.ca(&["render", "late.ca.toml", "--seconds", "2"]).is(3);
     assert!(r.out.contains("diverged after 0.5000 s") && r.out.contains("`--energy` shows when"), "{}", r.out);
-    let r = desk.ca(&["render", "late.ca.toml", "--seconds", "2", "--energy"]).is(3);
+    let r = sandbox.ca(&["render", "late.ca.toml", "--seconds", "2", "--energy"]).is(3);
     assert!(r.out.contains("diverged at 1.5"), "{}", r.out);
 }
 
 #[test]
 fn an_unstable_model_is_named_and_silenced() {
-    let desk = Desk::new();
-    desk.put("bad.ca.toml", UNSTABLE).put("rattle.ca.toml", RATTLE);
+    let sandbox = Sandbox::new();
+    sandbox.put("bad.ca.toml", UNSTABLE).put("rattle.ca.toml", RATTLE);
     let cases = [("bad", &["bob"][..], "keep `k` of `spring`"), ("rattle", &["up", "down"], "keep `k` below")];
     for (model, guilty, advice) in cases {
         let file = format!("{model}.ca.toml");
-        let r = desk.ca(&["render", &file, "--seconds", "1"]).is(3);
+        let r = sandbox.ca(&["render", &file, "--seconds", "1"]).is(3);
         let module = guilty.iter().find(|m| r.err.contains(&format!("`{m}`: "))).unwrap_or_else(|| panic!("{}", r.err));
         assert!(r.err.contains("diverged at 0.00") && r.err.contains(advice), "{}", r.err);
-        let (_, samples) = desk.wav(&format!("{model}.wav"));
+        let (_, samples) = sandbox.wav(&format!("{model}.wav"));
         assert_eq!(samples.len(), 48_000);
         assert!(samples.iter().all(|s| s.is_finite() && s.abs() <= 1.0));
         assert!(peak(&samples) > 0.01 && peak(&samples[4800..]) == 0.0);
         // the ledger stops in time and names the same module
-        let j = desk.ca(&["render", &file, "--seconds", "1", "--energy", "--json"]).is(3).json();
+        let j = sandbox.ca(&["render", &file, "--seconds", "1", "--energy", "--json"]).is(3).json();
         assert_eq!(j["blown_up"]["module"].as_str(), Some(*module));
         assert!(j["energy"]["relative_residual"].as_f64().unwrap() < 1e-9, "{j:#}");
         assert!(j["energy"]["seconds"].as_f64().unwrap() < 0.01);
     }
-    desk.ca(&["check", "bad.ca.toml"]).is(3).says(&["W103", "unstable"]);
+    sandbox.ca(&["check", "bad.ca.toml"]).is(3).says(&["W103", "unstable"]);
     let contacts = "an impact may add energy at any value; measured at kT²/m = ";
-    desk.ca(&["check", "rattle.ca.toml"]).is(0).says(&["W117", "`up` is the stiffest", contacts]);
+    sandbox.ca(&["check", "rattle.ca.toml"]).is(0).says(&["W117", "`up` is the stiffest", contacts]);
     // between the cheap bounds, a factorisation decides, and on request reports the distance from the limit
-    let r = desk.ca(&["check", "harmonic_chain", "--exact"]).is(0);
+    let r = sandbox.ca(&["check", "harmonic_chain", "--exact"]).is(0);
     for word in ["stability  proven", "decided by a factorisation", "largest eigenvalue 3.99"] {
         assert!(r.out.contains(word), "{}", r.out);
     }
     // a linearised certificate reports the largest rise in energy: λ = 0.2, 0.4/3.8
-    desk.put(
+    sandbox.put(
         "room.ca.toml",
         "[room]\ndim = 3\n[room.SOL]\na = { x = [-1, 0, 0] }\nb = { x = [1, 0, 0] }\n[room.MAS]\nm = { m = 1e-3, \
          x = [0, 0, 0] }\n[REF]\ns = { between = [[\"room.a\", \"room.b\"], \"room.m\"], k = 230400, l0 = 0.5 }\n[SOX]\n\
          out = { from = \"room.m\", along = \"x\" }\n",
     );
-    let r = desk.ca(&["check", "room.ca.toml"]).is(0);
+    let r = sandbox.ca(&["check", "room.ca.toml"]).is(0);
     assert!(r.out.contains("linearised") && r.out.contains("rises by at most 10.5 %"), "{}", r.out);
-    let j = desk.ca(&["check", "room.ca.toml", "--json"]).is(0).json();
+    let j = sandbox.ca(&["check", "room.ca.toml", "--json"]).is(0).json();
     assert!((j["summary"]["stability"]["ripple"].as_f64().unwrap() - 0.4 / 3.8).abs() < 1e-12, "{j:#}");
-    let proven = desk.ca(&["check", "harmonic_chain", "--json"]).is(0).json()["summary"]["stability"].clone();
+    let proven = sandbox.ca(&["check", "harmonic_chain", "--json"]).is(0).json()["summary"]["stability"].clone();
     assert!(proven["level"] == "proven" && proven["ripple"].is_null(), "{proven:#}");
 }
 
@@ -101,87 +101,87 @@ fn table(v: f64) -> String {
 /// not reported as unstable if the energy does not reach its steep part.
 #[test]
 fn energy_that_is_made_is_compared_with_what_was_received() {
-    let desk = Desk::new();
-    desk.put("steep.ca.toml", &table(1.0)).put("soft.ca.toml", &table(0.01));
+    let sandbox = Sandbox::new();
+    sandbox.put("steep.ca.toml", &table(1.0)).put("soft.ca.toml", &table(0.01));
     for more in [&["--seconds", "3", "--energy"][..], &["--seconds", "1", "--energy"], &["--seconds", "3"]] {
-        let r = desk.ca(&[&["render", "steep.ca.toml"], more].concat()).is(3);
+        let r = sandbox.ca(&[&["render", "steep.ca.toml"], more].concat()).is(3);
         assert!(r.err.contains("`c` created") && r.err.contains("more than the"), "{}", r.err);
-        desk.ca(&[&["render", "soft.ca.toml"], more].concat()).is(0);
+        sandbox.ca(&[&["render", "soft.ca.toml"], more].concat()).is(0);
     }
-    desk.ca(&["check", "soft.ca.toml"]).is(0).says(&["rule of thumb, decided by `c`"]);
-    desk.ca(&["check", "steep.ca.toml"]).is(0).says(&["W107", "decisive: a slope of up to"]);
+    sandbox.ca(&["check", "soft.ca.toml"]).is(0).says(&["rule of thumb, decided by `c`"]);
+    sandbox.ca(&["check", "steep.ca.toml"]).is(0).says(&["W107", "decisive: a slope of up to"]);
     // weight gives energy that is not present at load
-    desk.put(
+    sandbox.put(
         "falls.ca.toml",
         "[g]\ngravity = 9.81\n[g.SOL]\nfloor = {}\n[g.MAS]\nball = { m = \"10 g\", x = \"1 cm\" }\n[BUT]\nhit = { between = [\"g.floor\", \"g.ball\"], \
          k = \"1 MN/m\" }\n[SOX]\nout = { from = \"g.ball\" }\n",
     );
-    desk.ca(&["render", "falls.ca.toml", "--seconds", "2", "--energy"]).is(0);
+    sandbox.ca(&["render", "falls.ca.toml", "--seconds", "2", "--energy"]).is(0);
 }
 
 #[test]
 fn what_is_cut_off_is_counted_and_the_gain_fits() {
-    let desk = Desk::new();
-    desk.put("bar.ca.toml", BAR);
+    let sandbox = Sandbox::new();
+    sandbox.put("bar.ca.toml", BAR);
     let loud = ["render", "bar.ca.toml", "--set", "loud=1500"];
-    let j = desk.ca(&[&loud[..], &["--json", "--ceiling"]].concat()).is(3).json();
+    let j = sandbox.ca(&[&loud[..], &["--json", "--ceiling"]].concat()).is(3).json();
     assert!(j["clipped"]["samples"].as_u64().unwrap() > 100 && j["blown_up"].is_null());
     assert!((j["channels"][0]["peak"].as_f64().unwrap() - 1.5).abs() < 0.01);
-    assert_eq!(peak(&desk.wav("bar.wav").1), 1.0);
+    assert_eq!(peak(&sandbox.wav("bar.wav").1), 1.0);
     let fits = 1500.0 * j["clipped"]["gain"].as_f64().unwrap();
-    desk.ca(&["render", "bar.ca.toml", "--set", &format!("loud={fits}")]).is(0);
-    assert!(peak(&desk.wav("bar.wav").1) > 0.99);
-    desk.ca(&[&loud[..], &["--format", "16"]].concat()).is(3).says(&["beyond full scale, cut off", "0.66"]);
+    sandbox.ca(&["render", "bar.ca.toml", "--set", &format!("loud={fits}")]).is(0);
+    assert!(peak(&sandbox.wav("bar.wav").1) > 0.99);
+    sandbox.ca(&[&loud[..], &["--format", "16"]].concat()).is(3).says(&["beyond full scale, cut off", "0.66"]);
 }
 
 #[test]
 fn floats_hold_what_is_beyond_full_scale_and_a_level_may_be_asked_for() {
-    let desk = Desk::new();
-    desk.put("bar.ca.toml", BAR);
+    let sandbox = Sandbox::new();
+    sandbox.put("bar.ca.toml", BAR);
     let loud = ["render", "bar.ca.toml", "--set", "loud=1500"];
-    desk.ca(&loud).is(0).says(&["beyond full scale, kept in 32-bit floats", "0.66"]);
-    let (_, all) = desk.wav("bar.wav");
+    sandbox.ca(&loud).is(0).says(&["beyond full scale, kept in 32-bit floats", "0.66"]);
+    let (_, all) = sandbox.wav("bar.wav");
     assert!((peak(&all) - 1.5).abs() < 0.01, "{}", peak(&all));
-    let j = desk.ca(&[&loud[..], &["--normalize", "-1dBFS", "--json", "--no-fade"]].concat()).is(0).json();
-    let (_, same) = desk.wav("bar.wav");
+    let j = sandbox.ca(&[&loud[..], &["--normalize", "-1dBFS", "--json", "--no-fade"]].concat()).is(0).json();
+    let (_, same) = sandbox.wav("bar.wav");
     let (to, gain) = (10.0_f64.powf(-1.0 / 20.0), j["gain"].as_f64().unwrap());
     assert!((peak(&same) - to).abs() < 1e-6 && j["clipped"].is_null() && j["faded"] == false);
     assert!((gain * 1.5 / to - 1.0).abs() < 0.01, "{gain}");
-    let levels = desk.ca(&["check", "bar.ca.toml", "--set", "loud=1500", "--levels", "--json"]).is(0).json();
+    let levels = sandbox.ca(&["check", "bar.ca.toml", "--set", "loud=1500", "--levels", "--json"]).is(0).json();
     let row = &levels["levels"][0];
     assert!((row["peak"].as_f64().unwrap() * row["gain_factor"].as_f64().unwrap() - 0.5).abs() < 1e-12, "{levels:#}");
     for wrong in ["3", "loud", "-201dBFS", "nan"] {
-        desk.ca(&["render", "bar.ca.toml", "--normalize", wrong]).is(2).says(&["dBFS"]);
+        sandbox.ca(&["render", "bar.ca.toml", "--normalize", wrong]).is(2).says(&["dBFS"]);
     }
 }
 
 #[test]
 fn a_body_that_drifts_is_named_and_a_sound_that_goes_on_is_faded() {
-    let desk = Desk::new();
-    desk.put("drift.ca.toml", "[MAS]\nloose = { m = \"1 g\", v = \"0.1 m/s\" }\n[CEL]\nbar = { m = \"1 g\", f = \"A4\", t60 = 9, dx0 = \"1 mm\" }\n\
+    let sandbox = Sandbox::new();
+    sandbox.put("drift.ca.toml", "[MAS]\nloose = { m = \"1 g\", v = \"0.1 m/s\" }\n[CEL]\nbar = { m = \"1 g\", f = \"A4\", t60 = 9, dx0 = \"1 mm\" }\n\
          [SOX]\nout = { from = \"loose\" }\nbar_x = { from = \"bar\", gain = 500 }\n");
-    let r = desk.ca(&["render", "drift.ca.toml", "--seconds", "2"]).is(0);
+    let r = sandbox.ca(&["render", "drift.ca.toml", "--seconds", "2"]).is(0);
     let r = r.says(&["of the power of `out` is below 5 Hz", "`loose` is furthest from rest"]);
     assert!(r.out.contains("the last 20 ms are faded"), "{}", r.out);
-    let (_, faded) = desk.wav("drift.wav");
+    let (_, faded) = sandbox.wav("drift.wav");
     assert_eq!(faded[faded.len() - 1], 0.0);
-    desk.ca(&["render", "drift.ca.toml", "--seconds", "2", "--no-fade"]).is(0);
-    let (_, plain) = desk.wav("drift.wav");
+    sandbox.ca(&["render", "drift.ca.toml", "--seconds", "2", "--no-fade"]).is(0);
+    let (_, plain) = sandbox.wav("drift.wav");
     assert!(plain[..plain.len() - 2 * 960] == faded[..plain.len() - 2 * 960] && plain[plain.len() - 1] != 0.0);
 }
 
 #[test]
 fn what_blows_is_reported_with_the_command_that_shows_why() {
-    let desk = Desk::new();
-    desk.put("struck.ca.toml", STRUCK);
-    desk.put("key.csv", KEY);
+    let sandbox = Sandbox::new();
+    sandbox.put("struck.ca.toml", STRUCK);
+    sandbox.put("key.csv", KEY);
     let args = ["render", "struck.ca.toml", "--set", "strike.k=1e15 N/m", "--gesture", "key.csv"];
-    let r = desk.ca(&args).is(3).says(&["findings", "`ca check struck.ca.toml --set 'strike.k=1e15 N/m'`"]);
+    let r = sandbox.ca(&args).is(3).says(&["findings", "`ca check struck.ca.toml --set 'strike.k=1e15 N/m'`"]);
     assert!(!r.err.contains("multiply the gain"), "{}", r.err);
-    desk.ca(&["check", "struck.ca.toml", "--set", "strike.k=1e15 N/m"]).says(&["W117", "`strike`"]);
+    sandbox.ca(&["check", "struck.ca.toml", "--set", "strike.k=1e15 N/m"]).says(&["W117", "`strike`"]);
     // the slope of a power law is taken at a depth; for an absurd stiffness that depth is too small for any blow
     let hard = |k: &str| {
-        let r = desk.ca(&["check", "hammered_string", "--set", k, "--json"]).is(0).json();
+        let r = sandbox.ca(&["check", "hammered_string", "--set", k, "--json"]).is(0).json();
         let depth = &r["summary"]["stability"]["depth"];
         assert_eq!(depth["contact"], "strike", "{r:#}");
         depth["m"].as_f64().unwrap()
@@ -189,7 +189,7 @@ fn what_blows_is_reported_with_the_command_that_shows_why() {
     let ratio = hard("strike.k=1e30") / hard("strike.k=4e12");
     assert!((ratio / (4e12_f64 / 1e30).sqrt() - 1.0).abs() < 1e-9, "{ratio}");
     let words = "stiffens with depth: slope·T²/m is 1 at ";
-    desk.ca(&["check", "hammered_string"]).says(&["`strike` ", words]);
-    desk.ca(&["report", "hammered_string", "-o", "string.html"]).is(0);
-    assert!(std::fs::read_to_string(desk.path("string.html")).unwrap().contains(words));
+    sandbox.ca(&["check", "hammered_string"]).says(&["`strike` ", words]);
+    sandbox.ca(&["report", "hammered_string", "-o", "string.html"]).is(0);
+    assert!(std::fs::read_to_string(sandbox.path("string.html")).unwrap().contains(words));
 }

@@ -7,19 +7,19 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
 /// Empty working directory, and a private directory for shared memory and settings.
-pub struct Desk(pub tempfile::TempDir, tempfile::TempDir);
+pub struct Sandbox(pub tempfile::TempDir, tempfile::TempDir);
 
 /// Output of a run.
-pub struct Ran {
+pub struct RunOutput {
     pub code: i32,
     pub out: String,
     pub err: String,
 }
 
-impl Desk {
-    pub fn new() -> Desk {
+impl Sandbox {
+    pub fn new() -> Sandbox {
         // short, because socket names are limited
-        Desk(tempfile::tempdir().unwrap(), tempfile::Builder::new().prefix("ca").tempdir_in("/tmp").unwrap())
+        Sandbox(tempfile::tempdir().unwrap(), tempfile::Builder::new().prefix("ca").tempdir_in("/tmp").unwrap())
     }
     pub fn path(&self, name: &str) -> PathBuf {
         self.0.path().join(name)
@@ -28,7 +28,7 @@ impl Desk {
     pub fn shm(&self) -> PathBuf {
         self.1.path().join(self.1.path().file_name().unwrap())
     }
-    pub fn put(&self, name: &str, text: &str) -> &Desk {
+    pub fn put(&self, name: &str, text: &str) -> &Sandbox {
         fs::write(self.path(name), text).unwrap();
         self
     }
@@ -43,25 +43,25 @@ impl Desk {
         let mut c = self.command(env!("CARGO_BIN_EXE_ca"));
         c.args(args).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
     }
-    pub fn ca(&self, args: &[&str]) -> Ran {
+    pub fn ca(&self, args: &[&str]) -> RunOutput {
         self.with(&[], args)
     }
     /// Runs the built command with additional environment variables.
-    pub fn with(&self, environment: &[(&str, &str)], args: &[&str]) -> Ran {
+    pub fn with(&self, environment: &[(&str, &str)], args: &[&str]) -> RunOutput {
         let mut c = self.command(env!("CARGO_BIN_EXE_ca"));
         let o = c.args(args).envs(environment.iter().copied()).output().unwrap();
         let text = |b: &[u8]| String::from_utf8(b.to_vec()).unwrap();
-        Ran { code: o.status.code().unwrap(), out: text(&o.stdout), err: text(&o.stderr) }
+        RunOutput { code: o.status.code().unwrap(), out: text(&o.stdout), err: text(&o.stderr) }
     }
     /// Runs a shell line in which `ca` is the built command.
     #[cfg(unix)]
-    pub fn sh(&self, line: &str) -> Ran {
+    pub fn sh(&self, line: &str) -> RunOutput {
         let bin = Path::new(env!("CARGO_BIN_EXE_ca")).parent().unwrap();
         let path = format!("{}:{}", bin.display(), std::env::var("PATH").unwrap());
         let o = self.command("sh").args(["-ec", line]).env("PATH", path).output().unwrap();
         let text = |b: &[u8]| String::from_utf8(b.to_vec()).unwrap();
         let err = format!("$ {line}\n{}", text(&o.stderr));
-        Ran { code: o.status.code().unwrap(), out: text(&o.stdout), err }
+        RunOutput { code: o.status.code().unwrap(), out: text(&o.stdout), err }
     }
     pub fn files(&self) -> Vec<String> {
         let mut list: Vec<String> =
@@ -94,14 +94,14 @@ impl Desk {
     }
 }
 
-impl Ran {
+impl RunOutput {
     #[track_caller]
-    pub fn is(self, code: i32) -> Ran {
+    pub fn is(self, code: i32) -> RunOutput {
         assert_eq!(self.code, code, "stdout:\n{}\nstderr:\n{}", self.out, self.err);
         self
     }
     #[track_caller]
-    pub fn says(self, words: &[&str]) -> Ran {
+    pub fn says(self, words: &[&str]) -> RunOutput {
         for w in words {
             assert!(self.out.contains(w) || self.err.contains(w), "no `{w}` in\n{}\n{}", self.out, self.err);
         }
