@@ -26,8 +26,8 @@ impl Fuzz {
         self.0.written() as u64 * EACH
     }
 
-    pub fn lives(&mut self) -> bool {
-        self.0.lives()
+    pub fn is_running(&mut self) -> bool {
+        self.0.is_running()
     }
 
     pub fn end(self) {

@@ -10,7 +10,7 @@ mod liar;
 mod long_form;
 mod raw;
 mod role;
+mod sandbox;
 #[path = "../../../../tests/src/skipped.rs"]
 mod skipped;
-mod stage;
 mod watch;

@@ -40,14 +40,14 @@ impl Role {
             .spawn()
             .unwrap();
         let mut role = Role { child, record, _dir: dir };
-        super::stage::until("the part is ready", || {
-            assert!(role.lives(), "`{name}` ended at once");
+        super::sandbox::until("the part is ready", || {
+            assert!(role.is_running(), "`{name}` ended at once");
             role.record.exists()
         });
         role
     }
 
-    pub fn lives(&mut self) -> bool {
+    pub fn is_running(&mut self) -> bool {
         self.child.try_wait().unwrap().is_none()
     }
 
@@ -71,7 +71,7 @@ impl Role {
 
     pub fn end(mut self) -> Vec<u8> {
         drop(self.child.stdin.take());
-        super::stage::until("the part ends", || !self.lives());
+        super::sandbox::until("the part ends", || !self.is_running());
         assert!(self.child.wait().unwrap().success(), "the part failed; what it says stands above");
         self.read()
     }

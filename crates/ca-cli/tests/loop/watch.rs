@@ -142,5 +142,5 @@ impl Seen {
 }
 
 pub fn key() -> Profile {
-    Profile::read(super::stage::PROFILE, "key").unwrap()
+    Profile::read(super::sandbox::PROFILE, "key").unwrap()
 }

@@ -1,7 +1,7 @@
 //! Tests `ca device conformance`: a correct device passes, and the row for each fault finds it.
 
 use crate::liar::{Liar, Lie};
-use crate::stage::{Ran, Stage, until};
+use crate::sandbox::{RunOutput, Sandbox, until};
 use serde_json::Value;
 use std::sync::RwLock;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -18,16 +18,16 @@ fn row(v: &Value, name: &str) -> (bool, String) {
     (r["pass"].as_bool().unwrap(), r["found"].as_str().unwrap().to_owned())
 }
 
-fn tested(stage: &Stage, name: &str) -> Ran {
-    stage.ca(&["device", "conformance", name, "--json"])
+fn tested(sandbox: &Sandbox, name: &str) -> RunOutput {
+    sandbox.ca(&["device", "conformance", name, "--json"])
 }
 
 /// Repeats the test until it passes. Measurements depend on a possibly busy machine, and forces come on only if nothing
 /// stalls for 100 ms.
-fn passes(stage: &Stage, name: &str) -> Value {
+fn passes(sandbox: &Sandbox, name: &str) -> Value {
     let mut last = Value::Null;
     for _ in 0..30 {
-        let ran = tested(stage, name);
+        let ran = tested(sandbox, name);
         last = ran.json();
         if ran.code == Some(0) {
             assert_eq!(last["pass"], true);
@@ -40,9 +40,9 @@ fn passes(stage: &Stage, name: &str) -> Value {
 #[test]
 fn simulated_devices_pass() {
     let each = |name: &str| {
-        let stage = Stage::beside();
-        let device = stage.spawn(&["device", "sim", "--profile", name, "--script", "hold"]);
-        let v = passes(&stage, name);
+        let sandbox = Sandbox::shared();
+        let device = sandbox.spawn(&["device", "sim", "--profile", name, "--script", "hold"]);
+        let v = passes(&sandbox, name);
         assert!(v["rows"].as_array().unwrap().len() >= 20, "{v:#}");
         let (pass, found) = row(&v, "watchdog");
         assert!(pass && found.contains("WATCHDOG_OUT"), "{found}");
@@ -61,18 +61,18 @@ fn simulated_devices_pass() {
 
 #[test]
 fn a_device_without_our_client_passes() {
-    let stage = Stage::beside();
-    let _device = Liar::new(&stage.site, "key", Lie::None);
-    passes(&stage, "key");
+    let sandbox = Sandbox::shared();
+    let _device = Liar::new(&sandbox.site, "key", Lie::None);
+    passes(&sandbox, "key");
 }
 
 /// The option suggested for a device without a profile exists in this command.
 #[test]
 fn a_device_without_a_profile_is_given_one_as_suggested() {
-    let stage = Stage::beside();
-    let device = stage.spawn(&["device", "sim", "--profile", "key", "--name", "other", "--script", "hold"]);
-    let with = |more: &[&str]| stage.ca(&[&["device", "conformance", "other", "--force", "0"][..], more].concat());
-    until("it speaks", || stage.ca(&["device", "list"]).out.contains("other"));
+    let sandbox = Sandbox::shared();
+    let device = sandbox.spawn(&["device", "sim", "--profile", "key", "--name", "other", "--script", "hold"]);
+    let with = |more: &[&str]| sandbox.ca(&[&["device", "conformance", "other", "--force", "0"][..], more].concat());
+    until("it speaks", || sandbox.ca(&["device", "list"]).out.contains("other"));
     with(&[]).says(&["--profile other=NAME", "profile `unknown`"]);
     with(&["--profile", "other=key"]).says(&["profile `key`"]);
     with(&["--profile", "another=key"]).is(2).says(&["the tested device is `other`"]);
@@ -81,24 +81,24 @@ fn a_device_without_a_profile_is_given_one_as_suggested() {
 
 #[test]
 fn a_device_that_cannot_be_had_is_an_error() {
-    let stage = Stage::new();
-    stage.ca(&["device", "conformance", "nobody"]).is(1).says(&["no running device `nobody`", "ca device list"]);
-    let _server = stage.serve("key.ca.toml", &["--quiet"]);
-    let _device = stage.key(&["--script", "hold"]);
-    until("it speaks", || stage.state().2 > 100);
-    stage.ca(&["device", "conformance", "key"]).is(1).says(&["already has a server"]);
+    let sandbox = Sandbox::new();
+    sandbox.ca(&["device", "conformance", "nobody"]).is(1).says(&["no running device `nobody`", "ca device list"]);
+    let _server = sandbox.serve("key.ca.toml", &["--quiet"]);
+    let _device = sandbox.key(&["--script", "hold"]);
+    until("it speaks", || sandbox.state().2 > 100);
+    sandbox.ca(&["device", "conformance", "key"]).is(1).says(&["already has a server"]);
 }
 
 /// Repeats the test of a faulty device until the row `name` appears; a busy machine may fail an earlier row first.
 /// After a few attempts, it runs without other tests at the same time.
 fn found(lie: Lie, name: &str, beside: &RwLock<()>) {
-    let stage = Stage::beside();
-    let _device = Liar::new(&stage.site, "key", lie);
+    let sandbox = Sandbox::shared();
+    let _device = Liar::new(&sandbox.site, "key", lie);
     let mut last = Value::Null;
     for try_of_it in 0..30 {
         let with_others = (try_of_it < FEW).then(|| beside.read().expect("nobody panics with it"));
         let by_itself = (try_of_it >= FEW).then(|| beside.write().expect("nobody panics with it"));
-        let ran = tested(&stage, "key");
+        let ran = tested(&sandbox, "key");
         drop((with_others, by_itself));
         if ran.err.contains("no running device `key`") {
             // the device announces itself twice per second, if the machine allows it

@@ -1,8 +1,8 @@
 //! Tests `ca device calibrate` in a terminal: a user brings a device to its stops, skips an axis, and lets it move.
 
 use crate::liar::Liar;
+use crate::sandbox::{Sandbox, until};
 use crate::skipped::skipped;
-use crate::stage::{Stage, until};
 use std::fs::File;
 use std::io::Write as _;
 use std::path::Path;
@@ -18,10 +18,10 @@ struct Terminal {
 }
 
 impl Terminal {
-    fn of(stage: &Stage, line: &str) -> Terminal {
-        let shown = stage.path("shown");
+    fn of(sandbox: &Sandbox, line: &str) -> Terminal {
+        let shown = sandbox.path("shown");
         let bin = Path::new(env!("CARGO_BIN_EXE_ca")).parent().unwrap();
-        let mut c = stage.command("script", &["-qefc", line, "/dev/null"]);
+        let mut c = sandbox.command("script", &["-qefc", line, "/dev/null"]);
         c.env("PATH", format!("{}:{}", bin.display(), std::env::var("PATH").unwrap()));
         c.stdin(Stdio::piped()).stdout(File::create(&shown).unwrap()).stderr(Stdio::null());
         Terminal { child: c.spawn().unwrap(), shown, seen: 0 }
@@ -55,19 +55,19 @@ fn a_person_is_asked_for_each_stop() {
         skipped("script", "no `script`, so there is no terminal in which somebody is asked");
         return;
     }
-    let stage = Stage::new();
-    let profile = crate::stage::PROFILE.replace("dof = 1", "dof = 2");
-    stage.put("c/profiles/key.toml", &profile);
+    let sandbox = Sandbox::new();
+    let profile = crate::sandbox::PROFILE.replace("dof = 1", "dof = 2");
+    sandbox.put("c/profiles/key.toml", &profile);
     // reading of the sensor in counts; it shakes while this is negative
     let says = Arc::new(AtomicI64::new(100));
     let counts = says.clone();
-    let _device = Liar::moving(&stage.site, "key", move |n, f| {
+    let _device = Liar::moving(&sandbox.site, "key", move |n, f| {
         let at = counts.load(Relaxed);
         f.n = 2;
         f.pos[0] = if at < 0 { 1000.0 * (n % 2) as f64 } else { at as f64 };
     });
-    stage.ca(&["device", "calibrate", "key", "--low", "0", "--high", "1"]).is(0);
-    let mut t = Terminal::of(&stage, "ca device calibrate key");
+    sandbox.ca(&["device", "calibrate", "key", "--low", "0", "--high", "1"]).is(0);
+    let mut t = Terminal::of(&sandbox, "ca device calibrate key");
     t.shows("axis 0, low stop: ");
     t.types("");
     t.shows("axis 0, high stop: ");
@@ -85,7 +85,7 @@ fn a_person_is_asked_for_each_stop() {
     t.types("s");
     t.shows("calibration");
     until("it ends", || t.child.try_wait().unwrap().is_some());
-    let text = stage.read("c/calibration/key.toml");
+    let text = sandbox.read("c/calibration/key.toml");
     let c = ca_haptic::calibration::Calibration::read(&text, "key.toml").unwrap();
     // 20 mm over 4000 counts, reversed; the skipped axis is unchanged
     assert!((c.axis[0].scale + 5e-6).abs() < 1e-15 && (c.axis[0].offset - 0.0105).abs() < 1e-12, "{text}");

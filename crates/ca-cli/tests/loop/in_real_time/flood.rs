@@ -1,6 +1,6 @@
 //! Tests that a flood of requests does not block disarming.
 
-use crate::stage::{KEY, Proc, Stage, until};
+use crate::sandbox::{KEY, Proc, Sandbox, until};
 use ca_haptic::host::control::Request;
 use rosc::{OscBundle, OscMessage, OscPacket, OscTime, encoder};
 use std::fmt::Write as _;
@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread;
 
 pub fn port(server: &Proc) -> u16 {
-    let port = || server.said().split("OSC: UDP port ").nth(1)?.split(' ').next()?.parse::<u16>().ok();
+    let port = || server.stderr().split("OSC: UDP port ").nth(1)?.split(' ').next()?.parse::<u16>().ok();
     until("it says where it listens", || port().is_some());
     port().unwrap()
 }
@@ -22,18 +22,18 @@ const PARAMS: usize = 100;
 /// disarms and stops.
 #[test]
 fn a_flood_of_osc_does_not_keep_forces_on() {
-    let stage = Stage::new();
+    let sandbox = Sandbox::new();
     let mut model = String::from("[param]\n");
     for n in 0..PARAMS {
         let _ = writeln!(model, "p{n} = {{ value = 1, live = true, min = 0, max = 2 }}");
     }
-    stage.put("many.ca.toml", &(model + KEY));
-    let server = stage.serve("many.ca.toml", &["--osc", "0"]);
-    let _key = stage.key(&[]);
-    stage.on();
+    sandbox.put("many.ca.toml", &(model + KEY));
+    let server = sandbox.serve("many.ca.toml", &["--osc", "0"]);
+    let _key = sandbox.key(&[]);
+    sandbox.on();
     let to = (std::net::Ipv4Addr::LOCALHOST, port(&server));
 
-    let token = stage.read("c/osc-token");
+    let token = sandbox.read("c/osc-token");
     let over = Arc::new(AtomicBool::new(false));
     let senders: Vec<_> = [format!("/{}/state", token.trim()), "/state".into()]
         .into_iter()
@@ -56,11 +56,11 @@ fn a_flood_of_osc_does_not_keep_forces_on() {
         .collect();
     thread::sleep(std::time::Duration::from_millis(500));
     // a busy machine may switch forces off by itself, which is also accepted
-    let answered = stage.ask(&Request::Disarm { device: None });
-    assert!(answered.is_some_and(|r| r.ok), "who disarms is answered: {}", server.said());
-    until("forces are off", || stage.state().0 == "off");
-    let ended = stage.ask(&Request::Stop);
-    assert!(ended.is_some_and(|r| r.ok), "and so is who stops: {}", server.said());
+    let answered = sandbox.ask(&Request::Disarm { device: None });
+    assert!(answered.is_some_and(|r| r.ok), "who disarms is answered: {}", server.stderr());
+    until("forces are off", || sandbox.state().0 == "off");
+    let ended = sandbox.ask(&Request::Stop);
+    assert!(ended.is_some_and(|r| r.ok), "and so is who stops: {}", server.stderr());
     let ran = server.end();
     over.store(true, Relaxed);
     for sender in senders {

@@ -2,8 +2,8 @@
 //! files or links, or play an armed model. These tests need root to act as another user and are skipped otherwise.
 
 use super::flood;
+use crate::sandbox::{RunOutput, Sandbox, until};
 use crate::skipped::skipped;
-use crate::stage::{Ran, Stage, until};
 use ca_haptic::host::control::Request;
 use rosc::{OscBundle, OscMessage, OscPacket, OscTime, OscType, encoder};
 use std::fs;
@@ -40,20 +40,20 @@ const COMMANDS: [&[&str]; 9] = [
     &["device", "sim", "--profile", "key", "--seconds", "0.1"],
 ];
 
-fn run(stage: &Stage, args: &[&str]) -> Ran {
+fn run(sandbox: &Sandbox, args: &[&str]) -> RunOutput {
     // fails the test if the command hangs
-    stage.spawn(args).end()
+    sandbox.spawn(args).end()
 }
 
 #[test]
 fn nothing_of_ours_can_be_opened_or_cut_by_another_user() {
-    let stage = Stage::beside();
-    let server = stage.serve("key.ca.toml", &["--quiet"]);
-    let device = stage.key(&[]);
-    stage.on();
+    let sandbox = Sandbox::shared();
+    let server = sandbox.serve("key.ca.toml", &["--quiet"]);
+    let device = sandbox.key(&[]);
+    sandbox.on();
     let mut files = Vec::new();
     for entry in fs::read_dir("/dev/shm").unwrap().flatten() {
-        if entry.file_name().to_string_lossy().starts_with(stage.site.prefix()) {
+        if entry.file_name().to_string_lossy().starts_with(sandbox.site.prefix()) {
             // skips a file removed since the listing
             let Ok(file) = entry.metadata() else { continue };
             let mode = file.permissions().mode() & 0o777;
@@ -69,7 +69,7 @@ fn nothing_of_ours_can_be_opened_or_cut_by_another_user() {
         files.iter().map(|f| f.display().to_string()).collect::<Vec<_>>().join(" ")
     );
     let Some(printed) = as_nobody(&line) else { return };
-    let socket = stage.site.root().join("control/v1");
+    let socket = sandbox.site.root().join("control/v1");
     assert!(socket.exists());
     let line = format!("test -e {} && echo seen; true", socket.display());
     assert_eq!(as_nobody(&line).as_deref(), Some(""), "the socket is in a closed folder");
@@ -77,10 +77,10 @@ fn nothing_of_ours_can_be_opened_or_cut_by_another_user() {
     // a file removed meanwhile may count as cut, but not as read or removed
     let done = |l: &&str| *l != "tried" && l.strip_suffix(" cut").is_none_or(|f| Path::new(f).exists());
     assert_eq!(printed.lines().filter(done).count(), 0, "{printed}");
-    run(&stage, &["status"]).is(0);
-    run(&stage, &["device", "list"]).is(0).says(&["key"]);
-    run(&stage, &["disarm"]).is(0);
-    run(&stage, &["stop"]).is(0);
+    run(&sandbox, &["status"]).is(0);
+    run(&sandbox, &["device", "list"]).is(0).says(&["key"]);
+    run(&sandbox, &["disarm"]).is(0);
+    run(&sandbox, &["stop"]).is(0);
     server.end().is(0);
     drop(device);
 }
@@ -90,24 +90,24 @@ const COUNTER: &str = "9204dd183d1c4d8e1ff592a30766ffa6765aa8b5_node.0_10_0.glob
 
 #[test]
 fn a_file_of_another_user_blocks_no_command_while_a_server_runs() {
-    let stage = Stage::beside();
-    let server = stage.serve("key.ca.toml", &["--quiet"]);
-    let device = stage.key(&[]);
-    stage.on();
-    let path = format!("/dev/shm/{}squat", stage.site.prefix());
+    let sandbox = Sandbox::shared();
+    let server = sandbox.serve("key.ca.toml", &["--quiet"]);
+    let device = sandbox.key(&[]);
+    sandbox.on();
+    let path = format!("/dev/shm/{}squat", sandbox.site.prefix());
     if as_nobody(&format!("touch {path}; ln -s /dev/zero {path}2")).is_none() {
         return;
     }
-    run(&stage, &["status"]).is(0);
-    run(&stage, &["device", "list"]).is(0).says(&["key"]);
-    run(&stage, &["device", "sim", "--profile", "key", "--name", "new", "--seconds", "0.1"]).is(0);
-    run(&stage, &["shm", "list"]).is(0);
-    run(&stage, &["shm", "clean"]).is(0);
-    run(&stage, &["disarm"]).is(0);
-    until("forces are off", || stage.state().0 == "off");
-    run(&stage, &["arm"]).is(0);
-    stage.on();
-    run(&stage, &["stop"]).is(0);
+    run(&sandbox, &["status"]).is(0);
+    run(&sandbox, &["device", "list"]).is(0).says(&["key"]);
+    run(&sandbox, &["device", "sim", "--profile", "key", "--name", "new", "--seconds", "0.1"]).is(0);
+    run(&sandbox, &["shm", "list"]).is(0);
+    run(&sandbox, &["shm", "clean"]).is(0);
+    run(&sandbox, &["disarm"]).is(0);
+    until("forces are off", || sandbox.state().0 == "off");
+    run(&sandbox, &["arm"]).is(0);
+    sandbox.on();
+    run(&sandbox, &["stop"]).is(0);
     server.end();
     drop(device);
     for path in [path.clone(), path + "2"] {
@@ -118,12 +118,12 @@ fn a_file_of_another_user_blocks_no_command_while_a_server_runs() {
 
 #[test]
 fn a_prefix_that_another_user_knows_is_replaced() {
-    let stage = Stage::beside();
-    let root = stage.path("r");
+    let sandbox = Sandbox::shared();
+    let root = sandbox.path("r");
     let ca = |args: &[&str]| {
-        let mut c = stage.command(env!("CARGO_BIN_EXE_ca"), args);
+        let mut c = sandbox.command(env!("CARGO_BIN_EXE_ca"), args);
         c.env("CA_SHM_ROOT", &root);
-        stage.start(c).end()
+        sandbox.start(c).end()
     };
     let prefix = || ca(&["shm", "list", "--json"]).is(0).json()["prefix"].as_str().unwrap().to_owned();
     // the first file opened by iceoryx2 (if empty, it would wait forever), the line of a device, and other files
@@ -155,13 +155,13 @@ fn a_prefix_that_another_user_knows_is_replaced() {
 /// Forces can be switched off even without a usable `/dev/shm`.
 #[test]
 fn what_is_asked_of_a_server_needs_no_shared_memory() {
-    let stage = Stage::beside();
-    let server = stage.serve("key.ca.toml", &["--quiet"]);
+    let sandbox = Sandbox::shared();
+    let server = sandbox.serve("key.ca.toml", &["--quiet"]);
     let line = "mount -t tmpfs -o size=4k,ro tmpfs /dev/shm || { echo unable; exit 0; }; \
                 $CA status && $CA disarm && $CA arm && $CA stop; echo code $?";
-    let mut c = stage.command("unshare", &["-m", "sh", "-c", line]);
+    let mut c = sandbox.command("unshare", &["-m", "sh", "-c", line]);
     c.env("CA", env!("CARGO_BIN_EXE_ca"));
-    let r = stage.start(c).end();
+    let r = sandbox.start(c).end();
     if r.code != Some(0) || r.out.contains("unable") {
         skipped("unshare", &format!("no separate /dev/shm: {}", r.err));
         return;
@@ -174,41 +174,41 @@ fn what_is_asked_of_a_server_needs_no_shared_memory() {
 /// A process killed while it creates a service leaves one that cannot be opened.
 #[test]
 fn what_a_killed_process_had_begun_is_no_obstacle() {
-    let stage = Stage::beside();
+    let sandbox = Sandbox::shared();
     // the name of a service is a hash, so it is copied from a complete server
-    run(&stage, &["serve", "key.ca.toml", "--seconds", "0.1"]).served(301);
-    let server = stage.serve("key.ca.toml", &["--quiet"]);
-    let services = stage.site.root().join("services");
+    run(&sandbox, &["serve", "key.ca.toml", "--seconds", "0.1"]).served(301);
+    let server = sandbox.serve("key.ca.toml", &["--quiet"]);
+    let services = sandbox.site.root().join("services");
     until("it serves", || fs::read_dir(&services).is_ok_and(|all| all.flatten().count() >= 4));
     let names: Vec<_> = fs::read_dir(&services).unwrap().flatten().map(|e| e.path()).collect();
     server.kill();
-    run(&stage, &["device", "list"]).is(0);
+    run(&sandbox, &["device", "list"]).is(0);
     for path in &names {
         let _ = fs::remove_file(path);
         fs::write(path, []).unwrap();
         fs::set_permissions(path, fs::Permissions::from_mode(0o600)).unwrap();
-        run(&stage, &["serve", "key.ca.toml", "--seconds", "0.1"]).served(301);
+        run(&sandbox, &["serve", "key.ca.toml", "--seconds", "0.1"]).served(301);
     }
     assert!(names.len() >= 4, "{names:?}");
 }
 
 #[test]
 fn a_file_of_ours_that_was_cut_is_made_anew() {
-    let stage = Stage::beside();
-    run(&stage, &["device", "list"]).is(0);
+    let sandbox = Sandbox::shared();
+    run(&sandbox, &["device", "list"]).is(0);
     for name in [COUNTER, "1_1.dynamic"] {
-        let path = format!("/dev/shm/{}{name}", stage.site.prefix());
+        let path = format!("/dev/shm/{}{name}", sandbox.site.prefix());
         fs::write(&path, []).unwrap();
-        run(&stage, &["device", "list"]).is(0);
-        run(&stage, &["status"]).is(1).says(&["no server is running"]);
-        run(&stage, &["serve", "key.ca.toml", "--seconds", "0.1"]).served(301);
+        run(&sandbox, &["device", "list"]).is(0);
+        run(&sandbox, &["status"]).is(1).says(&["no server is running"]);
+        run(&sandbox, &["serve", "key.ca.toml", "--seconds", "0.1"]).served(301);
         assert!(fs::metadata(&path).map_or(true, |m| m.len() > 0), "{path}");
     }
     // a file left open to all users by an older release is closed
-    let path = format!("/dev/shm/{}{COUNTER}", stage.site.prefix());
+    let path = format!("/dev/shm/{}{COUNTER}", sandbox.site.prefix());
     fs::set_permissions(&path, fs::Permissions::from_mode(0o666)).unwrap();
     let before = fs::metadata(&path).unwrap().ino();
-    run(&stage, &["device", "list"]).is(0);
+    run(&sandbox, &["device", "list"]).is(0);
     let after = fs::metadata(&path).unwrap();
     assert_eq!(after.permissions().mode() & 0o777, 0o600);
     assert_ne!(after.ino(), before, "whoever has the old one open has nothing");
@@ -216,8 +216,8 @@ fn a_file_of_ours_that_was_cut_is_made_anew() {
 
 #[test]
 fn a_folder_by_way_of_another_users_link_is_refused() {
-    let stage = Stage::beside();
-    let mine = stage.path("mine");
+    let sandbox = Sandbox::shared();
+    let mine = sandbox.path("mine");
     fs::create_dir(&mine).unwrap();
     fs::set_permissions(&mine, fs::Permissions::from_mode(0o700)).unwrap();
     let open = tempfile::Builder::new().prefix("cao").tempdir_in("/tmp").unwrap();
@@ -231,9 +231,9 @@ fn a_folder_by_way_of_another_users_link_is_refused() {
     let fresh = link.join("new");
     for root in [&link, &through, &fresh] {
         for args in COMMANDS.iter().chain([&["shm", "list"][..], &["shm", "clean"]].iter()) {
-            let mut c = stage.command(env!("CARGO_BIN_EXE_ca"), args);
+            let mut c = sandbox.command(env!("CARGO_BIN_EXE_ca"), args);
             c.env("CA_SHM_ROOT", root);
-            let r = stage.start(c).end();
+            let r = sandbox.start(c).end();
             let text = format!("{}{}", r.out, r.err);
             assert!(matches!(r.code, Some(1 | 2)), "{root:?} {args:?}: {:?}\n{text}", r.code);
             assert!(text.contains("a symbolic link owned by user 65534"), "{args:?}: {text}");
@@ -243,19 +243,19 @@ fn a_folder_by_way_of_another_users_link_is_refused() {
     // a link owned by the user is accepted
     let own = open.path().join("own");
     std::os::unix::fs::symlink(&mine, &own).unwrap();
-    let mut c = stage.command(env!("CARGO_BIN_EXE_ca"), &["shm", "list"]);
+    let mut c = sandbox.command(env!("CARGO_BIN_EXE_ca"), &["shm", "list"]);
     c.env("CA_SHM_ROOT", &own);
-    stage.start(c).end().is(0);
+    sandbox.start(c).end().is(0);
     // a folder that any user can replace
     fs::set_permissions(open.path(), fs::Permissions::from_mode(0o777)).unwrap();
-    let mut c = stage.command(env!("CARGO_BIN_EXE_ca"), &["shm", "list"]);
+    let mut c = sandbox.command(env!("CARGO_BIN_EXE_ca"), &["shm", "list"]);
     c.env("CA_SHM_ROOT", open.path().join("s"));
-    stage.start(c).end().is(2).says(&["chmod +t"]);
+    sandbox.start(c).end().is(2).says(&["chmod +t"]);
 }
 
 #[test]
 fn a_small_dev_shm_is_an_error_and_no_signal() {
-    let stage = Stage::beside();
+    let sandbox = Sandbox::shared();
     for kb in [16, 64, 256, 448, 704, 1024, 4096] {
         // both sides share one memory; a process killed by a signal has a code of 128 or more
         let line = format!(
@@ -265,9 +265,9 @@ fn a_small_dev_shm_is_an_error_and_no_signal() {
              $CA device sim --profile key --seconds 0.5 --priority 0 >/dev/null; echo sim $?; \
              wait $p; echo serve $?"
         );
-        let mut c = stage.command("unshare", &["-m", "sh", "-c", &line]);
+        let mut c = sandbox.command("unshare", &["-m", "sh", "-c", &line]);
         c.env("CA", env!("CARGO_BIN_EXE_ca"));
-        let r = stage.start(c).end();
+        let r = sandbox.start(c).end();
         if r.code != Some(0) || r.out.contains("unable") {
             skipped("unshare", &format!("no separate /dev/shm: {}", r.err));
             return;
@@ -318,15 +318,15 @@ fn set(addr: &str, k: f32) -> OscPacket {
 
 #[test]
 fn osc_of_another_user_moves_no_hand() {
-    let stage = Stage::beside();
-    stage.put("live.ca.toml", LIVE);
-    let server = stage.serve("live.ca.toml", &["--osc", "0", "--arm"]);
-    let device = stage.key(&[]);
-    stage.on();
+    let sandbox = Sandbox::shared();
+    sandbox.put("live.ca.toml", LIVE);
+    let server = sandbox.serve("live.ca.toml", &["--osc", "0", "--arm"]);
+    let device = sandbox.key(&[]);
+    sandbox.on();
     let port = flood::port(&server);
-    let k = || stage.ask(&Request::Status).unwrap().fields["params"][0]["value"].as_f64().unwrap();
-    let token = stage.read("c/osc-token");
-    let mode = fs::metadata(stage.path("c/osc-token")).unwrap().permissions().mode();
+    let k = || sandbox.ask(&Request::Status).unwrap().fields["params"][0]["value"].as_f64().unwrap();
+    let token = sandbox.read("c/osc-token");
+    let mode = fs::metadata(sandbox.path("c/osc-token")).unwrap().permissions().mode();
     assert_eq!((mode & 0o777, token.trim().len()), (0o600, 33));
     let wrong = format!("/{}/param/k", "0".repeat(33));
     let bundle = OscPacket::Bundle(OscBundle {
@@ -342,29 +342,29 @@ fn osc_of_another_user_moves_no_hand() {
     let packet = encoder::encode(&set(&format!("/{}/param/k", token.trim()), 700.0)).unwrap();
     line.send_to(&packet, ("127.0.0.1", port)).unwrap();
     until("the owner sets it", || k() == 700.0);
-    run(&stage, &["stop"]).is(0);
+    run(&sandbox, &["stop"]).is(0);
     server.end();
     drop(device);
 }
 
 #[test]
 fn a_token_that_others_can_read_is_refused() {
-    let stage = Stage::beside();
+    let sandbox = Sandbox::shared();
     for (text, mode, why) in
         [("0123456789abcdef", 0o644, "chmod 600"), ("short", 0o600, "16 to 128"), ("", 0o600, "16")]
     {
-        stage.put("token", text);
-        fs::set_permissions(stage.path("token"), fs::Permissions::from_mode(mode)).unwrap();
+        sandbox.put("token", text);
+        fs::set_permissions(sandbox.path("token"), fs::Permissions::from_mode(mode)).unwrap();
         let args = ["serve", "key.ca.toml", "--osc", "0", "--osc-token", "token", "--seconds", "0.1"];
-        run(&stage, &args).is(1).says(&["`token`", why]);
+        run(&sandbox, &args).is(1).says(&["`token`", why]);
     }
 }
 
 #[test]
 fn files_are_closed_to_other_users_whatever_the_umask() {
-    let stage = Stage::beside();
+    let sandbox = Sandbox::shared();
     let ran =
-        stage.sh("umask 0; ca render key.ca.toml -o a.wav --seconds 0.1 --probe key=p.csv -q; ca new n.ca.toml; \
+        sandbox.sh("umask 0; ca render key.ca.toml -o a.wav --seconds 0.1 --probe key=p.csv -q; ca new n.ca.toml; \
          ca serve key.ca.toml --seconds 0.1 --log t.mcap -o s.wav -q || test $? = 3; ca log recover t.mcap -o r.mcap; \
          ca device sim --profile key --seconds 0.1 --force-log f.csv; \
          printf x > old.wav; chmod 666 old.wav; ca render key.ca.toml -o old.wav --seconds 0.1 -q");
@@ -379,7 +379,7 @@ fn files_are_closed_to_other_users_whatever_the_umask() {
         ("t.mcap", 0o600),
         ("r.mcap", 0o600),
     ] {
-        let about = fs::metadata(stage.path(name)).unwrap_or_else(|e| panic!("{name}: {e}\n{}", ran.err));
+        let about = fs::metadata(sandbox.path(name)).unwrap_or_else(|e| panic!("{name}: {e}\n{}", ran.err));
         assert_eq!(about.permissions().mode() & 0o777, mode, "{name}");
     }
 }

@@ -1,6 +1,6 @@
 //! Tests suspended, killed and restarted processes: H5 to H8 through shared memory, counted in frames.
 
-use crate::stage::{KEY, Stage, until};
+use crate::sandbox::{KEY, Sandbox, until};
 use crate::watch::{Watch, key};
 use ca_haptic::frame::{Cause, ForceFrame, Mode, flag};
 use ca_haptic::host::control::Request;
@@ -21,14 +21,14 @@ fn aged(frames: &[ForceFrame]) -> impl Iterator<Item = (u64, &ForceFrame)> {
 
 #[test]
 fn h5_a_hand_inside_a_wall_waits() {
-    let stage = Stage::new();
-    let watch = Watch::of(&stage.site, "key");
+    let sandbox = Sandbox::new();
+    let watch = Watch::of(&sandbox.site, "key");
     // 5 mm into 500 N/m: 2.5 N
-    stage.put("wall.ca.toml", &KEY.replace("0.9 mm", "5 mm"));
-    let _server = stage.serve("wall.ca.toml", &["--quiet", "--arm"]);
-    let _device = stage.key(&["--script", "hold"]);
+    sandbox.put("wall.ca.toml", &KEY.replace("0.9 mm", "5 mm"));
+    let _server = sandbox.serve("wall.ca.toml", &["--quiet", "--arm"]);
+    let _device = sandbox.key(&["--script", "hold"]);
     until("it waits", || {
-        stage.armed("it waits", |mode, cause| mode == "off" && cause == "NONE");
+        sandbox.armed("it waits", |mode, cause| mode == "off" && cause == "NONE");
         watch.count() > 6000
     });
     let seen = watch.end(&key());
@@ -39,37 +39,37 @@ fn h5_a_hand_inside_a_wall_waits() {
 
 #[test]
 fn h6_h8_a_suspended_device_is_zero_force_and_stays_so() {
-    let stage = Stage::new();
-    let watch = Watch::of(&stage.site, "key");
-    let server = stage.serve("key.ca.toml", &["--json"]);
-    let device = stage.key(&["--script", "hold"]);
+    let sandbox = Sandbox::new();
+    let watch = Watch::of(&sandbox.site, "key");
+    let server = sandbox.serve("key.ca.toml", &["--json"]);
+    let device = sandbox.key(&["--script", "hold"]);
     // on a stalled machine, another fault may come first
     let noticed = (0..5).any(|_| {
-        stage.on();
+        sandbox.on();
         device.signal("STOP");
-        until("the server notices", || stage.state().0 == "fault");
-        let noticed = stage.state().1 == "WATCHDOG_IN";
+        until("the server notices", || sandbox.state().0 == "fault");
+        let noticed = sandbox.state().1 == "WATCHDOG_IN";
         if !noticed {
             device.signal("CONT");
         }
         noticed
     });
-    assert!(noticed, "{:?}", stage.state());
+    assert!(noticed, "{:?}", sandbox.state());
     let count = watch.count();
     until("it goes on without", || watch.count() > count + 600);
     let silent = watch.last().unwrap();
     // the device resumes, and no order to arm is given
-    let before = stage.state().2;
+    let before = sandbox.state().2;
     device.signal("CONT");
     // takes all values from one answer, because the next request may fail on a stalled machine
-    let mut state = stage.state();
+    let mut state = sandbox.state();
     until("it speaks again", || {
-        state = stage.state();
+        state = sandbox.state();
         state.2 > before + 900
     });
     let (mode, cause, _) = state;
     assert_eq!((mode.as_str(), cause.as_str()), ("fault", "WATCHDOG_IN"));
-    stage.on();
+    sandbox.on();
     let seen = watch.end(&key());
     let end = seen.frames.iter().position(|f| f.seq == silent.seq).unwrap() + 1;
     let zero = frames(key().guard.zero);
@@ -88,19 +88,19 @@ fn h6_h8_a_suspended_device_is_zero_force_and_stays_so() {
 
 #[test]
 fn h8_a_killed_device_is_another_one_when_it_comes_back() {
-    let stage = Stage::new();
-    let watch = Watch::of(&stage.site, "key");
-    let _server = stage.serve("key.ca.toml", &["--quiet"]);
-    let device = stage.key(&["--script", "hold"]);
-    stage.on();
+    let sandbox = Sandbox::new();
+    let watch = Watch::of(&sandbox.site, "key");
+    let _server = sandbox.serve("key.ca.toml", &["--quiet"]);
+    let device = sandbox.key(&["--script", "hold"]);
+    sandbox.on();
     device.kill();
-    until("the server notices", || stage.state().0 == "fault");
+    until("the server notices", || sandbox.state().0 == "fault");
     let dead = watch.last().unwrap();
-    let before = stage.state().2;
-    let _device = stage.key(&["--script", "hold"]);
-    until("another one speaks", || stage.state().2 > before + 900);
-    assert_eq!(stage.state().0, "fault", "its coming back arms nothing");
-    stage.on();
+    let before = sandbox.state().2;
+    let _device = sandbox.key(&["--script", "hold"]);
+    until("another one speaks", || sandbox.state().2 > before + 900);
+    assert_eq!(sandbox.state().0, "fault", "its coming back arms nothing");
+    sandbox.on();
     let seen = watch.end(&key());
     let other = seen.frames.iter().find(|f| f.ack > 0 && f.ack_session != dead.ack_session).unwrap().ack_session;
     let mut of_other = seen.frames.iter().filter(|f| f.ack_session == other);
@@ -122,23 +122,23 @@ fn log(text: &str) -> Vec<(u64, String, String, f64)> {
 
 #[test]
 fn h7_a_killed_server_is_zero_force_at_the_device_and_the_next_one_is_taken() {
-    let stage = Stage::new();
-    let device = stage.key(&["--script", "hold", "--force-log", "felt.csv"]);
-    let server = stage.serve("key.ca.toml", &["--quiet"]);
-    stage.on();
-    let noticed = || device.said().matches("WATCHDOG_OUT").count();
+    let sandbox = Sandbox::new();
+    let device = sandbox.key(&["--script", "hold", "--force-log", "felt.csv"]);
+    let server = sandbox.serve("key.ca.toml", &["--quiet"]);
+    sandbox.on();
+    let noticed = || device.stderr().matches("WATCHDOG_OUT").count();
     let ones = noticed();
     server.kill();
     until("the device notices", || noticed() > ones);
-    let _server = stage.serve("key.ca.toml", &["--quiet"]);
-    let before = stage.state().2;
-    until("the same device plays", || stage.state().2 > before + 300);
-    assert_eq!(stage.state().0, "off");
-    stage.on();
-    let before = stage.state().2;
-    until("for a while", || stage.state().2 > before + 300);
+    let _server = sandbox.serve("key.ca.toml", &["--quiet"]);
+    let before = sandbox.state().2;
+    until("the same device plays", || sandbox.state().2 > before + 300);
+    assert_eq!(sandbox.state().0, "off");
+    sandbox.on();
+    let before = sandbox.state().2;
+    until("for a while", || sandbox.state().2 > before + 300);
     device.stop().is(0).says(&["the engine changed 1 times", "WATCHDOG_OUT"]);
-    let log = log(&stage.read("felt.csv"));
+    let log = log(&sandbox.read("felt.csv"));
     // the last force of the first server; sequence numbers then restart
     let new = log.windows(2).position(|w| w[1].0 < w[0].0).unwrap() + 1;
     let last = log[..new].iter().rposition(|l| l.0 != log[new - 1].0).unwrap() + 1;
@@ -155,19 +155,19 @@ fn h7_a_killed_server_is_zero_force_at_the_device_and_the_next_one_is_taken() {
 
 #[test]
 fn disarm_is_zero_at_once_and_arm_fades_in() {
-    let stage = Stage::new();
-    let watch = Watch::of(&stage.site, "key");
-    let _server = stage.serve("key.ca.toml", &["--quiet"]);
-    let _device = stage.key(&["--script", "hold"]);
+    let sandbox = Sandbox::new();
+    let watch = Watch::of(&sandbox.site, "key");
+    let _server = sandbox.serve("key.ca.toml", &["--quiet"]);
+    let _device = sandbox.key(&["--script", "hold"]);
     for _ in 0..2 {
-        stage.on();
-        stage.ca(&["disarm", "key"]).is(0).says(&["key", "forces off"]);
-        until("forces are off", || stage.state().0 == "off" && stage.state().1 == "DISARMED");
+        sandbox.on();
+        sandbox.ca(&["disarm", "key"]).is(0).says(&["key", "forces off"]);
+        until("forces are off", || sandbox.state().0 == "off" && sandbox.state().1 == "DISARMED");
         let count = watch.count();
         until("for a while", || watch.count() > count + 100);
     }
-    stage.ca(&["arm", "kye"]).is(1).says(&["no device `kye`", "`key`"]);
-    stage.ca(&["arm"]).is(0);
+    sandbox.ca(&["arm", "kye"]).is(1).says(&["no device `kye`", "`key`"]);
+    sandbox.ca(&["arm"]).is(0);
     let seen = watch.end(&key());
     let ramp = seen.of(Mode::Ramp).count();
     assert!(ramp > 100, "{ramp} frames of two ramps of 300 were seen");
@@ -176,48 +176,52 @@ fn disarm_is_zero_at_once_and_arm_fades_in() {
 
 #[test]
 fn a_second_server_and_a_second_device_are_refused() {
-    let stage = Stage::new();
-    let server = stage.serve("key.ca.toml", &["--quiet"]);
-    let busy = stage.ca(&["serve", "key.ca.toml", "--seconds", "1"]).is(1);
+    let sandbox = Sandbox::new();
+    let server = sandbox.serve("key.ca.toml", &["--quiet"]);
+    let busy = sandbox.ca(&["serve", "key.ca.toml", "--seconds", "1"]).is(1);
     busy.says(&["a server is already running at", &server.id().to_string(), "CA_SHM_ROOT"]);
-    let device = stage.key(&["--script", "hold"]);
-    until("it speaks", || stage.state().2 > 100);
-    let busy = stage.key(&["--seconds", "1"]).end().is(1);
+    let device = sandbox.key(&["--script", "hold"]);
+    until("it speaks", || sandbox.state().2 > 100);
+    let busy = sandbox.key(&["--seconds", "1"]).end().is(1);
     busy.says(&["already has a device", &device.id().to_string()]);
-    let frames = stage.state().2;
-    until("the first ones go on", || stage.state().2 > frames + 300);
+    let frames = sandbox.state().2;
+    until("the first ones go on", || sandbox.state().2 > frames + 300);
 }
 
 /// Three models with devices are open at the same time. The device plays with the first and then with the second.
 #[test]
 fn a_second_page_plays_beside_the_first_and_gets_the_device_when_that_one_ends() {
-    let stage = Stage::new();
+    let sandbox = Sandbox::new();
     let play = |model: &str| {
-        let page = stage.spawn(&["play", model, "--no-open", "--port", "0", "--audio", "page"]);
-        until("the page is there", || page.said().contains("play it at http"));
+        let page = sandbox.spawn(&["play", model, "--no-open", "--port", "0", "--audio", "page"]);
+        until("the page is there", || page.stderr().contains("play it at http"));
         page
     };
     let first = play("hammer_piano");
     let second = play("piano_key");
     let third = play("key.ca.toml");
-    assert!(second.said().contains("`ca arm` and `ca disarm` cannot control this performance"), "{}", second.said());
+    assert!(
+        second.stderr().contains("`ca arm` and `ca disarm` cannot control this performance"),
+        "{}",
+        second.stderr()
+    );
     drop(third);
-    let device = stage.spawn(&["device", "sim", "--profile", "tgr12", "--seconds", "600"]);
-    until("the first has it", || first.said().contains("tgr12: connected"));
-    until("the second says so", || second.said().contains("`tgr12` already has a server"));
-    assert!(second.said().contains(&format!("process {}", first.id())), "{}", second.said());
-    assert!(!second.said().contains("tgr12: connected"), "{}", second.said());
+    let device = sandbox.spawn(&["device", "sim", "--profile", "tgr12", "--seconds", "600"]);
+    until("the first has it", || first.stderr().contains("tgr12: connected"));
+    until("the second says so", || second.stderr().contains("`tgr12` already has a server"));
+    assert!(second.stderr().contains(&format!("process {}", first.id())), "{}", second.stderr());
+    assert!(!second.stderr().contains("tgr12: connected"), "{}", second.stderr());
     let told = first.stop();
     assert!(!told.err.contains("already has a server"), "{}", told.err);
-    until("then the second has it", || second.said().contains("tgr12: connected"));
+    until("then the second has it", || second.stderr().contains("tgr12: connected"));
     drop((device, second));
 }
 
 #[test]
 fn several_parameters_change_in_one_tick() {
-    let stage = Stage::new();
+    let sandbox = Sandbox::new();
     // two springs to opposite sides: the forces cancel while the stiffnesses are equal
-    stage.put(
+    sandbox.put(
         "two.ca.toml",
         r#"
 [param]
@@ -234,25 +238,25 @@ b = { between = ["key", "low"], k = "down", l0 = 0 }
 "#,
     );
     // without noise and forces, a bare device does not move
-    let quiet = crate::stage::PROFILE.replace("[guard]", "step = 0\nnoise = 0\n[guard]");
-    stage.put("c/profiles/key.toml", &quiet);
-    let watch = Watch::of(&stage.site, "key");
-    let _server = stage.serve("two.ca.toml", &["--quiet"]);
-    let _device = stage.key(&["--script", "hold"]);
-    stage.on();
+    let quiet = crate::sandbox::PROFILE.replace("[guard]", "step = 0\nnoise = 0\n[guard]");
+    sandbox.put("c/profiles/key.toml", &quiet);
+    let watch = Watch::of(&sandbox.site, "key");
+    let _server = sandbox.serve("two.ca.toml", &["--quiet"]);
+    let _device = sandbox.key(&["--script", "hold"]);
+    sandbox.on();
     for k in [300, 20, 500, 700, 100] {
         let (up, down) = (format!("up={k}"), format!("down={k} N/m"));
-        stage.ca(&["set", &up, &down]).is(0);
+        sandbox.ca(&["set", &up, &down]).is(0);
     }
     // if one value is refused, none is set
-    stage.ca(&["set", "up=200", "down=2000"]).is(1);
-    stage.ca(&["set"]).is(0).says(&["up = 100", "down = 100"]);
+    sandbox.ca(&["set", "up=200", "down=2000"]).is(1);
+    sandbox.ca(&["set"]).is(0).says(&["up = 100", "down = 100"]);
     let last = watch.last().unwrap().seq;
     until("frames pass", || watch.last().unwrap().seq > last + 100);
     let before = watch.last().unwrap().seq;
-    stage.ca(&["set", "up=200"]).is(0);
+    sandbox.ca(&["set", "up=200"]).is(0);
     until("one alone is felt", || watch.last().unwrap().force[0] > 0.05);
-    let params = stage.ask(&Request::Status).unwrap().fields["params"].clone();
+    let params = sandbox.ask(&Request::Status).unwrap().fields["params"].clone();
     assert!(params.as_array().unwrap().iter().any(|p| p["name"] == "up" && p["value"] == 200.0), "{params}");
     let seen = watch.end(&key());
     let together = seen.of(Mode::On).filter(|f| f.seq <= before);

@@ -3,23 +3,23 @@
 
 use super::audio::{BAR, Jack};
 use super::pulse::{SINK, Server, client, ears};
-use crate::stage::{Proc, Stage, until};
+use crate::sandbox::{Proc, Sandbox, until};
 use ca_haptic::host::control::Request;
 
-fn ca(stage: &Stage, jack: Option<&Jack>, pulse: Option<&Server>, args: &[&str]) -> Proc {
-    let mut c = stage.command(env!("CARGO_BIN_EXE_ca"), args);
+fn ca(sandbox: &Sandbox, jack: Option<&Jack>, pulse: Option<&Server>, args: &[&str]) -> Proc {
+    let mut c = sandbox.command(env!("CARGO_BIN_EXE_ca"), args);
     c.env("JACK_DEFAULT_SERVER", jack.map_or("ca_none", |j| j.name.as_str()));
     c.env("PULSE_SERVER", pulse.map_or_else(|| "unix:/nowhere".into(), |p| format!("unix:{}", p.socket)));
-    stage.start(c)
+    sandbox.start(c)
 }
 
-fn plays(stage: &Stage) -> String {
-    let reply = stage.ask(&Request::Audio { to: None });
+fn plays(sandbox: &Sandbox) -> String {
+    let reply = sandbox.ask(&Request::Audio { to: None });
     reply.map_or_else(String::new, |r| r.fields["plays"].as_str().unwrap_or_default().to_owned())
 }
 
-fn frames(stage: &Stage) -> u64 {
-    stage.ask(&Request::Status).map_or(0, |r| r.fields["frames"].as_u64().unwrap())
+fn frames(sandbox: &Sandbox) -> u64 {
+    sandbox.ask(&Request::Status).map_or(0, |r| r.fields["frames"].as_u64().unwrap())
 }
 
 /// A model that sounds permanently and has a live parameter, so that it accepts requests.
@@ -30,28 +30,28 @@ fn hum() -> String {
 
 #[test]
 fn a_jack_server_that_dies_leaves_its_sound_to_another_and_has_it_back() {
-    let stage = Stage::new();
-    stage.put("hum.ca.toml", &hum());
-    let Some(mut jack) = Jack::start(&stage, 256) else { return };
-    let Some(pulse) = Server::start(&stage, SINK) else { return };
-    let mut served = ca(&stage, Some(&jack), Some(&pulse), &["serve", "hum.ca.toml", "--audio", "jack", "--json"]);
+    let sandbox = Sandbox::new();
+    sandbox.put("hum.ca.toml", &hum());
+    let Some(mut jack) = Jack::start(&sandbox, 256) else { return };
+    let Some(pulse) = Server::start(&sandbox, SINK) else { return };
+    let mut served = ca(&sandbox, Some(&jack), Some(&pulse), &["serve", "hum.ca.toml", "--audio", "jack", "--json"]);
     until("JACK plays", || {
-        assert!(served.lives(), "{}", served.said());
-        plays(&stage).contains("(JACK)") && frames(&stage) > 3000
+        assert!(served.is_running(), "{}", served.stderr());
+        plays(&sandbox).contains("(JACK)") && frames(&sandbox) > 3000
     });
     jack.server.take().unwrap().kill();
-    until("it is said", || served.said().contains("sound: lost JACK"));
-    until("PulseAudio plays", || plays(&stage).contains("(PulseAudio)"));
+    until("it is said", || served.stderr().contains("sound: lost JACK"));
+    until("PulseAudio plays", || plays(&sandbox).contains("(PulseAudio)"));
     let listener = client(&pulse.socket).unwrap();
     let (_stream, heard) = ears(&listener);
     until("it is heard", || heard.lock().unwrap().iter().any(|x| x.abs() > 0.1));
-    let begin = frames(&stage);
-    until("frames go on", || frames(&stage) > begin + 3000);
+    let begin = frames(&sandbox);
+    until("frames go on", || frames(&sandbox) > begin + 3000);
     drop(jack);
-    let Some(_jack) = Jack::start(&stage, 256) else { panic!("it was there before") };
-    until("JACK is back", || served.said().contains("it is back") && plays(&stage).contains("(JACK)"));
-    let begin = frames(&stage);
-    until("frames go on", || frames(&stage) > begin + 3000);
+    let Some(_jack) = Jack::start(&sandbox, 256) else { panic!("it was there before") };
+    until("JACK is back", || served.stderr().contains("it is back") && plays(&sandbox).contains("(JACK)"));
+    let begin = frames(&sandbox);
+    until("frames go on", || frames(&sandbox) > begin + 3000);
     let reported = served.stop().is(3).json();
     assert_eq!(reported["audio"]["host"], "JACK", "{reported:#}");
     let before: Vec<_> = reported["audio_before"].as_array().unwrap().iter().map(|a| a["host"].clone()).collect();
@@ -61,24 +61,24 @@ fn a_jack_server_that_dies_leaves_its_sound_to_another_and_has_it_back() {
 
 #[test]
 fn a_pulse_server_that_dies_leaves_its_sound_to_the_page_and_has_it_back() {
-    let stage = Stage::new();
-    stage.put("hum.ca.toml", &hum());
-    let Some(mut pulse) = Server::start(&stage, SINK) else { return };
-    let mut played = ca(&stage, None, Some(&pulse), &["play", "hum.ca.toml", "--no-open", "--port", "0", "--json"]);
+    let sandbox = Sandbox::new();
+    sandbox.put("hum.ca.toml", &hum());
+    let Some(mut pulse) = Server::start(&sandbox, SINK) else { return };
+    let mut played = ca(&sandbox, None, Some(&pulse), &["play", "hum.ca.toml", "--no-open", "--port", "0", "--json"]);
     until("PulseAudio plays", || {
-        assert!(played.lives(), "{}", played.said());
+        assert!(played.is_running(), "{}", played.stderr());
         // a new sink takes two seconds of sound before its next request
-        plays(&stage).contains("(PulseAudio)") && frames(&stage) > 9000
+        plays(&sandbox).contains("(PulseAudio)") && frames(&sandbox) > 9000
     });
     pulse.server.take().unwrap().kill();
-    until("it is said", || played.said().contains("sound: lost PulseAudio"));
-    until("the page plays", || plays(&stage) == "by the page" && played.said().contains("sound: by the page"));
-    let begin = frames(&stage);
-    until("frames go on", || frames(&stage) > begin + 3000);
+    until("it is said", || played.stderr().contains("sound: lost PulseAudio"));
+    until("the page plays", || plays(&sandbox) == "by the page" && played.stderr().contains("sound: by the page"));
+    let begin = frames(&sandbox);
+    until("frames go on", || frames(&sandbox) > begin + 3000);
     drop(pulse);
-    let _ = std::fs::remove_file(stage.path("pa.sock"));
-    let Some(pulse) = Server::start(&stage, SINK) else { panic!("it was there before") };
-    until("PulseAudio is back", || played.said().contains("it is back") && plays(&stage).contains("(PulseAudio)"));
+    let _ = std::fs::remove_file(sandbox.path("pa.sock"));
+    let Some(pulse) = Server::start(&sandbox, SINK) else { panic!("it was there before") };
+    until("PulseAudio is back", || played.stderr().contains("it is back") && plays(&sandbox).contains("(PulseAudio)"));
     let listener = client(&pulse.socket).unwrap();
     let (_stream, heard) = ears(&listener);
     until("it is heard", || heard.lock().unwrap().iter().any(|x| x.abs() > 0.1));
@@ -87,21 +87,21 @@ fn a_pulse_server_that_dies_leaves_its_sound_to_the_page_and_has_it_back() {
 
 #[test]
 fn what_plays_is_chosen_while_it_plays() {
-    let stage = Stage::new();
-    stage.put("hum.ca.toml", &hum());
-    let Some(pulse) = Server::start(&stage, SINK) else { return };
-    let served = ca(&stage, None, Some(&pulse), &["serve", "hum.ca.toml", "--json"]);
-    until("it answers", || frames(&stage) > 0);
-    stage.ca(&["audio"]).is(0).says(&["sound: none", "`jack`", "`pulse`"]);
-    stage.ca(&["audio", "jack"]).is(1).says(&["no JACK server answers"]);
-    stage.ca(&["audio", "page"]).is(1).says(&["`ca serve` does not have a page"]);
-    stage.ca(&["audio", "pulse"]).is(0).says(&["(PulseAudio), 48000 Hz"]);
+    let sandbox = Sandbox::new();
+    sandbox.put("hum.ca.toml", &hum());
+    let Some(pulse) = Server::start(&sandbox, SINK) else { return };
+    let served = ca(&sandbox, None, Some(&pulse), &["serve", "hum.ca.toml", "--json"]);
+    until("it answers", || frames(&sandbox) > 0);
+    sandbox.ca(&["audio"]).is(0).says(&["sound: none", "`jack`", "`pulse`"]);
+    sandbox.ca(&["audio", "jack"]).is(1).says(&["no JACK server answers"]);
+    sandbox.ca(&["audio", "page"]).is(1).says(&["`ca serve` does not have a page"]);
+    sandbox.ca(&["audio", "pulse"]).is(0).says(&["(PulseAudio), 48000 Hz"]);
     let listener = client(&pulse.socket).unwrap();
     let (_stream, heard) = ears(&listener);
     until("it is heard", || heard.lock().unwrap().iter().any(|x| x.abs() > 0.1));
     // an output that does not open leaves the present one unchanged
-    stage.ca(&["audio", "jack"]).is(1);
-    assert!(plays(&stage).contains("(PulseAudio)"));
+    sandbox.ca(&["audio", "jack"]).is(1);
+    assert!(plays(&sandbox).contains("(PulseAudio)"));
     let before = heard.lock().unwrap().len();
     until("it goes on", || heard.lock().unwrap()[before..].iter().any(|x| x.abs() > 0.1));
     let reported = served.stop().json();

@@ -53,20 +53,20 @@ pub fn patient(profile: &str) -> String {
 }
 
 /// A private environment with the profile of the device `key`.
-pub struct Stage {
+pub struct Sandbox {
     dir: tempfile::TempDir,
     pub site: Site,
     runs: AtomicU32,
-    _held: Held,
+    _lock: Lock,
 }
 
-/// Runs one stage at a time, because each has real-time threads and this machine has few cores. Stages that mostly
+/// Runs one sandbox at a time, because each has real-time threads and this machine has few cores. Sandboxes whose tests mostly
 /// wait, and retry on a busy machine, run together.
 static ONE: RwLock<()> = RwLock::new(());
 
-enum Held {
-    Alone(#[expect(dead_code, reason = "held until the stage ends")] RwLockWriteGuard<'static, ()>),
-    Shared(#[expect(dead_code, reason = "held until the stage ends")] RwLockReadGuard<'static, ()>),
+enum Lock {
+    Alone(#[expect(dead_code, reason = "held until the sandbox is dropped")] RwLockWriteGuard<'static, ()>),
+    Shared(#[expect(dead_code, reason = "held until the sandbox is dropped")] RwLockReadGuard<'static, ()>),
 }
 
 /// A child process, killed on drop.
@@ -76,7 +76,7 @@ pub struct Proc {
     err: PathBuf,
 }
 
-pub struct Ran {
+pub struct RunOutput {
     pub code: Option<i32>,
     pub out: String,
     pub err: String,
@@ -92,27 +92,27 @@ pub fn until(what: &str, mut is: impl FnMut() -> bool) {
     }
 }
 
-impl Stage {
-    pub fn new() -> Stage {
-        Stage::of(Held::Alone(ONE.write().unwrap_or_else(PoisonError::into_inner)))
+impl Sandbox {
+    pub fn new() -> Sandbox {
+        Sandbox::of(Lock::Alone(ONE.write().unwrap_or_else(PoisonError::into_inner)))
     }
-    /// Creates a stage that may run together with other such stages.
-    pub fn beside() -> Stage {
-        Stage::of(Held::Shared(ONE.read().unwrap_or_else(PoisonError::into_inner)))
+    /// Creates a sandbox that may run together with other such sandboxes.
+    pub fn shared() -> Sandbox {
+        Sandbox::of(Lock::Shared(ONE.read().unwrap_or_else(PoisonError::into_inner)))
     }
-    fn of(held: Held) -> Stage {
+    fn of(lock: Lock) -> Sandbox {
         // the path must be short, whatever the system default
         let dir = tempfile::Builder::new().prefix("cal").tempdir_in("/tmp").unwrap();
         let site = Site::at(&dir.path().join("s")).unwrap();
         fs::create_dir_all(dir.path().join("c/profiles")).unwrap();
-        let stage = Stage { dir, site, runs: AtomicU32::new(0), _held: held };
-        stage.put("c/profiles/key.toml", PROFILE).put("key.ca.toml", KEY);
-        stage
+        let sandbox = Sandbox { dir, site, runs: AtomicU32::new(0), _lock: lock };
+        sandbox.put("c/profiles/key.toml", PROFILE).put("key.ca.toml", KEY);
+        sandbox
     }
     pub fn path(&self, name: &str) -> PathBuf {
         self.dir.path().join(name)
     }
-    pub fn put(&self, name: &str, text: &str) -> &Stage {
+    pub fn put(&self, name: &str, text: &str) -> &Sandbox {
         fs::write(self.path(name), text).unwrap();
         self
     }
@@ -134,11 +134,11 @@ impl Stage {
     pub fn spawn(&self, args: &[&str]) -> Proc {
         self.start(self.command(env!("CARGO_BIN_EXE_ca"), args))
     }
-    pub fn ca(&self, args: &[&str]) -> Ran {
+    pub fn ca(&self, args: &[&str]) -> RunOutput {
         self.spawn(args).end()
     }
     /// Runs a shell line in which `ca` is the built command.
-    pub fn sh(&self, line: &str) -> Ran {
+    pub fn sh(&self, line: &str) -> RunOutput {
         let bin = Path::new(env!("CARGO_BIN_EXE_ca")).parent().unwrap();
         let mut c = self.command("sh", &["-ec", line]);
         c.env("PATH", format!("{}:{}", bin.display(), std::env::var("PATH").unwrap()));
@@ -148,7 +148,7 @@ impl Stage {
     pub fn serve(&self, model: &str, more: &[&str]) -> Proc {
         let mut server = self.spawn(&[&["serve", model], more].concat());
         until("the server answers", || {
-            assert!(server.lives(), "{}", server.said());
+            assert!(server.is_running(), "{}", server.stderr());
             self.ask(&Request::Status).is_some()
         });
         server
@@ -190,7 +190,7 @@ impl Stage {
     }
 }
 
-impl Drop for Stage {
+impl Drop for Sandbox {
     fn drop(&mut self) {
         // removes the files in /dev/shm, which are outside the folder
         ca_haptic::host::stale_shm::clean(&self.site);
@@ -201,27 +201,27 @@ impl Proc {
     pub fn id(&self) -> u32 {
         self.child.id()
     }
-    pub fn lives(&mut self) -> bool {
+    pub fn is_running(&mut self) -> bool {
         self.child.try_wait().unwrap().is_none()
     }
     pub fn signal(&self, name: &str) {
         let id = self.child.id().to_string();
         assert!(Command::new("kill").args([format!("-{name}"), id]).status().unwrap().success());
     }
-    pub fn said(&self) -> String {
+    pub fn stderr(&self) -> String {
         [&self.out, &self.err].map(|p| fs::read_to_string(p).unwrap()).concat()
     }
-    pub fn end(mut self) -> Ran {
+    pub fn end(mut self) -> RunOutput {
         // a soak test lasts longest
         let end = Instant::now() + Duration::from_secs(180);
-        while self.lives() {
-            assert!(Instant::now() < end, "it does not end\n{}", self.said());
+        while self.is_running() {
+            assert!(Instant::now() < end, "it does not end\n{}", self.stderr());
             std::thread::sleep(Duration::from_millis(5));
         }
         let read = |p: &PathBuf| fs::read_to_string(p).unwrap();
-        Ran { code: self.child.wait().unwrap().code(), out: read(&self.out), err: read(&self.err) }
+        RunOutput { code: self.child.wait().unwrap().code(), out: read(&self.out), err: read(&self.err) }
     }
-    pub fn stop(self) -> Ran {
+    pub fn stop(self) -> RunOutput {
         self.signal("INT");
         self.end()
     }
@@ -238,11 +238,11 @@ impl Drop for Proc {
     }
 }
 
-impl Ran {
+impl RunOutput {
     /// Checks that `frames` were served. On a busy machine, forces without a reader may be lost, which gives exit code
     /// 3.
     #[track_caller]
-    pub fn served(self, frames: u32) -> Ran {
+    pub fn served(self, frames: u32) -> RunOutput {
         let (before, _) = self.out.split_once(" forces not read").unwrap_or_default();
         let late = before.rsplit(' ').next().and_then(|n| n.parse().ok()).is_some_and(|n: u64| n > 0);
         assert!(!["clipped", "not written"].iter().any(|w| self.out.contains(w)), "{}", self.out);
@@ -250,12 +250,12 @@ impl Ran {
         self.is(if late { 3 } else { 0 }).says(&[&words, "lost           nothing", "faults         none"])
     }
     #[track_caller]
-    pub fn is(self, code: i32) -> Ran {
+    pub fn is(self, code: i32) -> RunOutput {
         assert_eq!(self.code, Some(code), "stdout:\n{}\nstderr:\n{}", self.out, self.err);
         self
     }
     #[track_caller]
-    pub fn says(self, words: &[&str]) -> Ran {
+    pub fn says(self, words: &[&str]) -> RunOutput {
         for w in words {
             assert!(self.out.contains(w) || self.err.contains(w), "no `{w}` in\n{}\n{}", self.out, self.err);
         }
