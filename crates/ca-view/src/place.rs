@@ -1,13 +1,13 @@
 //! Places the nodes of a drawing.
 //!
 //! Bodies are placed first, the strings of an instrument one behind the other. Moving points follow, between masses of
-//! a body, then [loose masses](crate::loose), beside their neighbours. All stand in [frames](crate::frame), except
+//! a body, then [single masses](crate::single_masses), beside their neighbours. All stand in [frames](crate::frame), except
 //! masses in space, which are drawn at their position.
 
 use crate::bodies::{Body, Shape};
 use crate::frame::{Frame, Placed, Places};
 use crate::graph::{Graph, Source};
-use crate::loose;
+use crate::single_masses;
 
 /// Width of a scene without any size \[m\].
 const WIDTH: f64 = 0.1;
@@ -66,7 +66,7 @@ pub fn place(graph: &Graph, bodies: &[Body], motion: Option<f64>) -> (Vec<[f64; 
     let mut p = Places::new(graph, main, width(graph, space, motion));
     arrange(graph, bodies, &mut p);
     points(graph, &mut p);
-    loose::place(graph, &mut p);
+    single_masses::place(graph, &mut p);
     // the first frame stands beside the masses in space
     if let Some([low, high]) = space {
         let [right, depth, up] = main.axes;

@@ -3,7 +3,7 @@
 //! The order follows the links, starting at the bodies: first masses that move (hammers, plectra, their keys), then
 //! masses with many links (a bridge), then fixed points, whose place depends on all that they hold. A mass that rests
 //! away from its neighbour along the motion is drawn exactly there, so that its blow looks right; otherwise it is moved
-//! aside a little. All places differ.
+//! move_aside a little. All places differ.
 
 use crate::frame::{Frame, Placed, Places};
 use crate::graph::Graph;
@@ -40,12 +40,12 @@ pub fn place(graph: &Graph, p: &mut Places) {
     let tied: Vec<u32> = p.tied.keys().copied().filter(|n| p.stand[*n as usize].is_none()).collect();
     for n in tied {
         if let Some(mut stand) = p.tie_one(graph, n) {
-            taken.aside(&p.frames, &mut stand);
+            taken.move_aside(&p.frames, &mut stand);
             p.stand[n as usize] = Some(stand);
         }
     }
     let held = |around: &[(u32, bool)]| around.iter().filter(|(_, contact)| !contact).count();
-    let turn = |i: usize| {
+    let order = |i: usize| {
         let n = free[i] as usize;
         match () {
             () if graph.is_fixed(n) => Placement::Fixed,
@@ -59,11 +59,11 @@ pub fn place(graph: &Graph, p: &mut Places) {
     let mut waiting: BTreeSet<(Placement, usize)> = BTreeSet::new();
     for i in 0..free.len() {
         if p.stand[free[i] as usize].is_none() && around[i].iter().any(|(n, _)| p.stand[*n as usize].is_some()) {
-            waiting.insert((turn(i), i));
+            waiting.insert((order(i), i));
         }
     }
     let left = (0..free.len()).filter(|i| p.stand[free[*i] as usize].is_none());
-    let mut left: BTreeSet<(Placement, usize)> = left.map(|i| (turn(i), i)).collect();
+    let mut left: BTreeSet<(Placement, usize)> = left.map(|i| (order(i), i)).collect();
     let mut alone = 0;
     loop {
         // all masses of one stage that are next to placed ones, together
@@ -77,23 +77,23 @@ pub fn place(graph: &Graph, p: &mut Places) {
         let stands: Vec<Placed> = round
             .iter()
             .map(|i| {
-                beside(graph, p, free[*i] as usize, &around[*i], turn(*i)).unwrap_or_else(|| {
+                beside(graph, p, free[*i] as usize, &around[*i], order(*i)).unwrap_or_else(|| {
                     alone += 1;
                     by_itself(graph, p, free[*i] as usize, alone - 1)
                 })
             })
             .collect();
         for (i, mut stand) in round.iter().zip(stands) {
-            taken.aside(&p.frames, &mut stand);
+            taken.move_aside(&p.frames, &mut stand);
             p.stand[free[*i] as usize] = Some(stand);
-            waiting.remove(&(turn(*i), *i));
-            left.remove(&(turn(*i), *i));
+            waiting.remove(&(order(*i), *i));
+            left.remove(&(order(*i), *i));
         }
         for i in round {
             for (n, _) in &around[i] {
                 let next = of[*n as usize];
                 if next != usize::MAX && p.stand[*n as usize].is_none() {
-                    waiting.insert((turn(next), next));
+                    waiting.insert((order(next), next));
                 }
             }
         }
@@ -119,7 +119,7 @@ fn neighbours(graph: &Graph, free: &[u32]) -> Vec<Vec<(u32, bool)>> {
 }
 
 /// Places a mass beside its neighbours, if any of them is placed.
-fn beside(graph: &Graph, p: &Places, node: usize, around: &[(u32, bool)], turn: Placement) -> Option<Placed> {
+fn beside(graph: &Graph, p: &Places, node: usize, around: &[(u32, bool)], order: Placement) -> Option<Placed> {
     let w = p.width;
     let standing = || around.iter().filter_map(|(n, _)| p.stand[*n as usize]);
     let frame = standing().next()?.frame;
@@ -135,7 +135,7 @@ fn beside(graph: &Graph, p: &Places, node: usize, around: &[(u32, bool)], turn: 
     let [u, v, height] = sum.map(|s| s / n);
     let rest = graph.rest[node][0];
     let apart = (rest - height).abs() >= 0.004 * w;
-    let at = match turn {
+    let at = match order {
         Placement::Moves if apart => [u, v, rest],
         Placement::Moves if graph.code(node) == "CEL" => [u, v + 0.1 * w, rest + 0.06 * w],
         Placement::Moves => [u, v - 0.06 * w, rest - 0.08 * w],
@@ -174,7 +174,7 @@ fn cell(frames: &[Frame], s: &Placed, grain: f64, moved: [f64; 3]) -> [i64; 4] {
 }
 
 struct Taken {
-    /// Occupied cells, with the number of masses that were moved aside from each.
+    /// Occupied cells, with the number of masses that were moved move_aside from each.
     cells: HashMap<[i64; 4], u32>,
     grain: f64,
     width: f64,
@@ -187,8 +187,8 @@ impl Taken {
         (0..8).any(|i| self.cells.contains_key(&cell(frames, s, self.grain, corner(i))))
     }
 
-    /// Moves a mass aside, around its wanted place, until no other stands there.
-    fn aside(&mut self, frames: &[Frame], s: &mut Placed) {
+    /// Moves a mass move_aside, around its wanted place, until no other stands there.
+    fn move_aside(&mut self, frames: &[Frame], s: &mut Placed) {
         let (wanted, from) = (cell(frames, s, self.grain, [0.0; 3]), s.at);
         let mut k = self.cells.get(&wanted).copied().unwrap_or(0);
         while self.has(frames, s) {

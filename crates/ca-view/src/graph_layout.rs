@@ -11,14 +11,14 @@ use crate::graph::NONE;
 const PIVOTS: usize = 10;
 
 /// Adjacency lists of some nodes.
-pub struct Adjacent {
+pub struct Adjacency {
     start: Vec<u32>,
     list: Vec<u32>,
 }
 
-impl Adjacent {
+impl Adjacency {
     /// Builds the lists of `nodes`, renumbered in their order, out of `n`. Double links count once.
-    pub fn new(n: usize, nodes: &[u32], links: &(impl Iterator<Item = [u32; 2]> + Clone)) -> Adjacent {
+    pub fn new(n: usize, nodes: &[u32], links: &(impl Iterator<Item = [u32; 2]> + Clone)) -> Adjacency {
         let mut number = vec![NONE; n];
         nodes.iter().enumerate().for_each(|(i, n)| number[*n as usize] = i as u32);
         let pairs = || {
@@ -48,7 +48,7 @@ impl Adjacent {
             }
         }
         begin.push(once.len() as u32);
-        Adjacent { start: begin, list: once }
+        Adjacency { start: begin, list: once }
     }
 
     /// Returns the number of nodes.
@@ -57,12 +57,12 @@ impl Adjacent {
     }
 
     /// Returns the neighbours of a node.
-    pub fn around(&self, i: usize) -> &[u32] {
+    pub fn neighbours(&self, i: usize) -> &[u32] {
         &self.list[self.start[i] as usize..self.start[i + 1] as usize]
     }
 
     /// Returns the connected components, each in ascending order.
-    pub fn parts(&self) -> Vec<Vec<usize>> {
+    pub fn components(&self) -> Vec<Vec<usize>> {
         let mut seen = vec![false; self.len()];
         let mut all = Vec::new();
         for first in 0..self.len() {
@@ -73,7 +73,7 @@ impl Adjacent {
             let mut part = vec![first];
             let mut at = 0;
             while at < part.len() {
-                for n in self.around(part[at]) {
+                for n in self.neighbours(part[at]) {
                     if !seen[*n as usize] {
                         seen[*n as usize] = true;
                         part.push(*n as usize);
@@ -96,7 +96,7 @@ impl Adjacent {
         while head < queue.len() {
             let here = queue[head];
             head += 1;
-            for n in self.around(here) {
+            for n in self.neighbours(here) {
                 if at[*n as usize].is_infinite() {
                     at[*n as usize] = at[here] + 1.0;
                     queue.push(*n as usize);
@@ -110,7 +110,7 @@ impl Adjacent {
 }
 
 /// Returns a place for each node.
-pub fn spread(net: &Adjacent) -> Vec<[f64; 2]> {
+pub fn layout(net: &Adjacency) -> Vec<[f64; 2]> {
     let n = net.len();
     if n == 0 {
         return Vec::new();
@@ -159,7 +159,7 @@ pub fn spread(net: &Adjacent) -> Vec<[f64; 2]> {
     let link = if high > low { (high - low) / far } else { 1.0 };
     // nodes equally far from all pivots (leaves of one branch) are moved apart, each in a different direction
     for (i, p) in at.iter_mut().enumerate() {
-        let r = link * if net.around(i).len() < 2 { 0.4 } else { 0.05 };
+        let r = link * if net.neighbours(i).len() < 2 { 0.4 } else { 0.05 };
         let angle = 2.399_963_229_728_653 * i as f64;
         *p = [p[0] + r * libm::cos(angle), p[1] + r * libm::sin(angle)];
     }
@@ -204,7 +204,7 @@ mod tests {
         let across = (0..(nx - 1) * ny).map(|n| [n, n + ny]);
         let links: Vec<[u32; 2]> = along.chain(across).collect();
         let nodes: Vec<u32> = (0..nx * ny).collect();
-        let at = spread(&Adjacent::new(nodes.len(), &nodes, &links.iter().copied()));
+        let at = layout(&Adjacency::new(nodes.len(), &nodes, &links.iter().copied()));
         let lengths: Vec<f64> = links.iter().map(|[a, b]| apart(at[*a as usize], at[*b as usize])).collect();
         let (short, long) = lengths.iter().fold((f64::INFINITY, 0.0f64), |(s, l), v| (s.min(*v), l.max(*v)));
         assert!(long < 3.0 * short, "{short} to {long}");
@@ -221,14 +221,14 @@ mod tests {
         links.extend((0..41).map(|i| [2 * i, 2 * i + 1]));
         links.extend((82..85).map(|leaf| [81, leaf]));
         let nodes: Vec<u32> = (0..85).collect();
-        let net = Adjacent::new(85, &nodes, &links.iter().copied());
-        let at = spread(&net);
+        let net = Adjacency::new(85, &nodes, &links.iter().copied());
+        let at = layout(&net);
         let length = apart(at[0], at[80]);
         let (low, high) = at.iter().fold((0.0f64, 0.0f64), |(l, h), p| (l.min(p[1]), h.max(p[1])));
         assert!(high - low < 0.3 * length, "{} of {length}", high - low);
         assert!((0..40).all(|i| (at[2 * i + 2][0] - at[2 * i][0]) * (at[80][0] - at[0][0]) > 0.0));
         assert!(apart(at[82], at[83]) > 0.002 * length && apart(at[83], at[84]) > 0.002 * length);
-        assert_eq!(net.parts().len(), 1);
-        assert!(spread(&Adjacent::new(0, &[], &[].into_iter())).is_empty());
+        assert_eq!(net.components().len(), 1);
+        assert!(layout(&Adjacency::new(0, &[], &[].into_iter())).is_empty());
     }
 }
