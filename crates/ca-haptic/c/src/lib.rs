@@ -64,7 +64,7 @@ pub unsafe extern "C" fn ca_device_about(about: *mut About, name: *const c_char,
         }
         // SAFETY: not null; the caller guarantees that it ends with a zero
         let name = unsafe { CStr::from_ptr(name) }.to_str().map_err(|_| "ca_device_about: the name is not UTF-8")?;
-        ca_haptic::host::lines::check_name(name).map_err(|e| e.to_string())?;
+        ca_haptic::host::services::check_name(name).map_err(|e| e.to_string())?;
         let made = About { n, axes, ..About::new(name, rate, 0) };
         // SAFETY: not null; the caller guarantees that it points to a structure of this type
         unsafe { about.write(made) };

@@ -5,12 +5,12 @@
 //! stopped or restarted is not an error: forces are zero (see [`watch`](super::watch)) until the next engine sends any.
 
 use super::error::HostError;
-use super::lines::{Frames, Line, Wakeup, check_name};
-use super::room;
+use super::free_memory;
+use super::services::{Frames, Service, Wakeup, check_name};
 use super::session::session;
 use super::site::{Ipc, Site};
+use super::timeout::{LIMIT, with_timeout};
 use super::watch::Watch;
-use super::within::{LIMIT, within};
 use crate::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, VERSION, text, uid};
 use crate::rt::now_ns;
 use iceoryx2::port::listener::Listener;
@@ -36,7 +36,7 @@ pub struct DeviceClient {
     frames: Publisher<Ipc, DeviceFrame, ()>,
     forces: Subscriber<Ipc, ForceFrame, ()>,
     says: Publisher<Ipc, About, ()>,
-    bell: Listener<Ipc>,
+    wakeup: Listener<Ipc>,
     _node: Node<Ipc>,
     /// Holds the lock on the prefix.
     _site: Site,
@@ -52,7 +52,7 @@ impl DeviceClient {
         let name = text(&about.device);
         check_name(&name)?;
         super::stale_shm::strangers(site)?;
-        within(site, room::DEVICE, LIMIT, move |site| DeviceClient::made(site, &name, about))
+        with_timeout(site, free_memory::DEVICE, LIMIT, move |site| DeviceClient::made(site, &name, about))
     }
 
     fn made(site: &Site, name: &str, mut about: About) -> Result<DeviceClient, HostError> {
@@ -60,10 +60,10 @@ impl DeviceClient {
         (about.device, about.session) = (uid(name), session());
         let node = site.node(&format!("device {name}"))?;
         // the exclusive service first
-        let frames = Frames::open(&node, name, Line::In, 0)?.publisher(site)?;
-        let forces = Frames::open(&node, name, Line::Out, 0)?.subscriber(site, 0)?;
-        let says = Frames::open(&node, name, Line::About, 1)?.publisher(site)?;
-        let bell = Wakeup::open(&node, name)?.listener(site)?;
+        let frames = Frames::open(&node, name, Service::In, 0)?.publisher(site)?;
+        let forces = Frames::open(&node, name, Service::Out, 0)?.subscriber(site, 0)?;
+        let says = Frames::open(&node, name, Service::About, 1)?.publisher(site)?;
+        let wakeup = Wakeup::open(&node, name)?.listener(site)?;
         let watch = Watch::new(about.device);
         let mut client = DeviceClient {
             about,
@@ -75,7 +75,7 @@ impl DeviceClient {
             frames,
             forces,
             says,
-            bell,
+            wakeup,
             _node: node,
             _site: site.clone(),
         };
@@ -188,7 +188,7 @@ impl DeviceClient {
 
     /// Sleeps until a force frame comes, at most for `timeout`. Returns true if one came.
     pub fn wait(&mut self, timeout: Duration) -> bool {
-        self.bell.timed_wait(|_| {}, timeout).map_or_else(
+        self.wakeup.timed_wait(|_| {}, timeout).map_or_else(
             |_| {
                 // sleeps on an error too, so that the caller does not spin
                 std::thread::sleep(timeout);

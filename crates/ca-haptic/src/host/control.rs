@@ -84,7 +84,7 @@ impl ControlServer {
                 self.calls.push(Call { stream, asked: Vec::new(), answer: None, since: Instant::now() });
             }
         }
-        self.calls.retain_mut(|call| call.turn(answer));
+        self.calls.retain_mut(|call| call.poll(answer));
     }
 }
 
@@ -94,7 +94,7 @@ impl Drop for ControlServer {
         let end = Instant::now() + READ;
         self.calls.retain(|call| call.answer.is_some());
         while !self.calls.is_empty() && Instant::now() < end {
-            self.calls.retain_mut(|call| call.turn(&mut |_| Reply::refused("the server is stopping")));
+            self.calls.retain_mut(|call| call.poll(&mut |_| Reply::refused("the server is stopping")));
             sleep(Duration::from_millis(1));
         }
         // the lock is still held, so this is the socket of this server
@@ -139,7 +139,7 @@ struct Call {
 
 impl Call {
     /// Continues as far as possible without blocking. Returns false at the end of the call.
-    fn turn(&mut self, answer: &mut dyn FnMut(Request) -> Reply) -> bool {
+    fn poll(&mut self, answer: &mut dyn FnMut(Request) -> Reply) -> bool {
         if self.answer.is_none() {
             let Ok(there) = self.ask() else { return false };
             if let Some(length) = there {

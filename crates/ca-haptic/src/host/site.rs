@@ -20,7 +20,7 @@ use std::path::{Component, Path, PathBuf};
 use std::sync::{Arc, Once};
 
 /// Shared memory between processes. Its ports may be made on one thread and used on another
-/// ([`within`](super::within)).
+/// ([`with_timeout`](super::timeout)).
 pub(super) type Ipc = ipc_threadsafe::Service;
 
 /// Longest path of the folder \[bytes\]. With the prefix, a number of at most 36 digits and a suffix, it must fit the

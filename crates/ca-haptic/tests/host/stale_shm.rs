@@ -1,6 +1,6 @@
 //! Files left behind by killed processes and other versions.
 
-use crate::desk::{about, place, spawn, until};
+use crate::helpers::{about, spawn, temp_site, until};
 use ca_haptic::host::stale_shm::{clean, list};
 use ca_haptic::host::{DeviceClient, Gateway, HostErrorKind};
 use std::fs;
@@ -9,7 +9,7 @@ use std::path::PathBuf;
 
 #[test]
 fn what_the_dead_leave_is_listed_and_removed() {
-    let place = place();
+    let place = temp_site();
     assert_eq!(list(&place.site), []);
     let mut child = spawn(&place.site, "server", "a b");
     let mut lines = std::io::BufReader::new(child.stdout.take().unwrap()).lines();
@@ -32,7 +32,7 @@ fn what_the_dead_leave_is_listed_and_removed() {
 
 #[test]
 fn another_version_is_named_not_met() {
-    let place = place();
+    let place = temp_site();
     let other = place.site.prefix().replacen("ca1-", "ca9-", 1);
     let shm = PathBuf::from(format!("/dev/shm/{other}x.data"));
     let file = place.site.root().join(format!("{other}x.event"));
@@ -62,7 +62,7 @@ fn another_version_is_named_not_met() {
 #[test]
 fn frames_of_another_layout_under_our_name_are_refused() {
     use iceoryx2::prelude::*;
-    let place = place();
+    let place = temp_site();
     let node = NodeBuilder::new().config(&place.site.config()).create::<ipc::Service>().unwrap();
     let name = ServiceName::new("ca/v1/key/in").unwrap();
     let _older = node.service_builder(&name).publish_subscribe::<u64>().create().unwrap();

@@ -1,7 +1,7 @@
 //! Checks the files in `/dev/shm` that carry our prefix: owner, mode and size.
 //!
 //! iceoryx2 opens any file with the expected name. A file of another user is ignored: iceoryx2 cannot open most of
-//! them, and a step that fails names the file. If iceoryx2 did map such a file, that is an error ([`unmixed`]), because
+//! them, and a step that fails names the file. If iceoryx2 did map such a file, that is an error ([`check_mapped`]), because
 //! the other user can change its content. An empty file of this user is left over from a process that ended, and is
 //! removed. So is an unfinished service in the folder.
 //!
@@ -10,7 +10,7 @@
 //! may have opened the file before.
 
 use super::error::{HostError, HostErrorKind};
-use super::room;
+use super::free_memory;
 use super::shm::files::{foreign, is_foreign, with_prefix};
 use super::shm::names::SHM;
 use super::site::Site;
@@ -24,7 +24,7 @@ use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 /// Time for which a file may be empty, while another process is between the two system calls that make it.
-const UNMADE: Duration = Duration::from_secs(1);
+const MAX_UNFINISHED: Duration = Duration::from_secs(1);
 
 /// End of the file name of the node counter in iceoryx2 0.10.0: the SHA-1 of the name of its type, then its own name.
 const COUNTER: &str = "9204dd183d1c4d8e1ff592a30766ffa6765aa8b5_node.0_10_0.global_mgmt";
@@ -36,7 +36,7 @@ fn files(site: &Site) -> impl Iterator<Item = (PathBuf, Metadata)> {
 }
 
 /// Adds to a system error the file of another user that may have caused it.
-pub(super) fn blamed(site: &Site, e: HostError) -> HostError {
+pub(super) fn name_blocking_file(site: &Site, e: HostError) -> HostError {
     match foreign(site.prefix()).first() {
         Some((path, about)) if e.kind == HostErrorKind::System => {
             let what = format!("{}; `{}` of user {} may block it", e.what, path.display(), about.uid());
@@ -49,7 +49,7 @@ pub(super) fn blamed(site: &Site, e: HostError) -> HostError {
 }
 
 /// Returns an error if this process has mapped a file of another user, from the list `before` or present now.
-pub(super) fn unmixed(site: &Site, before: &[(PathBuf, Metadata)]) -> Result<(), HostError> {
+pub(super) fn check_mapped(site: &Site, before: &[(PathBuf, Metadata)]) -> Result<(), HostError> {
     let now = foreign(site.prefix());
     let foreign: BTreeSet<u64> = before.iter().chain(&now).map(|(_, about)| about.ino()).collect();
     if foreign.is_empty() {
@@ -80,14 +80,14 @@ pub(super) fn check(site: &Site) -> Result<(), HostError> {
     if !Path::new(SHM).is_dir() {
         return Ok(());
     }
-    let end = Instant::now() + UNMADE;
+    let end = Instant::now() + MAX_UNFINISHED;
     loop {
-        let unmade = look(site)?;
-        if unmade.is_empty() {
+        let unfinished_files = close_to_others(site)?;
+        if unfinished_files.is_empty() {
             break;
         }
         if Instant::now() > end {
-            for path in unmade {
+            for path in unfinished_files {
                 match fs::remove_file(&path) {
                     Err(e) if e.kind() != ErrorKind::NotFound => {
                         return Err(failed(&path, "is empty and cannot be removed", &e));
@@ -103,11 +103,11 @@ pub(super) fn check(site: &Site) -> Result<(), HostError> {
 }
 
 /// Sets modes to 0600, and returns empty files and unfinished services.
-fn look(site: &Site) -> Result<Vec<PathBuf>, HostError> {
-    let mut unmade = Vec::new();
+fn close_to_others(site: &Site) -> Result<Vec<PathBuf>, HostError> {
+    let mut unfinished_files = Vec::new();
     for (path, about) in files(site) {
         if about.len() == 0 {
-            unmade.push(path);
+            unfinished_files.push(path);
         } else if about.mode() & 0o077 != 0 && !is_counter(site, &path) {
             match fs::set_permissions(&path, Permissions::from_mode(0o600)) {
                 Err(e) if e.kind() != ErrorKind::NotFound => {
@@ -117,12 +117,12 @@ fn look(site: &Site) -> Result<Vec<PathBuf>, HostError> {
             }
         }
     }
-    unmade.extend(half_made(site));
-    Ok(unmade)
+    unfinished_files.extend(unfinished(site));
+    Ok(unfinished_files)
 }
 
 /// Returns services that are not finished: they are writable until then, and no other process can open them.
-fn half_made(site: &Site) -> impl Iterator<Item = PathBuf> {
+fn unfinished(site: &Site) -> impl Iterator<Item = PathBuf> {
     let entries = fs::read_dir(site.root().join("services")).into_iter().flatten().flatten();
     entries.filter(|e| e.metadata().is_ok_and(|m| m.is_file() && m.mode() & 0o200 != 0)).map(|e| e.path())
 }
@@ -137,36 +137,36 @@ fn counter_of(site: &Site) -> PathBuf {
 
 /// Makes the counter, and replaces one that other users may have opened. Processes read it only to make a node.
 fn counter(site: &Site) -> Result<(), HostError> {
-    static TURN: AtomicU32 = AtomicU32::new(0);
+    static COUNT: AtomicU32 = AtomicU32::new(0);
     let path = counter_of(site);
-    let whole = |bytes: &[u8]| bytes.len() == 16 && bytes[..8] == RELEASE.to_le_bytes();
+    let valid = |bytes: &[u8]| bytes.len() == 16 && bytes[..8] == RELEASE.to_le_bytes();
     if let Ok(about) = fs::symlink_metadata(&path) {
         let closed = !is_foreign(&about) && about.mode() & 0o777 == 0o600;
-        if closed && fs::read(&path).is_ok_and(|bytes| whole(&bytes)) {
+        if closed && fs::read(&path).is_ok_and(|bytes| valid(&bytes)) {
             return Ok(());
         }
     }
     let mut bytes = [0; 16];
     bytes[..8].copy_from_slice(&RELEASE.to_le_bytes());
-    let turn = TURN.fetch_add(1, Relaxed);
-    let fresh = Path::new(SHM).join(format!("{}{}-{turn}.new", site.prefix(), std::process::id()));
-    let made = OpenOptions::new().write(true).create_new(true).mode(0o600).open(&fresh);
-    let made = made.and_then(|mut f| f.write_all(&bytes)).and_then(|()| fs::rename(&fresh, &path));
+    let count = COUNT.fetch_add(1, Relaxed);
+    let new = Path::new(SHM).join(format!("{}{}-{count}.new", site.prefix(), std::process::id()));
+    let made = OpenOptions::new().write(true).create_new(true).mode(0o600).open(&new);
+    let made = made.and_then(|mut f| f.write_all(&bytes)).and_then(|()| fs::rename(&new, &path));
     made.map_err(|e| {
-        let _ = fs::remove_file(&fresh);
+        let _ = fs::remove_file(&new);
         failed(&path, "cannot be created", &e)
     })
 }
 
 /// Allocates the memory of all files now, so that no process gets a SIGBUS when `/dev/shm` is full later.
-pub(super) fn reserve(site: &Site) -> Result<(), HostError> {
+pub(super) fn allocate(site: &Site) -> Result<(), HostError> {
     for (path, about) in files(site) {
         // a block is 512 bytes on any file system
         if about.blocks() * 512 >= about.len() || about.mode() & 0o600 != 0o600 {
             continue;
         }
         let Ok(file) = OpenOptions::new().write(true).open(&path) else { continue };
-        room::take(&file, about.len()).map_err(|e| failed(&path, "does not fit into memory", &e))?;
+        free_memory::allocate(&file, about.len()).map_err(|e| failed(&path, "does not fit into memory", &e))?;
     }
     Ok(())
 }

@@ -11,7 +11,7 @@ use std::io;
 /// Most memory of one side of a device \[bytes\]: queues of frames, its description, and connections to its readers.
 pub(super) const DEVICE: u64 = 192 << 10;
 /// Most memory of a process that lists devices \[bytes\].
-pub(super) const LOOK: u64 = 64 << 10;
+pub(super) const LISTING: u64 = 64 << 10;
 
 /// Returns an error if `/dev/shm` has fewer than `need` bytes free.
 pub(super) fn check(need: u64) -> Result<(), HostError> {
@@ -32,12 +32,12 @@ fn free() -> Option<u64> {
 }
 
 #[cfg(target_os = "linux")]
-pub(super) fn take(file: &File, bytes: u64) -> io::Result<()> {
+pub(super) fn allocate(file: &File, bytes: u64) -> io::Result<()> {
     Ok(rustix::fs::fallocate(file, rustix::fs::FallocateFlags::empty(), 0, bytes)?)
 }
 
 #[cfg(not(target_os = "linux"))]
-pub(super) fn take(_: &File, _: u64) -> io::Result<()> {
+pub(super) fn allocate(_: &File, _: u64) -> io::Result<()> {
     Ok(())
 }
 
@@ -68,7 +68,7 @@ mod tests {
         // connections to other readers
         let readers: Vec<_> =
             (0..3).map(|_| crate::host::gateway::list_devices(&site, Duration::from_millis(1))).collect();
-        assert!(readers.iter().all(Result::is_ok) && used(&site) - both <= LOOK);
+        assert!(readers.iter().all(Result::is_ok) && used(&site) - both <= LISTING);
         drop((gateway, device));
         stale_shm::clean(&site);
     }

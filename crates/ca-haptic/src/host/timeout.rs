@@ -7,7 +7,7 @@
 use super::error::{HostError, HostErrorKind};
 use super::shm::files;
 use super::site::{Site, Swept};
-use super::{ours, room};
+use super::{file_ownership, free_memory};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
 
@@ -18,22 +18,22 @@ const SWEEP: Duration = Duration::from_secs(2);
 /// Stack of the thread \[bytes\]. It is small, because a server with locked memory allocates all of it at each sweep.
 const STACK: usize = 512 << 10;
 
-/// Runs `act` on a site, after checking its files ([`ours`]) and that `need` bytes are free.
-pub(super) fn within<T: Send + 'static>(
+/// Runs `open` on a site, after checking its files ([`file_ownership`]) and that `need` bytes are free.
+pub(super) fn with_timeout<T: Send + 'static>(
     site: &Site,
     need: u64,
     limit: Duration,
-    act: impl FnOnce(&Site) -> Result<T, HostError> + Send + 'static,
+    open: impl FnOnce(&Site) -> Result<T, HostError> + Send + 'static,
 ) -> Result<T, HostError> {
-    ours::check(site)?;
-    room::check(need)?;
+    file_ownership::check(site)?;
+    free_memory::check(need)?;
     let foreign = files::foreign(site.prefix());
-    let made = limited(site, limit, act).map_err(|e| ours::blamed(site, e))?;
-    ours::unmixed(site, &foreign)?;
-    // files made by `act`
-    ours::check(site)?;
-    ours::reserve(site)?;
-    Ok(made)
+    let opened = on_thread(site, limit, open).map_err(|e| file_ownership::name_blocking_file(site, e))?;
+    file_ownership::check_mapped(site, &foreign)?;
+    // files opened by `open`
+    file_ownership::check(site)?;
+    file_ownership::allocate(site)?;
+    Ok(opened)
 }
 
 impl Site {
@@ -42,23 +42,23 @@ impl Site {
     /// to remove.
     pub fn sweep(&self) -> Swept {
         // the next sweep tries again, and opening a service reports the reason
-        within(self, 0, SWEEP, |site| Ok(site.swept())).unwrap_or_default()
+        with_timeout(self, 0, SWEEP, |site| Ok(site.swept())).unwrap_or_default()
     }
 }
 
-fn limited<T: Send + 'static>(
+fn on_thread<T: Send + 'static>(
     site: &Site,
     limit: Duration,
-    act: impl FnOnce(&Site) -> Result<T, HostError> + Send + 'static,
+    open: impl FnOnce(&Site) -> Result<T, HostError> + Send + 'static,
 ) -> Result<T, HostError> {
-    let (tell, reported) = channel();
-    let here = site.clone();
+    let (send, reported) = channel();
+    let clone = site.clone();
     std::thread::Builder::new()
         .name("ca opens".into())
         .stack_size(STACK)
         .spawn(move || {
             // after the limit, the receiver no longer exists
-            let _ = tell.send(act(&here));
+            let _ = send.send(open(&clone));
         })
         .map_err(|e| HostError::system("cannot start a thread", e))?;
     reported.recv_timeout(limit).unwrap_or_else(|e| {
@@ -82,8 +82,8 @@ mod tests {
     fn what_iceoryx2_waits_for_without_end_is_an_error() {
         let dir = tempfile::Builder::new().prefix("caw").tempdir_in("/tmp").expect("a folder");
         let site = Site::at(dir.path()).expect("a place");
-        limited(&site, LIMIT, |site| site.node("one")).expect("it opens");
-        // an empty counter, as another process could leave it after `ours::check`
+        on_thread(&site, LIMIT, |site| site.node("one")).expect("it opens");
+        // an empty counter, as another process could leave it after `file_ownership::check`
         let name = std::fs::read_dir("/dev/shm")
             .expect("shared memory")
             .flatten()
@@ -92,10 +92,10 @@ mod tests {
             .file_name();
         let path = Path::new("/dev/shm").join(name);
         std::fs::write(&path, []).expect("it is cut");
-        let e = limited(&site, Duration::from_millis(300), |site| site.node("two")).expect_err("it hangs");
+        let e = on_thread(&site, Duration::from_millis(300), |site| site.node("two")).expect_err("it hangs");
         assert!(e.kind == HostErrorKind::System && e.what.contains("300ms"), "{e}");
-        // `ours::check` repairs it
-        within(&site, 0, LIMIT, |site| site.node("three")).expect("it opens");
+        // `file_ownership::check` repairs it
+        with_timeout(&site, 0, LIMIT, |site| site.node("three")).expect("it opens");
         crate::host::stale_shm::clean(&site);
     }
 }

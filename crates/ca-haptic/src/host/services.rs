@@ -31,7 +31,7 @@ const PATIENCE: Duration = Duration::from_secs(1);
 
 /// A service of a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Line {
+pub enum Service {
     /// Device frames.
     In,
     /// Force frames.
@@ -42,14 +42,14 @@ pub enum Line {
     Wake,
 }
 
-impl Line {
+impl Service {
     /// Returns the name of this service for a device.
     pub fn of(self, device: &str) -> String {
         let end = match self {
-            Line::In => "in",
-            Line::Out => "out",
-            Line::About => "about",
-            Line::Wake => "wake",
+            Service::In => "in",
+            Service::Out => "out",
+            Service::About => "about",
+            Service::Wake => "wake",
         };
         format!("ca/v{}/{device}/{end}", crate::frame::VERSION)
     }
@@ -80,7 +80,7 @@ pub(super) struct Frames<T: Debug + ZeroCopySend + 'static> {
 
 impl<T: Debug + Copy + ZeroCopySend + 'static> Frames<T> {
     /// Opens or makes the service. A later reader gets up to `history` past frames.
-    pub fn open(node: &Node<Ipc>, device: &str, line: Line, history: usize) -> Result<Frames<T>, HostError> {
+    pub fn open(node: &Node<Ipc>, device: &str, line: Service, history: usize) -> Result<Frames<T>, HostError> {
         let name = line.of(device);
         let service = service_name(&name)?;
         let end = Instant::now() + PATIENCE;
@@ -242,7 +242,7 @@ pub(super) struct Wakeup {
 
 impl Wakeup {
     pub fn open(node: &Node<Ipc>, device: &str) -> Result<Wakeup, HostError> {
-        let name = Line::Wake.of(device);
+        let name = Service::Wake.of(device);
         let service = service_name(&name)?;
         let end = Instant::now() + PATIENCE;
         loop {

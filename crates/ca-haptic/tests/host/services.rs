@@ -1,6 +1,6 @@
 //! Both sides in one process: traffic, access, and error messages.
 
-use crate::desk::{Server, about, place, spring, until};
+use crate::helpers::{Server, about, spring, temp_site, until};
 use ca_haptic::frame::{Cause, DOF, DeviceFrame, ForceFrame, FrameMismatch, text};
 use ca_haptic::host::gateway::list_devices;
 use ca_haptic::host::{DeviceClient, Event, Gateway, HostErrorKind, Rings, Site};
@@ -10,7 +10,7 @@ use std::time::Duration;
 #[test]
 fn frames_cross_whoever_comes_first() {
     for device_first in [true, false] {
-        let place = place();
+        let place = temp_site();
         let site = &place.site;
         let (mut device, mut server);
         if device_first {
@@ -58,7 +58,7 @@ fn frames_cross_whoever_comes_first() {
 
 #[test]
 fn a_force_that_was_only_looked_at_is_not_acknowledged() {
-    let place = place();
+    let place = temp_site();
     let mut device = DeviceClient::open(&place.site, about("key", 1)).unwrap();
     let mut server = Server::open(&place.site, &["key"], 7);
     let mut frame = DeviceFrame::new("key", 1);
@@ -92,7 +92,7 @@ fn a_force_that_was_only_looked_at_is_not_acknowledged() {
 
 #[test]
 fn a_place_that_is_taken_says_who_has_it() {
-    let place = place();
+    let place = temp_site();
     let site = &place.site;
     let _device = DeviceClient::open(site, about("key", 1)).unwrap();
     let e = DeviceClient::open(site, about("key", 1)).err().expect("a second device of this name");
@@ -109,7 +109,7 @@ fn a_place_that_is_taken_says_who_has_it() {
 
 #[test]
 fn bad_names_and_places_are_refused() {
-    let place = place();
+    let place = temp_site();
     for bad in ["", "a/b", "ä", "with space", "x\n"] {
         let e = DeviceClient::open(&place.site, about(bad, 1)).err().expect(bad);
         assert_eq!(e.kind, HostErrorKind::Name, "{bad}");
@@ -144,7 +144,7 @@ fn the_longest_place_works() {
 
 #[test]
 fn five_devices_and_twenty_four_keys_through_the_rings() {
-    let place = place();
+    let place = temp_site();
     let names = ["a", "b", "c", "d", "keys"];
     let (incoming, mut from) = rtrb::RingBuffer::new(64);
     let (mut to, outgoing) = rtrb::RingBuffer::new(64);
@@ -209,7 +209,7 @@ fn five_devices_and_twenty_four_keys_through_the_rings() {
 
 #[test]
 fn a_ring_that_is_full_is_counted_and_nobody_waits() {
-    let place = place();
+    let place = temp_site();
     let (incoming, from) = rtrb::RingBuffer::new(2);
     let (_to, outgoing) = rtrb::RingBuffer::new(2);
     let (events, _) = std::sync::mpsc::channel();
@@ -238,7 +238,7 @@ fn a_ring_that_is_full_is_counted_and_nobody_waits() {
 
 #[test]
 fn every_ping_comes_back_with_its_number() {
-    let place = place();
+    let place = temp_site();
     let (incoming, mut from) = rtrb::RingBuffer::new(64);
     let (mut to, outgoing) = rtrb::RingBuffer::new(64);
     let (events, _told) = std::sync::mpsc::channel();
@@ -288,7 +288,7 @@ fn every_ping_comes_back_with_its_number() {
 
 #[test]
 fn what_a_device_says_is_reported_once_also_where_it_is_no_number() {
-    let place = place();
+    let place = temp_site();
     let mut server = Server::open(&place.site, &["key"], 7);
     let mut who = about("key", 1);
     (who.low[0], who.stiffness[0]) = (f32::NAN, f32::NAN);
@@ -310,7 +310,7 @@ fn what_a_device_says_is_reported_once_also_where_it_is_no_number() {
 
 #[test]
 fn frames_without_a_degree_of_freedom_are_named() {
-    let place = place();
+    let place = temp_site();
     let mut server = Server::open(&place.site, &["key"], 7);
     let mut device = DeviceClient::open(&place.site, about("key", 1)).unwrap();
     let mut frame = DeviceFrame::new("key", 0);
@@ -327,7 +327,7 @@ fn frames_without_a_degree_of_freedom_are_named() {
 /// Two servers wait for one device. The first gets it; the second names the first, and takes over when the first ends.
 #[test]
 fn a_device_is_claimed_when_it_speaks_and_is_kept() {
-    let place = place();
+    let place = temp_site();
     let start = |after| {
         let (incoming, from) = rtrb::RingBuffer::new(64);
         let (to, outgoing) = rtrb::RingBuffer::new(64);

@@ -6,17 +6,17 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// A place that is removed with the test.
-pub struct Place {
+pub struct TempSite {
     pub site: Site,
     _dir: tempfile::TempDir,
 }
 
-pub fn place() -> Place {
+pub fn temp_site() -> TempSite {
     let dir = tempfile::Builder::new().prefix("ca").tempdir_in("/tmp").unwrap();
-    Place { site: Site::at(dir.path()).unwrap(), _dir: dir }
+    TempSite { site: Site::at(dir.path()).unwrap(), _dir: dir }
 }
 
-impl Drop for Place {
+impl Drop for TempSite {
     fn drop(&mut self) {
         // its files in /dev/shm are not in the folder
         ca_haptic::host::stale_shm::clean(&self.site);
@@ -93,7 +93,7 @@ impl Server {
 }
 
 /// Serves an example until it ends: a finger of 100 g, pushed with 0.5 N on 100 N/m, comes to rest at 5 mm.
-pub fn played(place: &Place, mut child: Child) {
+pub fn played(place: &TempSite, mut child: Child) {
     let mut server = Server::open(&place.site, &["finger"], 3);
     server.plays = (100.0, 0.5, 100_000);
     until("it ends", || {
