@@ -90,7 +90,7 @@ fn rows(controls: &mut Controls, p: usize, rows: usize) -> Result<(Vec<u32>, Vec
     for k in 0..rows {
         let part = k as f64 / (rows - 1) as f64;
         let v = if k + 1 == rows { max } else { min + part * (max - min) };
-        controls.turn(p, v, &mut patch).map_err(|e| format!("{e}"))?;
+        controls.set_indexed(p, v, &mut patch).map_err(|e| format!("{e}"))?;
         all.push(patch.set.iter().map(|s| s.1).collect());
         let written: Vec<u32> = patch.set.iter().map(|s| s.0).collect();
         if k == 0 {
@@ -111,13 +111,13 @@ fn reached(plan: &LivePlan, tick_dt: f64, p: usize) -> BTreeSet<u32> {
     let (mut controls, mut patch) = (Controls::new(plan, tick_dt), Patch::default());
     // Other parameters take values inside their range, since a factor of 0 at load would hide changes.
     for (q, param) in plan.params.iter().enumerate().filter(|(q, _)| *q != p) {
-        let _ = controls.turn(q, param.min + 0.37 * (param.max - param.min), &mut patch);
+        let _ = controls.set_indexed(q, param.min + 0.37 * (param.max - param.min), &mut patch);
     }
     if let Ok((places, rows)) = rows(&mut controls, p, 5) {
         let changes = |j: &usize| rows.iter().any(|r| r[*j].to_bits() != rows[0][*j].to_bits());
         return (0..places.len()).filter(changes).map(|j| places[j]).collect();
     }
-    let _ = controls.turn(p, plan.params[p].value, &mut patch);
+    let _ = controls.set_indexed(p, plan.params[p].value, &mut patch);
     patch.set.iter().map(|s| s.0).collect()
 }
 
