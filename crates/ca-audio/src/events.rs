@@ -26,14 +26,14 @@ pub struct EventReader {
     bytes: Consumer<u8>,
     cable: Cable,
     lost: Arc<AtomicU64>,
-    told: (u64, Option<Instant>),
+    reported: (u64, Option<Instant>),
 }
 
 /// Makes both ends for a port of this name.
 pub fn ring(name: String) -> (EventWriter, EventReader) {
     let (writer, bytes) = RingBuffer::new(WAITING);
     let lost = Arc::new(AtomicU64::new(0));
-    let reader = EventReader { name, bytes, cable: Cable::default(), lost: lost.clone(), told: (0, None) };
+    let reader = EventReader { name, bytes, cable: Cable::default(), lost: lost.clone(), reported: (0, None) };
     (EventWriter { bytes: writer, lost }, reader)
 }
 
@@ -54,20 +54,20 @@ impl EventReader {
     }
 
     /// Passes the bytes since the last call to `feed`.
-    pub fn turn(&mut self, feed: impl FnOnce(&mut Cable, &[u8])) {
+    pub fn poll(&mut self, feed: impl FnOnce(&mut Cable, &[u8])) {
         let mut piece = [0; WAITING];
-        let (came, _) = self.bytes.pop_partial_slice(&mut piece);
-        feed(&mut self.cable, came);
+        let (arrived, _) = self.bytes.pop_partial_slice(&mut piece);
+        feed(&mut self.cable, arrived);
     }
 
     /// Returns a report of events lost since the last report.
-    pub fn news(&mut self) -> Option<String> {
-        let (before, at) = self.told;
+    pub fn take_warning(&mut self) -> Option<String> {
+        let (before, at) = self.reported;
         let lost = self.lost.load(Relaxed);
         if lost == before || at.is_some_and(|at| at.elapsed() < QUIET) {
             return None;
         }
-        self.told = (lost, Some(Instant::now()));
+        self.reported = (lost, Some(Instant::now()));
         Some(format!("MIDI: {}: {} events lost: they came faster than they are played", self.name, lost - before))
     }
 }
@@ -76,9 +76,9 @@ impl EventReader {
 mod tests {
     use super::*;
 
-    fn came(reader: &mut EventReader) -> Vec<u8> {
+    fn arrived(reader: &mut EventReader) -> Vec<u8> {
         let mut all = Vec::new();
-        reader.turn(|_, bytes| all.extend(bytes));
+        reader.poll(|_, bytes| all.extend(bytes));
         all
     }
 
@@ -88,17 +88,17 @@ mod tests {
         for event in [&[0x90, 60, 127][..], &[0xf8], &[0xf0, 1, 2, 3, 0xf7], &[60, 0], &[], &[0xc2, 5]] {
             writer.push(event);
         }
-        assert_eq!(came(&mut reader), [0x90, 60, 127, 0xc2, 5]);
-        assert_eq!(reader.news(), None);
+        assert_eq!(arrived(&mut reader), [0x90, 60, 127, 0xc2, 5]);
+        assert_eq!(reader.take_warning(), None);
         for _ in 0..WAITING / 3 + 2 {
             writer.push(&[0x80, 60, 0]);
         }
-        assert_eq!(came(&mut reader).len(), WAITING / 3 * 3);
-        assert!(reader.news().unwrap().contains("2 events"));
+        assert_eq!(arrived(&mut reader).len(), WAITING / 3 * 3);
+        assert!(reader.take_warning().unwrap().contains("2 events"));
         writer.push(&[0; WAITING + 1]);
         writer.push(&[0x90; WAITING + 1]);
         // not again immediately
-        assert_eq!(reader.news(), None);
-        assert!(came(&mut reader).is_empty());
+        assert_eq!(reader.take_warning(), None);
+        assert!(arrived(&mut reader).is_empty());
     }
 }

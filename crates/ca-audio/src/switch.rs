@@ -134,7 +134,7 @@ impl Switch {
 
     /// Processes messages of devices, requested outputs, and devices that disappeared or returned. Calls `changed` for
     /// a new output.
-    pub fn turn(&mut self, recorder: &mut Recorder, changed: &mut Changed) {
+    pub fn poll(&mut self, recorder: &mut Recorder, changed: &mut Changed) {
         if let Some(playing) = &self.playing {
             for text in playing.complaints() {
                 recorder.say(true, format!("{}: {text}", playing.name()));

@@ -318,7 +318,7 @@ pub struct Met {
 
 impl Met {
     /// Returns a line for each of these keys.
-    pub fn said(&self) -> Vec<String> {
+    pub fn messages(&self) -> Vec<String> {
         let hard = |t: &TooStiff| {
             format!(
                 "`{}` is stiffer than `{}` can render, and no coupling fits the model: the device gives no force; make \

@@ -118,7 +118,7 @@ fn make(
     let mut options = Options { clouds: loaded.clouds.clone(), couplings: Vec::new(), ..options };
     let compiled = loaded.compile(&options).map_err(|found| refused(found.into()))?;
     let met = coupling::meet(compiled, setups, &mut options, |options| loaded.compile(options));
-    let (softened, setups) = (met.said(), met.setups(setups));
+    let (softened, setups) = (met.messages(), met.setups(setups));
     let compiled = met.compiled;
     let drawing = Arc::new(Drawing::new(&compiled.scene));
     let mut warnings = compiled.findings;

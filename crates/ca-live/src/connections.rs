@@ -125,7 +125,7 @@ impl Connections {
     /// Handles events of devices and requests of users. Returns true if a user requests a stop.
     ///
     /// `change` sets numbers of the model that are not live, if the model can be compiled again.
-    pub(crate) fn turn(&mut self, recorder: &mut Recorder, sweep: bool, mut change: Option<Change<'_>>) -> bool {
+    pub(crate) fn poll(&mut self, recorder: &mut Recorder, sweep: bool, mut change: Option<Change<'_>>) -> bool {
         while let Ok((k, event)) = self.events.try_recv() {
             let name = self.names.get(k as usize).map_or("?", String::as_str);
             match event {

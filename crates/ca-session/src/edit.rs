@@ -67,7 +67,7 @@ impl Edit {
 
     /// Returns a version that was compiled for devices of these setups, or the reason for its failure, and begins the
     /// next compilation. Call it every few milliseconds.
-    pub(crate) fn turn(&mut self, setups: &[Setup]) -> Option<Result<Box<Made>, Refused>> {
+    pub(crate) fn poll(&mut self, setups: &[Setup]) -> Option<Result<Box<Made>, Refused>> {
         self.again |= self.maker.is_new();
         if let Some(why) = self.maker.gone() {
             return Some(Err(why.into()));

@@ -81,7 +81,7 @@ pub trait Files {
     fn recording(&self) -> Option<String>;
 
     /// Reports finished files. Call it every few milliseconds.
-    fn turn(&mut self, recorder: &mut Recorder);
+    fn poll(&mut self, recorder: &mut Recorder);
 
     /// Starts or ends the recording of sound into a new file; returns an answer in words.
     ///

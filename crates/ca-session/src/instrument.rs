@@ -67,11 +67,11 @@ impl Instrument {
             self.frames += some;
             self.recorder.poll();
             let now = self.now();
-            self.session.turn(&mut self.recorder, &mut self.midi, Some(&[]));
+            self.session.poll(&mut self.recorder, &mut self.midi, Some(&[]));
             if !self.recorder.is_swapping() {
-                self.midi.turn(&mut self.recorder, now);
+                self.midi.poll(&mut self.recorder, now);
             }
-            self.session.news(&mut self.recorder, &self.midi, &self.shared, now);
+            self.session.send_state(&mut self.recorder, &self.midi, &self.shared, now);
         }
     }
 

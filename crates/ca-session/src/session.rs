@@ -9,7 +9,7 @@ use crate::greeting::greeting;
 use crate::host::{Files, Language, Made, Maker};
 use crate::midi::Midi;
 use crate::pages::Pages;
-use crate::picture::{Coming, PageSink, Stats};
+use crate::picture::{NextDrawing, PageSink, Stats};
 use crate::protocol::{Bound, Choices, DeviceState, Message, NumberedRequest, Picked, Request as PageAsks};
 use crate::refused::Refused;
 use ca_core::Scene;
@@ -24,7 +24,7 @@ use std::sync::atomic::Ordering::Relaxed;
 use std::time::Duration;
 
 /// Time between two messages `state`.
-const NEWS: Duration = Duration::from_millis(250);
+const STATE_INTERVAL: Duration = Duration::from_millis(250);
 
 /// Longest name of a sound device \[bytes\].
 const NAME: usize = 300;
@@ -65,13 +65,13 @@ pub struct Session {
     holder: Option<u64>,
     /// Version of the model that plays.
     generation: u32,
-    coming: Coming,
+    next_drawing: NextDrawing,
     /// Version that the engine was given.
     next: Option<(Arc<Scene>, Arc<Drawing>)>,
     /// Starts the model's own gesture with the next version.
     plays: bool,
     /// Time of the next message `state`.
-    news: Duration,
+    next_state: Duration,
 }
 
 /// An answer in words, and the requested mass.
@@ -94,10 +94,10 @@ impl Session {
             sound: "page".into(),
             holder: None,
             generation: 1,
-            coming: sink.coming(),
+            next_drawing: sink.next_drawing(),
             next: None,
             plays: false,
-            news: Duration::ZERO,
+            next_state: Duration::ZERO,
         }
     }
 
@@ -121,8 +121,8 @@ impl Session {
 
     /// Reports finished files, and adopts new versions of the model if `setups` is given. Call it every few
     /// milliseconds. Returns false while the engine changes to another version: requests then wait.
-    pub fn turn(&mut self, recorder: &mut Recorder, midi: &mut Midi, setups: Option<&[Setup]>) -> bool {
-        self.files.turn(recorder);
+    pub fn poll(&mut self, recorder: &mut Recorder, midi: &mut Midi, setups: Option<&[Setup]>) -> bool {
+        self.files.poll(recorder);
         if recorder.is_swapping() {
             return false;
         }
@@ -166,9 +166,9 @@ impl Session {
     }
 
     /// Sends the message `state` if it is due.
-    pub fn news(&mut self, recorder: &mut Recorder, midi: &Midi, shared: &Shared, now: Duration) {
-        if now >= self.news && self.pages.is_seen() {
-            self.news = now + NEWS;
+    pub fn send_state(&mut self, recorder: &mut Recorder, midi: &Midi, shared: &Shared, now: Duration) {
+        if now >= self.next_state && self.pages.is_seen() {
+            self.next_state = now + STATE_INTERVAL;
             self.pages.tell_all(&self.state(recorder, midi, shared));
         }
     }
@@ -186,7 +186,7 @@ impl Session {
                 }
             }
         }
-        let Some(made) = self.edit.turn(setups) else { return };
+        let Some(made) = self.edit.poll(setups) else { return };
         let mut bad = made.is_err();
         let made = made.and_then(|made| {
             let Made { version, drawing, warnings, softened, setups } = *made;
@@ -194,7 +194,7 @@ impl Session {
             let (scene, anew) = (version.scene.clone(), version.anew);
             recorder.swap(version, &setups)?;
             self.generation += 1;
-            self.coming.put(self.generation, drawing.clone());
+            self.next_drawing.put(self.generation, drawing.clone());
             self.next = Some((scene, drawing));
             Ok((if anew { "restarted" } else { "new version loaded" }, warnings))
         });

@@ -140,7 +140,7 @@ impl Files for NoFiles {
     fn recording(&self) -> Option<String> {
         None
     }
-    fn turn(&mut self, _: &mut Recorder) {}
+    fn poll(&mut self, _: &mut Recorder) {}
     fn record(&mut self, _: bool, _: &Scene) -> Result<String, Refused> {
         Err("no files here".into())
     }

@@ -282,7 +282,7 @@ impl Simulator {
         self.held[0] = seq;
         if cause != self.cause {
             self.cause = cause;
-            say(Message::Note(format!("frame {}: {}", self.frame.seq, said(cause))));
+            say(Message::Note(format!("frame {}: {}", self.frame.seq, cause_text(cause))));
         }
         if self.waits {
             self.waits = cause != Cause::None;
@@ -299,6 +299,6 @@ impl Simulator {
     }
 }
 
-fn said(cause: Cause) -> String {
+fn cause_text(cause: Cause) -> String {
     if cause == Cause::None { "receiving forces".into() } else { format!("no force, {}", cause.name()) }
 }

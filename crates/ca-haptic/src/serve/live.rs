@@ -138,7 +138,7 @@ impl Live {
         let (mut left, mut looked) = (frames, now_ns());
         while left != Some(0) {
             let mut blind = 0;
-            if self.rings.audio.as_mut().is_some_and(Outlet::turn) {
+            if self.rings.audio.as_mut().is_some_and(Outlet::poll) {
                 // another clock: deadlines start again
                 pace = Pace::new(period);
             }
@@ -192,7 +192,7 @@ impl Live {
     fn order(&mut self, port: u32, order: Order, tick: u64) {
         let _ = self.engine.command(EngineCommand::Order(Some(port), order));
         let record = Record::Order { tick, port: Some(port), order };
-        if hand(&mut self.rings, &mut self.missing, record, 2).is_err() {
+        if push_record(&mut self.rings, &mut self.missing, record, 2).is_err() {
             self.missing += 1;
             self.shared.lost_records.fetch_add(1, Relaxed);
         }
@@ -270,18 +270,18 @@ impl Live {
             }
             let number = if let EngineCommand::Swap(swap) = &act { Some(swap.number) } else { None };
             let marks = matches!(act, EngineCommand::Mark);
-            let touched = if let EngineCommand::Touch(touch) = &act { Some(touch.touched()) } else { None };
-            match (self.engine.command(act), touched) {
+            let event = if let EngineCommand::Manual(input) = &act { Some(input.event()) } else { None };
+            match (self.engine.command(act), event) {
                 (Some(Retired::Swap(gone)), _) => {
                     self.keep(Record::Swapped { tick, number: number.unwrap_or_default(), gone: Some(gone) });
                 }
                 (None, None) if number.is_some() => {
                     self.keep(Record::Swapped { tick, number: number.unwrap_or_default(), gone: None });
                 }
-                (Some(Retired::Gesture(gone)), Some(touched)) => {
-                    self.keep(Record::Touched { tick, touched, gone: Some(gone) });
+                (Some(Retired::Gesture(gone)), Some(event)) => {
+                    self.keep(Record::Manual { tick, event, gone: Some(gone) });
                 }
-                (_, Some(touched)) => self.keep(Record::Touched { tick, touched, gone: None }),
+                (_, Some(event)) => self.keep(Record::Manual { tick, event, gone: None }),
                 (Some(retired), None) => self.keep(Record::Retired { tick, retired }),
                 (None, None) if marks => self.keep(Record::Marked { tick, bits: self.engine.state.bits() }),
                 (None, None) => {}
@@ -296,7 +296,7 @@ impl Live {
             self.shared.lost_records.fetch_add(1, Relaxed);
             return;
         }
-        self.waiting = hand(&mut self.rings, &mut self.missing, record, 2).err();
+        self.waiting = push_record(&mut self.rings, &mut self.missing, record, 2).err();
     }
 
     fn devices(&mut self) {
@@ -341,18 +341,18 @@ impl Live {
 }
 
 fn note(rings: &mut Rings, missing: &mut u64, shared: &Shared, record: Record) {
-    if hand(rings, missing, record, KEPT).is_err() {
+    if push_record(rings, missing, record, KEPT).is_err() {
         *missing += 1;
         shared.lost_records.fetch_add(1, Relaxed);
     }
 }
 
-/// Sends a record, after the number of records missing before it. Returns it if fewer than `room` slots (at least two)
+/// Sends a record, after the number of records missing before it. Returns it if fewer than `capacity` slots (at least two)
 /// are free.
 // a record is as large as a slot of the ring, and boxing it would allocate
 #[allow(clippy::result_large_err)]
-fn hand(rings: &mut Rings, missing: &mut u64, record: Record, room: usize) -> Result<(), Record> {
-    if rings.records.slots() < room {
+fn push_record(rings: &mut Rings, missing: &mut u64, record: Record, needed: usize) -> Result<(), Record> {
+    if rings.records.slots() < needed {
         return Err(record);
     }
     if *missing > 0 {

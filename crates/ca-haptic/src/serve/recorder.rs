@@ -1,6 +1,6 @@
 //! Sends the records of the engine to the sinks, and commands from people to the engine.
 
-mod hand;
+mod manual;
 mod refused;
 mod seen;
 mod swap;
@@ -56,9 +56,9 @@ pub struct Recorder {
     /// Sound devices that played before.
     before: Vec<AudioSummary>,
     outputs: Outputs,
-    hand: hand::Hand,
+    manual: manual::ManualProgress,
     /// Version of the scene on its way to the engine, with its parameters.
-    coming: Option<(Arc<Version>, Controls)>,
+    pending: Option<(Arc<Version>, Controls)>,
     versions: u32,
     /// Last report of losses in full rings, and the gesture frame at which it was made.
     reported: ([u64; 3], u64),
@@ -92,8 +92,8 @@ impl Recorder {
             audio: None,
             before: Vec::new(),
             outputs: Outputs::default(),
-            hand: hand::Hand::new(&scene),
-            coming: None,
+            manual: manual::ManualProgress::new(&scene),
+            pending: None,
             versions: 0,
             reported: ([0; 3], 0),
             scene,
@@ -144,18 +144,18 @@ impl Recorder {
         while let Ok(timing) = self.ends.timings.pop() {
             self.timing(timing);
         }
-        self.turn_gesture();
+        self.apply_gesture_params();
         self.missing();
-        for (bad, text) in self.sinks.iter_mut().filter_map(|s| s.news()).collect::<Vec<_>>() {
+        for (bad, text) in self.sinks.iter_mut().filter_map(|s| s.poll_notice()).collect::<Vec<_>>() {
             self.say(bad, text);
         }
-        for text in self.audio.as_mut().map(Watch::news).unwrap_or_default() {
+        for text in self.audio.as_mut().map(Watch::take_messages).unwrap_or_default() {
             self.say(true, text);
         }
         // a failing sink adds a message for the others
         while !self.notices.is_empty() {
             for h in std::mem::take(&mut self.notices) {
-                self.tell(|s| s.said(&h));
+                self.tell(|s| s.notice(&h));
             }
         }
     }
@@ -250,8 +250,8 @@ impl Recorder {
                 let all = self.seen.iter_mut().enumerate();
                 all.filter(|(k, _)| meant(*k)).for_each(|(_, seen)| seen.order(*tick, *order));
             }
-            Record::Retired { retired: Retired::State(_), .. } => self.hand.let_go(),
-            Record::Touched { tick, touched, .. } => self.hand.touched(*tick, touched),
+            Record::Retired { retired: Retired::State(_), .. } => self.manual.reset(),
+            Record::Manual { tick, event, .. } => self.manual.apply(*tick, event),
             Record::Swapped { tick, .. } => self.swapped(*tick),
             Record::Waiting { tick, port, wait } => {
                 let Some(seen) = self.seen.get_mut(*port as usize) else { return };

@@ -4,7 +4,7 @@
 //! file, the row in NumPy and the structure in memory are the same. A macro generates structure and definition from one
 //! list of fields, so that they cannot differ; a structure with padding does not compile.
 
-use crate::engine::{GLIDE, Touched};
+use crate::engine::{GLIDE, ManualEvent};
 use ca_core::Balance;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
@@ -79,28 +79,28 @@ flat! {
 
 impl Hand {
     /// Makes the record of an action at a tick.
-    pub fn new(tick: u64, touched: Touched) -> Hand {
+    pub fn new(tick: u64, event: ManualEvent) -> Hand {
         let hand = |act, which, [x, y, z]: [f64; 3]| Hand { tick, x, y, z, act, which };
-        match touched {
-            Touched::Grab(mass) => hand(0, mass, [0.0; 3]),
-            Touched::Pull(to) => hand(1, 0, to),
-            Touched::Release => hand(2, 0, [0.0; 3]),
-            Touched::Play => hand(3, 0, [0.0; 3]),
-            Touched::Stop => hand(4, 0, [0.0; 3]),
-            Touched::Port(port, value, over) => hand(6, port, [value, over, 0.0]),
+        match event {
+            ManualEvent::Grab(mass) => hand(0, mass, [0.0; 3]),
+            ManualEvent::Pull(to) => hand(1, 0, to),
+            ManualEvent::Release => hand(2, 0, [0.0; 3]),
+            ManualEvent::Play => hand(3, 0, [0.0; 3]),
+            ManualEvent::Stop => hand(4, 0, [0.0; 3]),
+            ManualEvent::Port(port, value, over) => hand(6, port, [value, over, 0.0]),
         }
     }
 
     /// Returns the action; `None` if it is unknown.
-    pub fn touched(&self) -> Option<Touched> {
+    pub fn event(&self) -> Option<ManualEvent> {
         Some(match self.act {
-            0 => Touched::Grab(self.which),
-            1 => Touched::Pull([self.x, self.y, self.z]),
-            2 => Touched::Release,
-            3 => Touched::Play,
-            4 => Touched::Stop,
-            5 => Touched::Port(self.which, self.x, GLIDE),
-            6 => Touched::Port(self.which, self.x, self.y),
+            0 => ManualEvent::Grab(self.which),
+            1 => ManualEvent::Pull([self.x, self.y, self.z]),
+            2 => ManualEvent::Release,
+            3 => ManualEvent::Play,
+            4 => ManualEvent::Stop,
+            5 => ManualEvent::Port(self.which, self.x, GLIDE),
+            6 => ManualEvent::Port(self.which, self.x, self.y),
             _ => return None,
         })
     }

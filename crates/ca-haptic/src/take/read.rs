@@ -9,7 +9,7 @@ use super::next::{self, NextModel};
 use super::source::{End, Item, Source, torn};
 use super::{cdr, topic};
 use crate::engine::Change;
-use crate::engine::Touched;
+use crate::engine::ManualEvent;
 use crate::frame::{Cause, DeviceFrame, ForceFrame};
 use crate::guard::Order;
 use crate::profile::Profile;
@@ -33,7 +33,7 @@ pub enum Event {
     /// Forces were armed, disarmed or tripped before this tick, of one device or all.
     Order(u64, Option<u32>, Order),
     /// Input without a device acted before this tick.
-    Hand(u64, Touched),
+    Hand(u64, ManualEvent),
     /// A device described itself before this tick.
     Profile(u64, usize, Box<Profile>),
     /// A hash of the state.
@@ -153,7 +153,7 @@ impl Events {
             }
             topic::HAND => {
                 let hand: Hand = cdr::record(data)?;
-                Event::Hand(hand.tick, hand.touched()?)
+                Event::Hand(hand.tick, hand.event()?)
             }
             topic::PROFILE => {
                 let mut r = cdr::In::new(data)?;

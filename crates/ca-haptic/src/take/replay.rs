@@ -164,10 +164,10 @@ impl Replay {
                 self.engine.command(EngineCommand::Order(port, order));
                 None
             }
-            Event::Hand(_, touched) => {
+            Event::Hand(_, event) => {
                 // an action that this scene lacks shows in later frames and hashes
-                if let Some(touch) = touched.again(&self.engine.scene) {
-                    self.engine.command(EngineCommand::Touch(touch));
+                if let Some(input) = event.to_input(&self.engine.scene) {
+                    self.engine.command(EngineCommand::Manual(input));
                 }
                 None
             }

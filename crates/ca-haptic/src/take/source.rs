@@ -123,7 +123,7 @@ impl Source {
             .with_record_length_limit(most);
         let mut reader = LinearReader::new_with_options(options);
         // the first bytes too, because the checksum over all bytes includes them
-        hand(&mut reader, &magic);
+        feed(&mut reader, &magic);
         Ok(Source {
             path: path.to_owned(),
             file,
@@ -211,7 +211,7 @@ impl Iterator for Source {
                     if let Some(Err(e)) = whole.map(|(kind, body)| framed::check(kind, body)) {
                         return self.cut(&e);
                     }
-                    hand(&mut self.reader, &self.record);
+                    feed(&mut self.reader, &self.record);
                     self.read += self.record.len() as u64;
                     continue;
                 }
@@ -232,7 +232,7 @@ impl Iterator for Source {
 }
 
 /// Passes bytes to the reader; none at the end of the file.
-fn hand(reader: &mut LinearReader, bytes: &[u8]) {
+fn feed(reader: &mut LinearReader, bytes: &[u8]) {
     if let Some(to) = reader.insert(bytes.len()).get_mut(..bytes.len()) {
         to.copy_from_slice(bytes);
     }

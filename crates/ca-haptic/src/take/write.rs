@@ -200,9 +200,9 @@ impl TakeWriter {
                 cdr::body(&mut self.data, &Ordered { tick, port, order: number, cause, reserved: 0 });
                 self.put(self.ids.order, tick)
             }
-            Record::Touched { tick, touched, .. } => {
+            Record::Manual { tick, event, .. } => {
                 self.tick = tick;
-                cdr::body(&mut self.data, &Hand::new(tick, touched));
+                cdr::body(&mut self.data, &Hand::new(tick, event));
                 self.put(self.ids.hand, tick)
             }
             Record::Lost { tick, records } => {

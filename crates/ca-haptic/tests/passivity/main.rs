@@ -51,7 +51,7 @@ fn met(text: &str, profile: &Profile) -> Arc<Scene> {
     let (mut options, first) = (Compile::default(), compiled(text, &Compile::default()));
     let setups = [setup(&first.scene, profile)];
     let met = meet(first, &setups, &mut options, |options| Ok::<_, ()>(compiled(text, options)));
-    assert!(met.too_stiff.is_empty(), "{:?}", met.said());
+    assert!(met.too_stiff.is_empty(), "{:?}", met.messages());
     Arc::new(met.compiled.scene)
 }
 

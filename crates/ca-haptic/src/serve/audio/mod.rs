@@ -149,8 +149,8 @@ const GAPS: usize = 1000;
 
 impl Watch {
     /// Returns messages for people since the last call.
-    pub(super) fn news(&mut self) -> Vec<String> {
-        let mut news = Vec::new();
+    pub(super) fn take_messages(&mut self) -> Vec<String> {
+        let mut messages = Vec::new();
         while let Ok(at) = self.gaps.pop() {
             if self.reported.len() < GAPS {
                 self.reported.push(at);
@@ -158,7 +158,7 @@ impl Watch {
             // one message a second; the summary has all gaps
             if at >= self.quiet {
                 self.quiet = at + u64::from(self.playback.rate);
-                news.push(format!("{}: no samples to play at sample {at}", self.playback.host));
+                messages.push(format!("{}: no samples to play at sample {at}", self.playback.host));
             }
         }
         let alive = self.counts.alive.load(Relaxed);
@@ -170,11 +170,11 @@ impl Watch {
             };
             // the first start is not reported
             if !alive || self.counts.stops.load(Relaxed) > 0 {
-                news.push(format!("{}: {what}", self.playback.host));
+                messages.push(format!("{}: {what}", self.playback.host));
             }
             self.was_alive = alive;
         }
-        news
+        messages
     }
 
     /// Returns the summary.

@@ -36,7 +36,7 @@ impl Outlet {
     }
 
     /// Applies a waiting change. Returns true if there was one.
-    pub(in crate::serve) fn turn(&mut self) -> bool {
+    pub(in crate::serve) fn poll(&mut self) -> bool {
         if self.gone.slots() == 0 {
             return false;
         }
@@ -68,9 +68,9 @@ mod tests {
         let (first, mut first_player, _) = link(1, 16, who(), 64);
         let (second, mut second_player, _) = link(1, 16, who(), 64);
         let (mut outlet, mut patch) = outlet(Some(first));
-        assert!(!outlet.turn());
+        assert!(!outlet.poll());
         outlet.now().unwrap().put(&[0.25; 200]);
-        assert!(patch.put(Some(second)) && outlet.turn());
+        assert!(patch.put(Some(second)) && outlet.poll());
         outlet.now().unwrap().put(&[0.5; 200]);
         let mut out = [0.0; 200];
         first_player.fill(&mut out, 1, 0);
@@ -82,7 +82,7 @@ mod tests {
             assert!(patch.put(None));
         }
         assert!(!patch.put(None));
-        while outlet.turn() {}
+        while outlet.poll() {}
         assert!(outlet.now().is_none() && patch.put(None));
         // the old device is freed on the other side, and its player ends
         second_player.fill(&mut out, 1, 0);

@@ -107,7 +107,7 @@ impl Hall {
     }
 
     fn reported(&mut self) -> AudioSummary {
-        self.watch.news();
+        self.watch.take_messages();
         self.watch.summary()
     }
 }
@@ -273,6 +273,6 @@ fn the_end_is_no_underrun() {
         assert!(heard.len() < 10_000);
     }
     assert!(heard[..200].iter().all(|x| *x == 0.5) && heard[200..].iter().all(|x| x.abs() < 0.5));
-    watch.news();
+    watch.take_messages();
     assert!(watch.summary().is_faithful(), "{:?}", watch.summary());
 }

@@ -71,7 +71,7 @@ impl Seen {
         self.loops.force(frame);
         let undamped = frame.flags & flag::PASSIVITY_OFF != 0;
         if undamped && !self.undamped {
-            notices.push(self.said(frame.tick, true, "passivity damping gave energy to the hand; off for a while"));
+            notices.push(self.notice(frame.tick, true, "passivity damping gave energy to the hand; off for a while"));
         }
         self.undamped = undamped;
         let now = (Mode::read(frame.mode), Cause::read(frame.cause));
@@ -95,7 +95,7 @@ impl Seen {
             (Mode::Ramp, _) => "forces fade in".into(),
             (Mode::On, _) => "forces on".into(),
         };
-        notices.push(self.said(frame.tick, matches!(now.0, Mode::Fault | Mode::Damp), &text));
+        notices.push(self.notice(frame.tick, matches!(now.0, Mode::Fault | Mode::Damp), &text));
         (now.0 == Mode::Fault).then(|| Fault { device: self.name.clone(), cause: now.1, tick: frame.tick })
     }
 
@@ -115,11 +115,11 @@ impl Seen {
                 scene.inputs.iter().find(|i| i.role == InputRole::Device && i.device.as_ref().is_some_and(this));
             found.map_or_else(|| format!("degree of freedom {dof}"), |i| format!("`{}`", i.name))
         };
-        let text = wait.said(&name);
+        let text = wait.text(&name);
         self.looks += 1;
         let due = self.reported == 0 || tick >= self.reported + (REPEAT * scene.rate) as u64;
         let said =
-            (self.looks >= LOOKS && due).then(|| self.said(tick, true, &format!("armed, forces still off: {text}")));
+            (self.looks >= LOOKS && due).then(|| self.notice(tick, true, &format!("armed, forces still off: {text}")));
         if said.is_some() {
             self.reported = tick.max(1);
         }
@@ -147,7 +147,7 @@ impl Seen {
         }
     }
 
-    fn said(&self, tick: u64, bad: bool, what: &str) -> Notice {
+    fn notice(&self, tick: u64, bad: bool, what: &str) -> Notice {
         Notice { tick, device: Some(self.name.clone()), bad, text: format!("{}: {what}", self.name) }
     }
 }

@@ -43,7 +43,7 @@ impl Sink for TakeWriter {
         })
     }
 
-    fn said(&mut self, h: &Notice) -> Result<(), FileError> {
+    fn notice(&mut self, h: &Notice) -> Result<(), FileError> {
         // the frames contain modes and causes of devices
         if h.device.is_some() {
             return Ok(());

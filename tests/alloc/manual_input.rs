@@ -3,7 +3,7 @@
 
 use super::calls;
 use ca_compile::{Options as Compile, compile};
-use ca_haptic::engine::{Engine, EngineCommand, GLIDE, Options, OwnGesture, Retired, Swap, Touch, Touched};
+use ca_haptic::engine::{Engine, EngineCommand, GLIDE, ManualEvent, ManualInput, Options, OwnGesture, Retired, Swap};
 use ca_model::read;
 use std::sync::Arc;
 
@@ -30,27 +30,27 @@ fn hands_without_a_device_allocate_nothing() {
     for energy in [false, true] {
         let options = Compile { energy, ..Compile::default() };
         let scene = Arc::new(compile(&model, &catalog, &options).expect("it compiles").scene);
-        let again = |touched: Touched| touched.again(&scene).expect("it can be done");
+        let input = |event: ManualEvent| event.to_input(&scene).expect("it can be done");
         let finger = scene.input("finger").expect("a port") as u32;
-        let mut touches: Vec<Touch> = Vec::new();
+        let mut inputs: Vec<ManualInput> = Vec::new();
         for n in 0..4 {
-            touches.extend([again(Touched::Grab(12 + n)), Touch::Pull([1e-3, f64::NAN, f64::INFINITY])]);
-            touches.push(Touch::Play(Box::new(OwnGesture::new(&scene).expect("it has one"))));
-            touches.extend([
-                Touch::Port(finger, -5e-4, GLIDE),
-                Touch::Pull([-2e-3, 0.0, 0.0]),
-                Touch::Release,
-                Touch::Stop,
+            inputs.extend([input(ManualEvent::Grab(12 + n)), ManualInput::Pull([1e-3, f64::NAN, f64::INFINITY])]);
+            inputs.push(ManualInput::Play(Box::new(OwnGesture::new(&scene).expect("it has one"))));
+            inputs.extend([
+                ManualInput::Port(finger, -5e-4, GLIDE),
+                ManualInput::Pull([-2e-3, 0.0, 0.0]),
+                ManualInput::Release,
+                ManualInput::Stop,
             ]);
         }
-        touches.reverse();
+        inputs.reverse();
         let mut retired: Vec<Retired> = Vec::with_capacity(16);
         let mut e = Engine::new(scene.clone(), Vec::new(), Options::default());
         let counted = calls(|| {
             for n in 0..3000 {
                 if n % 100 == 0 {
-                    if let Some(touch) = touches.pop() {
-                        retired.extend(e.command(EngineCommand::Touch(touch)));
+                    if let Some(input) = inputs.pop() {
+                        retired.extend(e.command(EngineCommand::Manual(input)));
                     }
                 }
                 e.prepare();
@@ -58,7 +58,7 @@ fn hands_without_a_device_allocate_nothing() {
                 e.finish();
             }
         });
-        assert_eq!((counted, retired.len(), touches.len()), (0, 4, 0), "energy {energy}");
+        assert_eq!((counted, retired.len(), inputs.len()), (0, 4, 0), "energy {energy}");
         assert!(!e.has_diverged() && e.state.x.iter().any(|x| x.abs() > 1e-6));
     }
 }

@@ -4,7 +4,7 @@
 //! changes, and its commands are recorded, so that a take replays to the same bits even if this thread was late.
 
 use super::{Recorder, Refused};
-use crate::engine::{EngineCommand, LONGEST, OwnGesture, Touch, Touched, lead};
+use crate::engine::{EngineCommand, LONGEST, ManualEvent, ManualInput, OwnGesture, lead};
 use ca_core::Scene;
 use ca_core::pointer::Pointer;
 use ca_io::gesture::{Track, own};
@@ -12,7 +12,7 @@ use ca_io::gesture::{Track, own};
 /// Largest value of a port \[m or N\]; playable models need less, and larger values would exceed every range.
 pub(super) const FURTHEST: f64 = 1e6;
 
-pub(super) struct Hand {
+pub(super) struct ManualProgress {
     held: Option<usize>,
     /// Tick at which the lead-in of the gesture ends.
     began: Option<u64>,
@@ -23,26 +23,26 @@ pub(super) struct Hand {
     params: Vec<Track>,
 }
 
-impl Hand {
-    pub(super) fn new(scene: &Scene) -> Hand {
+impl ManualProgress {
+    pub(super) fn new(scene: &Scene) -> ManualProgress {
         let all: Vec<Track> = own(scene).flatten().collect();
         let length = all.iter().map(Track::duration).fold(0.0, f64::max) * scene.rate;
         let params = all.into_iter().filter(|t| scene.input(t.name()).is_none()).collect();
-        Hand { held: None, began: None, lead: lead(scene), length: length.ceil() as u64, params }
+        ManualProgress { held: None, began: None, lead: lead(scene), length: length.ceil() as u64, params }
     }
 
     /// Resets after the scene was loaded again.
-    pub(super) fn let_go(&mut self) {
+    pub(super) fn reset(&mut self) {
         (self.held, self.began) = (None, None);
     }
 
-    pub(super) fn touched(&mut self, tick: u64, touched: &Touched) {
-        match touched {
-            Touched::Grab(mass) => self.held = Some(*mass as usize),
-            Touched::Release => self.held = None,
-            Touched::Play => self.began = Some(tick + self.lead),
-            Touched::Stop => self.began = None,
-            Touched::Pull(_) | Touched::Port(..) => {}
+    pub(super) fn apply(&mut self, tick: u64, event: &ManualEvent) {
+        match event {
+            ManualEvent::Grab(mass) => self.held = Some(*mass as usize),
+            ManualEvent::Release => self.held = None,
+            ManualEvent::Play => self.began = Some(tick + self.lead),
+            ManualEvent::Stop => self.began = None,
+            ManualEvent::Pull(_) | ManualEvent::Port(..) => {}
         }
     }
 }
@@ -54,7 +54,7 @@ impl Recorder {
     /// If the MAT cannot be held, or the engine does not take commands now.
     pub fn grab(&mut self, mass: usize) -> Result<(), Refused> {
         let pointer = Pointer::new(&self.scene, mass)?;
-        self.command(EngineCommand::Touch(Touch::Grab(pointer)))
+        self.command(EngineCommand::Manual(ManualInput::Grab(pointer)))
     }
 
     /// Pulls the held mass to a displacement from rest \[m\]; in one dimension only the first number counts.
@@ -65,7 +65,7 @@ impl Recorder {
         if to.iter().any(|x| !x.is_finite()) {
             return Err(Refused::Place);
         }
-        self.command(EngineCommand::Touch(Touch::Pull(to)))
+        self.command(EngineCommand::Manual(ManualInput::Pull(to)))
     }
 
     /// Releases the held mass.
@@ -73,7 +73,7 @@ impl Recorder {
     /// # Errors
     /// If the engine does not take commands now.
     pub fn release(&mut self) -> Result<(), Refused> {
-        self.command(EngineCommand::Touch(Touch::Release))
+        self.command(EngineCommand::Manual(ManualInput::Release))
     }
 
     /// Starts the model's own gesture from its beginning, or stops it.
@@ -82,10 +82,10 @@ impl Recorder {
     /// If the model has none, or the engine does not take commands now.
     pub fn gesture(&mut self, play: bool) -> Result<(), Refused> {
         if !play {
-            return self.command(EngineCommand::Touch(Touch::Stop));
+            return self.command(EngineCommand::Manual(ManualInput::Stop));
         }
         let own = OwnGesture::new(&self.scene).ok_or(Refused::NoGesture)?;
-        self.command(EngineCommand::Touch(Touch::Play(Box::new(own))))
+        self.command(EngineCommand::Manual(ManualInput::Play(Box::new(own))))
     }
 
     /// Moves a position port to a position \[m\], or a force port to a force \[N\], in `over` seconds. A device key
@@ -108,29 +108,29 @@ impl Recorder {
         if value.abs() > FURTHEST {
             return Err(Refused::Far(name.into()));
         }
-        self.command(EngineCommand::Touch(Touch::Port(input as u32, value, over.clamp(0.0, LONGEST))))
+        self.command(EngineCommand::Manual(ManualInput::Port(input as u32, value, over.clamp(0.0, LONGEST))))
     }
 
     /// Returns the MAT that the pointer holds.
     pub fn held(&self) -> Option<usize> {
-        self.hand.held
+        self.manual.held
     }
 
     /// Returns true while the model's own gesture plays.
     pub fn playing(&self) -> bool {
-        self.hand.began.is_some_and(|began| self.tick < began + self.hand.length)
+        self.manual.began.is_some_and(|began| self.tick < began + self.manual.length)
     }
 
     /// Sets the live parameters of the gesture to their values at the present tick.
-    pub(super) fn turn_gesture(&mut self) {
-        if self.hand.params.is_empty() || !self.playing() {
+    pub(super) fn apply_gesture_params(&mut self) {
+        if self.manual.params.is_empty() || !self.playing() {
             return;
         }
-        let Some(began) = self.hand.began else { return };
+        let Some(began) = self.manual.began else { return };
         let t = self.tick.saturating_sub(began) as f64 * self.scene.rates.sample_dt;
         let params = self.controls.params();
         let changes: Vec<(String, f64)> = self
-            .hand
+            .manual
             .params
             .iter()
             .filter_map(|track| {

@@ -1,11 +1,11 @@
-//! Saves a performance from its page: the sound from now on as WAV, or everything so far as a take ([`Kept`]).
+//! Saves a performance from its page: the sound from now on as WAV, or everything so far as a take ([`TemporaryTake`]).
 //!
 //! Separate threads write the files, under a free name in the directory where the program was started. A model with
 //! devices would fill the disk, so its take can only be recorded from the start with `--log`.
 
 use ca_core::Scene;
 use ca_haptic::rt::RtRequest;
-use ca_haptic::serve::{AsyncSink, BufferLimits, Kept, Recorder, Sink, SinkHandle, SinkStreams, WavSink};
+use ca_haptic::serve::{AsyncSink, BufferLimits, Recorder, Sink, SinkHandle, SinkStreams, TemporaryTake, WavSink};
 use ca_io::FileError;
 use ca_io::format::Format;
 use ca_io::sound::{WavOut, Written};
@@ -18,76 +18,76 @@ use std::thread;
 /// Limit on the file names tried.
 const TRIES: u32 = 10_000;
 
-struct Tape {
+struct SoundFile {
     path: PathBuf,
     sink: AsyncSink<WavSink>,
 }
 
 /// The recorder's connection to the sound file, and the error if writing failed.
 #[derive(Default)]
-struct TapeEnd {
-    line: Option<SinkHandle>,
+struct SoundFileState {
+    sink: Option<SinkHandle>,
     failed: Option<FileError>,
 }
 
-/// Connection to the sound file, shared by the recorder and [`Keep`].
+/// Connection to the sound file, shared by the recorder and [`PageFiles`].
 #[derive(Clone, Default)]
-pub struct TapeSink(Arc<Mutex<TapeEnd>>);
+pub struct SoundFileSink(Arc<Mutex<SoundFileState>>);
 
-impl TapeSink {
-    fn end(&self) -> MutexGuard<'_, TapeEnd> {
+impl SoundFileSink {
+    fn state(&self) -> MutexGuard<'_, SoundFileState> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn set(&self, line: Option<SinkHandle>) {
-        *self.end() = TapeEnd { line, failed: None };
+    fn set(&self, sink: Option<SinkHandle>) {
+        *self.state() = SoundFileState { sink, failed: None };
     }
 }
 
-impl Sink for TapeSink {
+impl Sink for SoundFileSink {
     fn streams(&self) -> SinkStreams {
-        SinkStreams { sound: true, ..SinkStreams::WORDS }
+        SinkStreams { sound: true, ..SinkStreams::MESSAGES }
     }
 
-    fn news(&mut self) -> Option<(bool, String)> {
-        self.end().line.as_mut().and_then(Sink::news)
+    fn poll_notice(&mut self) -> Option<(bool, String)> {
+        self.state().sink.as_mut().and_then(Sink::poll_notice)
     }
 
     fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), FileError> {
-        let mut end = self.end();
-        if let Some(Err(e)) = end.line.as_mut().map(|l| l.sound(tick, frames)) {
-            *end = TapeEnd { line: None, failed: Some(e) };
+        let mut end = self.state();
+        if let Some(Err(e)) = end.sink.as_mut().map(|l| l.sound(tick, frames)) {
+            *end = SoundFileState { sink: None, failed: Some(e) };
         }
         Ok(())
     }
 }
 
 /// Files saved from a page.
-pub struct Keep {
+pub struct PageFiles {
     /// Name of the model without folder and extensions.
     stem: String,
-    kept: Option<Kept>,
-    tape: Option<Tape>,
-    line: TapeSink,
+    take: Option<TemporaryTake>,
+    sound_file: Option<SoundFile>,
+    sink: SoundFileSink,
     /// Results of sound files that are being finished.
-    ends: Vec<Receiver<Result<String, FileError>>>,
+    finishing: Vec<Receiver<Result<String, FileError>>>,
     /// Result of the take that is being saved.
-    saves: Option<Receiver<Result<String, FileError>>>,
+    saving: Option<Receiver<Result<String, FileError>>>,
 }
 
-impl Keep {
-    /// Prepares the files for a model. `kept` holds the performance so far.
-    pub fn new(model: &str, kept: Option<Kept>, line: TapeSink) -> Keep {
+impl PageFiles {
+    /// Prepares the files for a model. `take` holds the performance so far.
+    pub fn new(model: &str, take: Option<TemporaryTake>, sink: SoundFileSink) -> PageFiles {
         let file = model.rsplit(['/', '\\']).next().unwrap_or(model);
         let stem = file.split('.').next().filter(|s| !s.is_empty()).unwrap_or("take").to_string();
-        Keep { stem, kept, tape: None, line, ends: Vec::new(), saves: None }
+        PageFiles { stem, take, sound_file: None, sink, finishing: Vec::new(), saving: None }
     }
 
     fn stop(&mut self) -> Option<String> {
-        let Tape { path, sink } = self.tape.take()?;
-        self.line.set(None);
+        let SoundFile { path, sink } = self.sound_file.take()?;
+        self.sink.set(None);
         let text = format!("finishing {}", path.display());
-        let end = aside(move || {
+        let end = spawn_writer(move || {
             let written = sink.end().and_then(|w| w.map(WavSink::finish).transpose());
             let told = |w: Option<Written>| match w {
                 Some(w) => format!("recorded {:.1} s into {}", w.frames as f64 / f64::from(w.rate), path.display()),
@@ -95,7 +95,7 @@ impl Keep {
             };
             written.map(told)
         });
-        self.ends.push(end);
+        self.finishing.push(end);
         Some(text)
     }
 
@@ -109,19 +109,19 @@ impl Keep {
     }
 }
 
-impl Files for Keep {
+impl Files for PageFiles {
     fn can_save(&self) -> bool {
-        self.kept.is_some()
+        self.take.is_some()
     }
 
     fn recording(&self) -> Option<String> {
-        self.tape.as_ref().map(|t| t.path.display().to_string())
+        self.sound_file.as_ref().map(|t| t.path.display().to_string())
     }
 
-    fn turn(&mut self, recorder: &mut Recorder) {
-        let failed = self.line.end().failed.take();
-        if let Some((e, tape)) = failed.and_then(|e| Some((e, self.tape.take()?))) {
-            recorder.say(true, format!("recording into {} stopped: {e}", tape.path.display()));
+    fn poll(&mut self, recorder: &mut Recorder) {
+        let failed = self.sink.state().failed.take();
+        if let Some((e, sound_file)) = failed.and_then(|e| Some((e, self.sound_file.take()?))) {
+            recorder.say(true, format!("recording into {} stopped: {e}", sound_file.path.display()));
         }
         let mut waits = |end: &Receiver<Result<String, FileError>>| match end.try_recv() {
             Ok(came) => {
@@ -130,15 +130,15 @@ impl Files for Keep {
             }
             Err(e) => e == TryRecvError::Empty,
         };
-        self.ends.retain(&mut waits);
-        self.saves = self.saves.take().filter(waits);
+        self.finishing.retain(&mut waits);
+        self.saving = self.saving.take().filter(waits);
     }
 
     fn record(&mut self, on: bool, scene: &Scene) -> Result<String, ca_session::Refused> {
         if !on {
             return self.stop().ok_or_else(|| "the sound is not being recorded".into());
         }
-        if self.tape.is_some() {
+        if self.sound_file.is_some() {
             return Err("the sound is already being recorded".into());
         }
         if scene.counts.channels == 0 {
@@ -148,29 +148,31 @@ impl Files for Keep {
         let out = WavOut::create(&path, scene.rate, scene.counts.channels, Format::F32).map_err(|e| e.to_string())?;
         let wav = WavSink::from_now(out, scene.counts.channels);
         let started = AsyncSink::start("ca record", wav, BufferLimits::of(scene), RtRequest::default());
-        let (line, sink) = started.map_err(|e| e.to_string())?;
-        self.line.set(Some(line));
+        let (handle, sink) = started.map_err(|e| e.to_string())?;
+        self.sink.set(Some(handle));
         let text = format!("recording into {}", path.display());
-        self.tape = Some(Tape { path, sink });
+        self.sound_file = Some(SoundFile { path, sink });
         Ok(text)
     }
 
     fn save(&mut self, recorder: &mut Recorder) -> Result<String, ca_session::Refused> {
-        let Some(kept) = &self.kept else {
+        let Some(take) = &self.take else {
             return Err("a take of a model with devices can be recorded only from the start, with `--log TAKE`".into());
         };
-        if self.saves.is_some() {
+        if self.saving.is_some() {
             return Err("a take is being saved; wait until it is finished".into());
         }
         let to = self.free("mcap")?;
         let text = format!("saving {}", to.display());
-        self.saves = Some(kept.save(to, recorder)?);
+        self.saving = Some(take.save(to, recorder)?);
         Ok(text)
     }
 }
 
 /// Runs work that may wait for a disk on a new thread, and returns the receiver of its result.
-fn aside(work: impl FnOnce() -> Result<String, FileError> + Send + 'static) -> Receiver<Result<String, FileError>> {
+fn spawn_writer(
+    work: impl FnOnce() -> Result<String, FileError> + Send + 'static,
+) -> Receiver<Result<String, FileError>> {
     let (tell, end) = channel();
     let done = tell.clone();
     let run = move || {
@@ -182,12 +184,12 @@ fn aside(work: impl FnOnce() -> Result<String, FileError> + Send + 'static) -> R
     end
 }
 
-impl Drop for Keep {
-    /// Finishes all files before the program ends.
+impl Drop for PageFiles {
+    /// Finishes all files before the program finishing.
     fn drop(&mut self) {
         self.stop();
-        self.kept = None;
-        for end in self.ends.drain(..).chain(self.saves.take()) {
+        self.take = None;
+        for end in self.finishing.drain(..).chain(self.saving.take()) {
             let _ = end.recv();
         }
     }

@@ -19,13 +19,13 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// A take in progress in the folder for temporary files, from which copies can be saved.
-pub struct Kept {
+pub struct TemporaryTake {
     /// Path from which the file can be read.
     path: PathBuf,
     /// Open file without a name, to which `path` refers; `None` if the name remains.
     unnamed: Option<File>,
     saving: Saving,
-    sink: Option<AsyncSink<KeptSink>>,
+    sink: Option<AsyncSink<TemporaryTakeSink>>,
 }
 
 /// Copy to be saved at the next mark of the engine.
@@ -37,13 +37,13 @@ struct Save {
 }
 
 /// Writes the take, and saves a copy at a mark, when each record before the mark has been written.
-struct KeptSink {
+struct TemporaryTakeSink {
     writer: TakeWriter,
     path: PathBuf,
     saving: Saving,
 }
 
-impl KeptSink {
+impl TemporaryTakeSink {
     fn save(&mut self) {
         let Some(Save { to, tell }) = self.saving.lock().unwrap_or_else(PoisonError::into_inner).take() else { return };
         let saved = self.writer.flush().and_then(|()| recover(&self.path, &to));
@@ -53,9 +53,9 @@ impl KeptSink {
     }
 }
 
-impl Sink for KeptSink {
+impl Sink for TemporaryTakeSink {
     fn streams(&self) -> SinkStreams {
-        SinkStreams { records: true, ..SinkStreams::WORDS }
+        SinkStreams { records: true, ..SinkStreams::MESSAGES }
     }
 
     fn record(&mut self, record: &Record) -> Result<(), FileError> {
@@ -71,20 +71,20 @@ impl Sink for KeptSink {
     }
 }
 
-impl Kept {
+impl TemporaryTake {
     /// Begins a take, and returns it with the sink for the recorder.
     ///
     /// # Errors
     /// If nothing can be written to the folder for temporary files.
-    pub fn begin(header: &Header, scene: &Scene) -> Result<(Kept, SinkHandle), FileError> {
+    pub fn begin(header: &Header, scene: &Scene) -> Result<(TemporaryTake, SinkHandle), FileError> {
         let path = std::env::temp_dir().join(format!("ca-{:016x}.mcap", header.engine.session));
         let writer = TakeWriter::create(&path, header, scene)?;
         let unnamed = unnamed(&path);
         let path = unnamed.as_ref().map_or(path, by_handle);
         let saving = Saving::default();
-        let sink = KeptSink { writer, path: path.clone(), saving: saving.clone() };
+        let sink = TemporaryTakeSink { writer, path: path.clone(), saving: saving.clone() };
         let (line, sink) = AsyncSink::start("ca kept", sink, BufferLimits::of(scene), RtRequest::default())?;
-        Ok((Kept { path, unnamed, saving, sink: Some(sink) }, line))
+        Ok((TemporaryTake { path, unnamed, saving, sink: Some(sink) }, line))
     }
 
     /// Saves a copy of everything played so far to `to`. The receiver gets the result with a message once it is done.
@@ -100,7 +100,7 @@ impl Kept {
     }
 }
 
-impl Drop for Kept {
+impl Drop for TemporaryTake {
     /// Saves a copy whose mark the engine did not reach, with the records so far.
     fn drop(&mut self) {
         if let Some(Ok(Some(mut sink))) = self.sink.take().map(AsyncSink::end) {

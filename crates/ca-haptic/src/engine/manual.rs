@@ -25,7 +25,7 @@ pub(crate) fn lead(scene: &Scene) -> u64 {
 
 /// An action of manual input.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Touch {
+pub enum ManualInput {
     /// Holds a mass.
     Grab(Pointer),
     /// Pulls the held mass to this displacement from rest \[m\].
@@ -40,9 +40,9 @@ pub enum Touch {
     Port(u32, f64, f64),
 }
 
-/// A [`Touch`] without the memory that it needs, for the record.
+/// A [`ManualInput`] without the memory that it needs, for the record.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Touched {
+pub enum ManualEvent {
     /// Holds MAT number `.0`.
     Grab(u32),
     /// Pulls it to this displacement \[m\].
@@ -57,46 +57,46 @@ pub enum Touched {
     Port(u32, f64, f64),
 }
 
-impl Touch {
+impl ManualInput {
     /// Returns the form for the record.
-    pub fn touched(&self) -> Touched {
+    pub fn event(&self) -> ManualEvent {
         match self {
-            Touch::Grab(pointer) => Touched::Grab(pointer.mass() as u32),
-            Touch::Pull(to) => Touched::Pull(*to),
-            Touch::Release => Touched::Release,
-            Touch::Play(_) => Touched::Play,
-            Touch::Stop => Touched::Stop,
-            Touch::Port(port, value, over) => Touched::Port(*port, *value, *over),
+            ManualInput::Grab(pointer) => ManualEvent::Grab(pointer.mass() as u32),
+            ManualInput::Pull(to) => ManualEvent::Pull(*to),
+            ManualInput::Release => ManualEvent::Release,
+            ManualInput::Play(_) => ManualEvent::Play,
+            ManualInput::Stop => ManualEvent::Stop,
+            ManualInput::Port(port, value, over) => ManualEvent::Port(*port, *value, *over),
         }
     }
 }
 
-impl Touched {
+impl ManualEvent {
     /// Returns the action that repeats it in a scene; `None` if the scene lacks the mass or the gesture.
-    pub fn again(&self, scene: &Scene) -> Option<Touch> {
+    pub fn to_input(&self, scene: &Scene) -> Option<ManualInput> {
         Some(match *self {
-            Touched::Grab(mass) => Touch::Grab(Pointer::new(scene, mass as usize).ok()?),
-            Touched::Pull(to) => Touch::Pull(to),
-            Touched::Release => Touch::Release,
-            Touched::Play => Touch::Play(Box::new(OwnGesture::new(scene)?)),
-            Touched::Stop => Touch::Stop,
-            Touched::Port(port, value, over) => Touch::Port(port, value, over),
+            ManualEvent::Grab(mass) => ManualInput::Grab(Pointer::new(scene, mass as usize).ok()?),
+            ManualEvent::Pull(to) => ManualInput::Pull(to),
+            ManualEvent::Release => ManualInput::Release,
+            ManualEvent::Play => ManualInput::Play(Box::new(OwnGesture::new(scene)?)),
+            ManualEvent::Stop => ManualInput::Stop,
+            ManualEvent::Port(port, value, over) => ManualInput::Port(port, value, over),
         })
     }
 }
 
-impl Touched {
+impl ManualEvent {
     /// Returns a description; `None` for an action that comes many times a second.
     pub fn words(&self, scene: Option<&Scene>) -> Option<String> {
         Some(match self {
-            Touched::Grab(mass) => {
+            ManualEvent::Grab(mass) => {
                 let symbol = scene.and_then(|s| s.symbols.get(*mass as usize));
                 symbol.map_or_else(|| format!("grabs mass {mass}"), |s| format!("grabs {}", s.name))
             }
-            Touched::Release => "lets go".into(),
-            Touched::Play => "the model's own gesture begins".into(),
-            Touched::Stop => "the model's own gesture ends".into(),
-            Touched::Pull(_) | Touched::Port(..) => return None,
+            ManualEvent::Release => "lets go".into(),
+            ManualEvent::Play => "the model's own gesture begins".into(),
+            ManualEvent::Stop => "the model's own gesture ends".into(),
+            ManualEvent::Pull(_) | ManualEvent::Port(..) => return None,
         })
     }
 }
@@ -173,14 +173,14 @@ struct Glide {
 }
 
 impl Glide {
-    fn turn(&mut self, input: &mut [f64], ticks: u32) {
+    fn advance(&mut self, input: &mut [f64], ticks: u32) {
         let x = &mut input[self.input];
         *x = if self.left > ticks { *x + self.step * f64::from(ticks) } else { self.to };
         self.left = self.left.saturating_sub(ticks);
     }
 }
 
-pub(super) struct Hands {
+pub(super) struct ManualState {
     pub(super) pointer: Option<Pointer>,
     own: Option<Box<OwnGesture>>,
     /// Has capacity for each port.
@@ -188,30 +188,35 @@ pub(super) struct Hands {
     rate: f64,
 }
 
-impl Hands {
-    pub(super) fn new(scene: &Scene) -> Hands {
-        Hands { pointer: None, own: None, glides: Vec::with_capacity(scene.inputs.len()), rate: scene.rate }
+impl ManualState {
+    pub(super) fn new(scene: &Scene) -> ManualState {
+        ManualState { pointer: None, own: None, glides: Vec::with_capacity(scene.inputs.len()), rate: scene.rate }
     }
 
     /// Executes an action. Returns memory to be freed on another thread, and false if it does not fit the scene.
-    pub(super) fn touch(&mut self, scene: &Scene, state: &State, touch: Touch) -> (Option<Box<OwnGesture>>, bool) {
-        match touch {
-            Touch::Grab(mut pointer) => {
+    pub(super) fn apply(
+        &mut self,
+        scene: &Scene,
+        state: &State,
+        action: ManualInput,
+    ) -> (Option<Box<OwnGesture>>, bool) {
+        match action {
+            ManualInput::Grab(mut pointer) => {
                 pointer.hold(state);
                 self.pointer = Some(pointer);
             }
-            Touch::Pull(to) => {
+            ManualInput::Pull(to) => {
                 if let Some(pointer) = &mut self.pointer {
                     pointer.pull(to);
                 }
             }
-            Touch::Release => self.pointer = None,
-            Touch::Play(mut own) => {
+            ManualInput::Release => self.pointer = None,
+            ManualInput::Play(mut own) => {
                 own.begin(state);
                 return (self.own.replace(own), true);
             }
-            Touch::Stop => return (self.stop(state), true),
-            Touch::Port(port, value, over) => {
+            ManualInput::Stop => return (self.stop(state), true),
+            ManualInput::Port(port, value, over) => {
                 let good = value.is_finite() && (0.0..=LONGEST).contains(&over);
                 if !good || port as usize >= scene.inputs.len() {
                     return (None, false);
@@ -243,7 +248,7 @@ impl Hands {
         Some(own)
     }
 
-    pub(super) fn let_go(&mut self) {
+    pub(super) fn release_all(&mut self) {
         self.pointer = None;
         self.glides.clear();
         if let Some(own) = &mut self.own {
@@ -260,7 +265,7 @@ impl Hands {
                 g.left = 0;
                 continue;
             }
-            g.turn(&mut state.input, scene.rates.ratio);
+            g.advance(&mut state.input, scene.rates.ratio);
         }
         self.glides.retain(|g| g.left > 0 || !is_device(g.input));
         if let Some(own) = &mut self.own {
@@ -275,7 +280,7 @@ impl Hands {
     pub(super) fn tick(&mut self, scene: &Scene, state: &mut State) {
         if !self.glides.is_empty() {
             let is_device = |g: &Glide| scene.inputs[g.input].role == InputRole::Device;
-            self.glides.iter_mut().filter(|g| !is_device(g)).for_each(|g| g.turn(&mut state.input, 1));
+            self.glides.iter_mut().filter(|g| !is_device(g)).for_each(|g| g.advance(&mut state.input, 1));
             self.glides.retain(|g| g.left > 0 || is_device(g));
         }
         if let Some(own) = &mut self.own {
