@@ -49,10 +49,10 @@ fn bench_options() -> Result<BenchOptions, String> {
 }
 
 /// Column, program with its arguments, and its input.
-type Plan = (usize, Result<Vec<PathBuf>, Without>, PathBuf);
+type PeerBuild = (usize, Result<Vec<PathBuf>, Without>, PathBuf);
 
 /// Returns all peers that can play a network.
-fn plans(case: &Case, net: &Net, builder: &Builder) -> Result<Vec<Plan>, std::io::Error> {
+fn plans(case: &Case, net: &Net, builder: &Builder) -> Result<Vec<PeerBuild>, std::io::Error> {
     let table = builder.table(net)?;
     let one = |path: PathBuf| vec![path];
     let mut all = Vec::new();

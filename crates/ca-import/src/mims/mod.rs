@@ -16,6 +16,7 @@
 mod chain;
 mod emit;
 mod first;
+mod generator_plan;
 mod graph;
 mod lattice;
 mod links;
@@ -23,7 +24,6 @@ mod names;
 mod net;
 mod parse;
 mod part;
-mod plan;
 mod reader;
 mod regular;
 mod types;

@@ -6,16 +6,16 @@
 //! in two numbers, then checked link by link: no published model needs a search for lattices without labels.
 
 use super::chain;
+use super::generator_plan::GeneratorPlan;
 use super::graph::Graph;
 use super::lattice;
 use super::names::Names;
 use super::part::Part;
-use super::plan::Plan;
 use alloc::vec;
 
-pub(super) fn plan(parts: &[Part], names: &mut Names) -> Plan {
+pub(super) fn plan(parts: &[Part], names: &mut Names) -> GeneratorPlan {
     let graph = Graph::new(parts);
-    let mut plan = Plan { gone: vec![false; parts.len()], ..Plan::default() };
+    let mut plan = GeneratorPlan { gone: vec![false; parts.len()], ..GeneratorPlan::default() };
     lattice::meshes(&graph, names, &mut plan);
     chain::chains(&graph, names, &mut plan);
     plan

@@ -1,4 +1,4 @@
-//! Plan of the generators, and the names by which other parts refer to their members.
+//! The generators to write, and the names by which other parts refer to their members.
 
 use super::part::Arg;
 use alloc::collections::BTreeMap;
@@ -19,7 +19,7 @@ pub(super) struct Generator {
 }
 
 #[derive(Clone, Debug, Default)]
-pub(super) struct Plan {
+pub(super) struct GeneratorPlan {
     pub generators: Vec<Generator>,
     /// New names of parts that are now inside a generator.
     pub names: BTreeMap<usize, String>,
