@@ -135,7 +135,7 @@ impl RenderOut {
     }
 
     /// Returns the number of samples in a fade.
-    fn room(&self) -> usize {
+    fn fade_len(&self) -> usize {
         let (rate, channels) = self.shape;
         (rate * FADE).round().max(1.0) as usize * channels
     }
@@ -145,10 +145,10 @@ impl RenderOut {
     /// # Errors
     /// The errors of [`WavOut::write`].
     pub fn write(&mut self, frames: &[f64]) -> Result<(), FileError> {
-        let room = self.room();
+        let fade_len = self.fade_len();
         self.tail.extend_from_slice(frames);
-        if self.tail.len() >= 2 * room {
-            let done = self.tail.len() - room;
+        if self.tail.len() >= 2 * fade_len {
+            let done = self.tail.len() - fade_len;
             self.out.write(&self.tail[..done])?;
             self.tail.drain(..done);
         }
@@ -166,8 +166,8 @@ impl RenderOut {
             _ => 1.0,
         };
         let before = loudest(&self.out.so_far().level.peak);
-        let (room, tail) = (self.room(), loudest(&self.tail));
-        let end = self.tail.len().saturating_sub(room);
+        let (fade_len, tail) = (self.fade_len(), loudest(&self.tail));
+        let end = self.tail.len().saturating_sub(fade_len);
         let last = self.tail.get_mut(end..).unwrap_or_default();
         let faded = self.ending.fade && !diverged && gain(before.max(tail)) * loudest(last) > QUIET;
         if faded {

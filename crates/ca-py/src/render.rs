@@ -18,7 +18,7 @@ use pyo3::types::PyDict;
 use std::sync::Arc;
 
 /// Outputs of a scene.
-struct Heard<S> {
+struct Rendered<S> {
     frames: u64,
     audio: Vec<S>,
     probes: Vec<f64>,
@@ -31,10 +31,10 @@ struct Heard<S> {
 }
 
 /// Reasons for a failed render.
-enum Unheard {
+enum NotRendered {
     Gesture(FileError),
     /// This many samples do not fit in memory.
-    Room(u64),
+    TooLong(u64),
     Failed(Failure),
 }
 
@@ -43,9 +43,9 @@ fn heard<S: Sample>(
     seconds: Option<f64>,
     gesture: Option<&Gesture>,
     wanted: &Wanted,
-) -> Result<Heard<S>, Unheard> {
+) -> Result<Rendered<S>, NotRendered> {
     let (scene, gesture) = (&*of.scene, gesture.map(|g| &g.gesture));
-    let performance = Performance::new(scene, gesture).map_err(Unheard::Gesture)?;
+    let performance = Performance::new(scene, gesture).map_err(NotRendered::Gesture)?;
     let length = play::Length::of(&performance, seconds);
     let frames = length.frames;
     let (channels, n_out) = (scene.counts.channels, scene.counts.n_out);
@@ -54,7 +54,7 @@ fn heard<S: Sample>(
     let fits = room(channels).is_some_and(|n| audio.try_reserve_exact(n).is_ok())
         && room(n_out - channels).is_some_and(|n| probes.try_reserve_exact(n).is_ok());
     if !fits {
-        return Err(Unheard::Room(frames));
+        return Err(NotRendered::TooLong(frames));
     }
     let played = play::play(performance, length, BLOCK, &mut |_, rows, done| {
         let (width, first) = (n_out.max(1), audio.len());
@@ -65,11 +65,11 @@ fn heard<S: Sample>(
         }
         if wanted.goes_on(done, frames) { Ok(()) } else { Err(Failure::Stopped) }
     });
-    let played = played.map_err(Unheard::Failed)?;
+    let played = played.map_err(NotRendered::Failed)?;
     let outcome = Outcome::of(&played, &level, (scene, &of.found), (&of.loaded, &of.options), gesture);
     let frames = played.frames;
     let (run_time, energy) = (played.wall.as_secs_f64(), played.energy.map(|e| (e, played.energy_ticks)));
-    Ok(Heard { frames, audio, probes, level, run_time, outcome, energy })
+    Ok(Rendered { frames, audio, probes, level, run_time, outcome, energy })
 }
 
 /// See `cordis_anima.Scene.render`. `S` is the type of samples.
@@ -83,11 +83,11 @@ pub fn render<S: Sample + Element + 'static>(
     let of = model.clone();
     let heard = apart(py, progress, move |wanted| heard::<S>(&of, seconds, gesture.as_ref().map(Py::get), wanted));
     let heard = heard?.map_err(|e| match e {
-        Unheard::Gesture(e) => error::gesture(py, &e),
-        Unheard::Room(n) => {
+        NotRendered::Gesture(e) => error::gesture(py, &e),
+        NotRendered::TooLong(n) => {
             usage(py, &format!("{n} samples do not fit into memory; render less, or play blocks with `Scene.open`"))
         }
-        Unheard::Failed(e) => failure(py, e),
+        NotRendered::Failed(e) => failure(py, e),
     })?;
     let scene = &*model.scene;
     let (frames, channels) = (heard.frames as usize, scene.counts.channels);

@@ -21,8 +21,8 @@ impl Recorder {
     /// not take commands now.
     pub fn swap(&mut self, mut version: Version, setups: &[Setup]) -> Result<(), Refused> {
         let scene = version.scene.clone();
-        let room = self.ends.views.as_ref().map(|v| v.buffer().capacity());
-        if room.is_some_and(|room| room < PICTURES * picture(&scene)) {
+        let capacity = self.ends.views.as_ref().map(|v| v.buffer().capacity());
+        if capacity.is_some_and(|capacity| capacity < PICTURES * picture(&scene)) {
             return Err(Refused::Large);
         }
         let (load, new) = (self.scene.controls(), scene.controls());
