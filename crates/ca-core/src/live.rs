@@ -74,7 +74,7 @@ pub struct LiveModule {
     pub loader: Loader,
     /// sources of the values, in the order of the parameters of its kind
     pub values: alloc::sync::Arc<[Source]>,
-    /// destinations: indices into [`LivePlan::coefs`], one per coefficient
+    /// destinations: indices into [`LiveTable::coefs`], one per coefficient
     pub to: Vec<u32>,
 }
 
@@ -99,7 +99,7 @@ pub struct LiveItem {
 
 /// Live parameters as the compiler knows them.
 #[derive(Clone, Default)]
-pub struct LivePlan {
+pub struct LiveTable {
     /// scene of the parameters
     pub scene: Identity,
     /// the parameters
@@ -122,7 +122,7 @@ pub struct LivePlan {
 pub struct LiveImplicit {
     /// structure of the matrix
     pub made: Inertia,
-    /// first of its coefficients in [`LivePlan::coefs`]
+    /// first of its coefficients in [`LiveTable::coefs`]
     pub first: u32,
     /// index and present value of each coefficient it depends on, rising
     pub known: Vec<(u32, f64)>,
@@ -155,7 +155,7 @@ impl LiveImplicit {
 pub struct Patch {
     /// scene of the patch: [`Scene::identity`](crate::Scene::identity) if made by hand
     pub scene: Identity,
-    /// index into [`LivePlan::coefs`] and value
+    /// index into [`LiveTable::coefs`] and value
     pub set: Vec<(u32, f64)>,
 }
 
@@ -188,7 +188,7 @@ impl core::error::Error for Refused {}
 /// The live parameters of a scene during a performance. It is used outside the tick.
 #[derive(Clone)]
 pub struct Controls {
-    plan: LivePlan,
+    plan: LiveTable,
     tick_dt: f64,
     /// tests whether a coefficient is finite in the number type of the tick
     finite: fn(f64) -> bool,
@@ -211,7 +211,7 @@ struct Scratch {
 
 impl Controls {
     /// Makes the parameters with their values at load; `tick_dt` is the duration of a tick \[s\].
-    pub fn new(plan: &LivePlan, tick_dt: f64) -> Controls {
+    pub fn new(plan: &LiveTable, tick_dt: f64) -> Controls {
         Controls { plan: plan.clone(), tick_dt, finite: f64::is_finite, scratch: Scratch::default() }
     }
 

@@ -3,7 +3,7 @@
 use crate::border::{self, group};
 use crate::method::{implicit, modes, pefrl, together};
 use crate::numeric::Real;
-use crate::op::{Kernel, Op, Pass, blocker, driven, energy, heard, lowpass, pass, substep, wave};
+use crate::op::{Kernel, Op, Pass, blocker, driven, energy, lowpass, output_links, pass, substep, wave};
 
 impl Pass {
     /// Returns the kernel over `R`. For [`Pass::Links`] it does nothing, since the law of the links has the kernel.
@@ -40,7 +40,7 @@ impl Pass {
             Pass::Group { compensated: false } => group::advance::<R, false>,
             Pass::GroupOut { compensated: true } => group::collect::<R, true>,
             Pass::GroupOut { compensated: false } => group::collect::<R, false>,
-            Pass::HeardLinks => heard::heard,
+            Pass::OutputLinks => output_links::output_links,
             Pass::Outputs => pass::outputs,
             Pass::ManyOutputs => pass::many_outputs,
             Pass::Positions => pass::positions,

@@ -143,7 +143,7 @@ impl Pointer {
         if scene.passes.moves.iter().any(|op| op.name() == "kick") {
             return Err(Refused::Scheme("the method `pefrl`"));
         }
-        let (spring, damper) = coupling(room(&scene.certificate), scene.rates.sample_dt);
+        let (spring, damper) = coupling(available(&scene.certificate), scene.rates.sample_dt);
         if spring == 0.0 {
             return Err(Refused::Margin(name()));
         }
@@ -230,10 +230,10 @@ impl Pointer {
 }
 
 /// Returns the margin of the certificate that is available for κ + 2ν.
-fn room(c: &Certificate) -> f64 {
-    let linear = match (c.level, c.room) {
+fn available(c: &Certificate) -> f64 {
+    let linear = match (c.level, c.headroom) {
         (Level::Unstable, _) => 0.0,
-        (_, Some(room)) => room,
+        (_, Some(headroom)) => headroom,
         _ => 4.0 - c.largest.map_or(c.bound, |l| l.1),
     };
     let share = (1.0 - c.rules.contact / CONTACT).min(1.0 - c.rules.friction / FRICTION).min(SHARE);

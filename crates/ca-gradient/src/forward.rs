@@ -257,18 +257,18 @@ impl Forward {
         Ok(gradient)
     }
 
-    /// Plays the scene with the derivatives by `some` parameters; `heard` receives the state after each sample.
+    /// Plays the scene with the derivatives by `some` parameters; `on_sample` receives the state after each sample.
     pub(crate) fn play(
         &self,
         played: &Played,
         some: std::ops::Range<usize>,
-        heard: &mut impl FnMut(usize, &State<Dual>),
+        on_sample: &mut impl FnMut(usize, &State<Dual>),
         goes_on: GoesOn,
     ) -> Result<(), Error> {
         if let Some(tangent) = &self.tangent {
             let given = (&played.given[..], played.frames);
             return tangent.play(&self.plain, given, some, &mut |frame, row| {
-                heard(frame, row);
+                on_sample(frame, row);
                 let asks = (frame as u64 + 1).is_multiple_of(BLOCK);
                 if asks && !goes_on() { Err(Error::Stopped) } else { Ok(()) }
             });
@@ -287,7 +287,7 @@ impl Forward {
         for frame in 0..played.frames {
             player.state.input.copy_from_slice(&played.given[frame * inputs..][..inputs]);
             player.tick(&scene);
-            heard(frame, &player.state);
+            on_sample(frame, &player.state);
             if player.diverged {
                 return Err(diverged());
             }

@@ -61,9 +61,9 @@ pub fn unstable(model: &Model, net: &Pruned, sums: &Accumulated, i: usize) -> Di
     let rate = faster(net, at, viscous);
     match most {
         Some((l, b)) => {
-            let (room, counted) = (4.0 / s.scaled_mobility - (s.certain - b.h()), explicit(b));
+            let (headroom, counted) = (4.0 / s.scaled_mobility - (s.certain - b.h()), explicit(b));
             // Each number has the margin that the other leaves; below 0 no value is small enough.
-            let (k, z) = (room - 2.0 * counted.z, 0.5 * (room - counted.k));
+            let (k, z) = (headroom - 2.0 * counted.z, 0.5 * (headroom - counted.k));
             let fix = if b.lift > 0.0 {
                 format!("use `theta = 0.25` or more for `{}`", l.name)
             } else if k > 0.0 && counted.k >= 2.0 * counted.z {
@@ -74,8 +74,8 @@ pub fn unstable(model: &Model, net: &Pruned, sums: &Accumulated, i: usize) -> Di
                     l.name,
                     quantity::show(round_down(z * net.tick_dt), Unit::VISCOSITY)
                 )
-            } else if room > 0.0 {
-                let share = 100.0 * room / (counted.k + 2.0 * counted.z);
+            } else if headroom > 0.0 {
+                let share = 100.0 * headroom / (counted.k + 2.0 * counted.z);
                 format!("make `{}` at most {} % as stiff and viscous", l.name, quantity::Plain(round_down(share)))
             } else {
                 format!("soften `{}` and the other links of `{}`", l.name, m.name)

@@ -41,7 +41,7 @@ pub fn report(
         ..Certificate::default()
     };
     cert.largest = exact.filter(|_| asked).and_then(|e| e.largest(&cert, true));
-    cert.room = exact.filter(|_| decided.verdict == FactorVerdict::Stable).and_then(Exact::room);
+    cert.headroom = exact.filter(|_| decided.verdict == FactorVerdict::Stable).and_then(Exact::headroom);
     // The MAT nearest to the limit may owe it to links that are not always present, so a certain cause comes first.
     let blamed = bounds.cause.filter(|_| bounds.lower >= 4.0).or(bounds.worst);
     match (cert.level, blamed) {
@@ -94,6 +94,6 @@ fn not_proven(model: &Model, net: &Pruned, sums: &Accumulated, bounds: &Bounds, 
 /// Returns the items with masses left out because no output depends on them. Masses replaced by modes are not among
 /// them.
 fn not_judged(net: &Pruned) -> Vec<String> {
-    let items: BTreeSet<u32> = net.unheard.iter().map(|m| net.mats[*m as usize].item).collect();
+    let items: BTreeSet<u32> = net.without_output.iter().map(|m| net.mats[*m as usize].item).collect();
     items.into_iter().map(|i| net.items[i as usize].name.to_string()).collect()
 }

@@ -129,13 +129,13 @@ fn unstable_contact(net: &Pruned, l: &LiaNode, [k, z, c]: [f64; 3], reached: Opt
         quantity::Plain(closed),
         at(reached)
     );
-    let (room, dt) = (4.0 / c, net.tick_dt);
+    let (headroom, dt) = (4.0 / c, net.tick_dt);
     let fix = if reached.is_some() {
         format!("make it at most {} % as stiff", quantity::Plain(round_down(400.0 / closed)))
-    } else if k < room && z > 0.0 {
-        format!("keep `z` below {}", quantity::show(round_down(0.5 * (room - k) * dt), Unit::VISCOSITY))
+    } else if k < headroom && z > 0.0 {
+        format!("keep `z` below {}", quantity::show(round_down(0.5 * (headroom - k) * dt), Unit::VISCOSITY))
     } else if z == 0.0 {
-        format!("keep `k` below {}", quantity::show(round_down(room), Unit::STIFFNESS))
+        format!("keep `k` below {}", quantity::show(round_down(headroom), Unit::STIFFNESS))
     } else {
         format!("make it at most {} % as stiff and viscous", quantity::Plain(round_down(400.0 / closed)))
     };

@@ -21,7 +21,7 @@ const FED: f64 = 7.0;
 fn cutoff(net: &Pruned, o: &OutNode) -> Option<f64> {
     let item = &net.items[o.item? as usize];
     let written = item.kind.param("dc").and_then(|i| item.args[i].num());
-    let own = || Some(FED).filter(|f| net.hears_lpr(o) && f * net.tick_dt < 0.5);
+    let own = || Some(FED).filter(|f| net.reads_lpr(o) && f * net.tick_dt < 0.5);
     written.or_else(own).filter(|f| *f > 0.0)
 }
 

@@ -9,7 +9,7 @@ use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::internal::live::{DrivenParam, LivePlan};
+use ca_core::internal::live::{DrivenParam, LiveTable};
 use ca_core::internal::op::driven::Driven;
 use ca_core::{Controls, Patch};
 use ca_model::diag::{Diag, Diags};
@@ -19,8 +19,8 @@ const ROWS: usize = 257;
 /// Largest deviation from a straight line, relative to the largest coefficient in the column.
 const STRAIGHT: f64 = 1e-12;
 
-/// Returns the tables of all driven parameters, and records their coefficients in `plan`.
-pub fn tables(net: &Resolved, plan: &mut LivePlan, diags: &mut Diags) -> Vec<Driven> {
+/// Returns the tables of all driven parameters, and records their coefficients in `builder`.
+pub fn tables(net: &Resolved, plan: &mut LiveTable, diags: &mut Diags) -> Vec<Driven> {
     if net.driven.is_empty() {
         return Vec::new();
     }
@@ -61,7 +61,7 @@ pub fn tables(net: &Resolved, plan: &mut LivePlan, diags: &mut Diags) -> Vec<Dri
 }
 
 /// Removes driven parameters from the live parameters.
-fn taken_out(net: &Resolved, plan: &mut LivePlan) {
+fn taken_out(net: &Resolved, plan: &mut LiveTable) {
     let driven = |p: usize| net.driven.iter().find(|d| d.param == p);
     let mut number = 0;
     let mut renumber = Vec::new();
@@ -107,7 +107,7 @@ fn rows(controls: &mut Controls, p: usize, rows: usize) -> Result<(Vec<u32>, Vec
 }
 
 /// Returns the coefficients that parameter `p` changes; if its bounds cannot be compared, all that it writes.
-fn reached(plan: &LivePlan, tick_dt: f64, p: usize) -> BTreeSet<u32> {
+fn reached(plan: &LiveTable, tick_dt: f64, p: usize) -> BTreeSet<u32> {
     let (mut controls, mut patch) = (Controls::new(plan, tick_dt), Patch::default());
     // Other parameters take values inside their range, since a factor of 0 at load would hide changes.
     for (q, param) in plan.params.iter().enumerate().filter(|(q, _)| *q != p) {
@@ -121,7 +121,7 @@ fn reached(plan: &LivePlan, tick_dt: f64, p: usize) -> BTreeSet<u32> {
     patch.set.iter().map(|s| s.0).collect()
 }
 
-fn table(plan: &LivePlan, tick_dt: f64, d: &NetDriven, places: &BTreeSet<u32>) -> Result<Driven, String> {
+fn table(plan: &LiveTable, tick_dt: f64, d: &NetDriven, places: &BTreeSet<u32>) -> Result<Driven, String> {
     let (written, all) = rows(&mut Controls::new(plan, tick_dt), d.param, ROWS)?;
     let columns: Vec<usize> = (0..written.len()).filter(|j| places.contains(&written[*j])).collect();
     let last = ROWS - 1;

@@ -3,13 +3,13 @@
 pub mod cost;
 pub mod cutoff;
 mod driven;
+pub mod layout_builder;
 pub mod masses;
 pub mod methods;
 pub mod milib;
 pub mod ordering;
 pub mod pass_list;
 pub mod penetration;
-pub mod plan;
 pub mod points;
 pub mod rows;
 pub mod schedule;

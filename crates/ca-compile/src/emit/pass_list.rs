@@ -2,7 +2,7 @@
 //! links in the list of [`forces`] from the same order.
 
 use crate::emit::cost;
-use crate::emit::plan::Plan;
+use crate::emit::layout_builder::LayoutBuilder;
 use crate::net::MatRole;
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
@@ -131,7 +131,7 @@ pub fn writes(layout: &Layout, gains: usize) -> Vec<Op> {
     let high = layout.out.blockers.len();
     let [motion, passed] = layout.out.of_motion;
     let plain = layout.out.outputs.len() - high - motion;
-    let again = layout.out.heard.len();
+    let again = layout.out.links.len();
     let position = |(i, o): (usize, &Output)| o.channel as usize == i && matches!(o.tap, Tap::Position(_));
     let each = layout.out.outputs.len() == layout.counts.n_out && layout.out.outputs.iter().enumerate().all(position);
     let outputs = match () {
@@ -140,7 +140,7 @@ pub fn writes(layout: &Layout, gains: usize) -> Vec<Op> {
         () => Pass::ManyOutputs,
     };
     let list = [
-        (again > 0, Pass::HeardLinks, again, 0),
+        (again > 0, Pass::OutputLinks, again, 0),
         // It clears the channels to which the other passes add.
         (plain + motion + high > 0, outputs, plain, 0),
         (motion > 0, Pass::Motions, motion, plain),
@@ -163,7 +163,7 @@ pub enum Class {
     Held,
 }
 
-impl Plan<'_> {
+impl LayoutBuilder<'_> {
     /// Returns the class of each slot for MATs in this order; `None` for slots that do not move.
     pub fn classes(&self, order: &[u32], n_mat: usize) -> Vec<Option<Class>> {
         let live: BTreeSet<u32> = self.live.iter().copied().collect();

@@ -3,7 +3,7 @@
 //! The response is measured by running the passes of the scene, with a displacement of one metre at each position. It
 //! is not derived from the numbers of the modules again, so that the border always agrees with the tick.
 
-use crate::emit::plan::Plan;
+use crate::emit::layout_builder::LayoutBuilder;
 use crate::net::{End, MatRole, OutputTap, Pruned};
 use crate::passes::slow::SlowPart;
 use alloc::collections::BTreeSet;
@@ -44,15 +44,15 @@ impl<'a> Slow<'a> {
     }
 
     /// Returns the groups for the layout of the sound, still without the response of the sound.
-    pub fn group(&self, plan: &Plan) -> SlowGroup {
-        let net = plan.net;
+    pub fn group(&self, builder: &LayoutBuilder) -> SlowGroup {
+        let net = builder.net;
         let copied = |m: u32, k: u8| {
-            let at = plan.slot[m as usize];
+            let at = builder.slot[m as usize];
             (at != u32::MAX).then(|| Copied { own: self.place[m as usize] + u32::from(k), at: at + u32::from(k) })
         };
         let mut ports: Vec<Copied> = self.part.coupled.iter().filter_map(|(m, k)| copied(*m, *k)).collect();
         let coupled = ports.len();
-        let heard: BTreeSet<u32> = net
+        let read: BTreeSet<u32> = net
             .outs
             .iter()
             .filter_map(|o| if let OutputTap::Position(End::Mat(m)) = o.tap { Some(m) } else { None })
@@ -64,7 +64,7 @@ impl<'a> Slow<'a> {
                 if ports[..coupled].contains(&place) {
                     continue;
                 }
-                if heard.contains(&m) { ports.push(place) } else { shown.push(place) }
+                if read.contains(&m) { ports.push(place) } else { shown.push(place) }
             }
         }
         let (after, forces): (Vec<Op>, Vec<Op>) =
@@ -93,10 +93,10 @@ impl<'a> Slow<'a> {
     }
 
     /// Returns the slots of the sound that respond within a frame, and whether each is moved from outside.
-    pub fn reach(&self, plan: &Plan) -> Vec<(u32, bool)> {
-        let net = plan.net;
+    pub fn reach(&self, builder: &LayoutBuilder) -> Vec<(u32, bool)> {
+        let net = builder.net;
         let of = |m: &u32| {
-            let (mat, at) = (&net.mats[*m as usize], plan.slot[*m as usize]);
+            let (mat, at) = (&net.mats[*m as usize], builder.slot[*m as usize]);
             let axes = if at == u32::MAX { 0 } else { mat.axes };
             let held = matches!(mat.role, MatRole::Port(..));
             (0..axes).map(move |k| (at + u32::from(k), held))

@@ -187,7 +187,7 @@ pub fn network(net: &Pruned, purpose: Purpose) -> Network {
         derivatives,
         force_outputs,
         left_out: left_out.into_iter().map(|(i, code)| (net.items[i as usize].name.to_string(), code)).collect(),
-        unheard: unheard(net),
+        unheard: names_without_output(net),
         linear,
     }
 }
@@ -237,11 +237,11 @@ fn other_scheme(net: &Pruned, linear: &Linear) -> Option<&'static str> {
 }
 
 /// Returns the names of modules that no output depends on; for an item kept in part, the names of its members.
-fn unheard(net: &Pruned) -> Vec<String> {
+fn names_without_output(net: &Pruned) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     let mut all = alloc::vec![0_usize; net.items.len()];
     net.mats.iter().filter(|m| !m.is_fixed()).for_each(|m| all[m.item as usize] += 1);
-    for of in net.unheard.chunk_by(|a, b| net.mats[*a as usize].item == net.mats[*b as usize].item) {
+    for of in net.without_output.chunk_by(|a, b| net.mats[*a as usize].item == net.mats[*b as usize].item) {
         let Some(item) = of.first().map(|m| net.mats[*m as usize].item) else { continue };
         if of.len() == all[item as usize] {
             names.push(net.items[item as usize].name.to_string());

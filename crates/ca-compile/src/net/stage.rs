@@ -134,7 +134,7 @@ pub struct Pruned {
     /// True for each MAT that stays, by document number.
     pub alive: Vec<bool>,
     /// MATs that can move and on which no output depends, by document number.
-    pub unheard: Vec<u32>,
+    pub without_output: Vec<u32>,
     /// True for each MAT that hangs on the line port of a quadripole, by document number; empty without quadripoles.
     pub from_lpr: Vec<bool>,
 }

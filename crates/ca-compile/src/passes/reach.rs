@@ -48,7 +48,7 @@ pub fn mark(net: &mut Pruned) {
 
 impl Pruned {
     /// Returns whether an output reads a MAT that hangs on the line port of a quadripole.
-    pub fn hears_lpr(&self, out: &OutNode) -> bool {
+    pub fn reads_lpr(&self, out: &OutNode) -> bool {
         let reached = |m: u32| self.from_lpr.get(m as usize).copied().unwrap_or(false);
         if self.from_lpr.is_empty() {
             return false;

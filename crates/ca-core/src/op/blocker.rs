@@ -4,7 +4,7 @@
 //! with different cut-offs may share a channel. It starts settled, so a spring under tension makes no thump.
 
 use super::Op;
-use super::pass::Heard;
+use super::pass::Signals;
 use crate::numeric::Real;
 use crate::op::layout::{DcBlocker, Layout, Tap};
 use crate::state::State;
@@ -12,7 +12,7 @@ use crate::state::State;
 /// Adds the outputs from `op.first` on, each through its high-pass.
 pub fn blocker<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for (k, (o, c)) in layout.out.outputs[op.first..].iter().zip(&layout.out.blockers[..op.n]).enumerate() {
-        let v = s.coef[op.coef + k] * Heard::of(s).by(o);
+        let v = s.coef[op.coef + k] * Signals::of(s).read(o);
         let y = step(*c, &mut s.ports.blocked[k], s.tick, v);
         s.output[o.channel as usize] += y.outer();
     }

@@ -124,8 +124,8 @@ fn links<R: Real>(
     let range = account.first..account.first + account.n;
     let [stored, lost, error] = [&mut l.stored, &mut l.lost, &mut l.scheme_error].map(|of| &mut of[range.clone()]);
     let Some(at) = account.ports.pair_set else {
-        let (entries, room) = (Entries { stored, lost, error }, &mut *l.room);
-        return vectors(layout, Enter { layout, s, d0, account, tick, entries, room });
+        let (entries, scratch) = (Entries { stored, lost, error }, &mut *l.scratch);
+        return vectors(layout, Enter { layout, s, d0, account, tick, entries, scratch });
     };
     let Entry { stored: now, heat, work } = set(layout, s, &mut near[at], d0, account, at);
     let [heat, made] = if tick { [heat, now - stored[0] + work + heat] } else { [R::Outer::ZERO; 2] };

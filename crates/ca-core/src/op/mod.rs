@@ -11,11 +11,11 @@ pub mod account;
 pub mod blocker;
 pub mod driven;
 pub mod energy;
-pub mod heard;
 mod law;
 pub mod layout;
 pub mod links;
 pub mod lowpass;
+pub mod output_links;
 pub mod pass;
 pub mod substep;
 pub mod wave;
@@ -171,7 +171,7 @@ pub enum Pass {
         compensated: bool,
     },
     /// forces of links in fused passes that outputs read
-    HeardLinks,
+    OutputLinks,
     /// outputs, one after the other
     Outputs,
     /// outputs summed in lanes
@@ -244,7 +244,7 @@ impl Pass {
             Pass::LedgerOfForces => "ledger of forces",
             Pass::Group { .. } => "gesture group",
             Pass::GroupOut { .. } => "gesture group out",
-            Pass::HeardLinks => "heard links",
+            Pass::OutputLinks => "heard links",
             Pass::Outputs | Pass::ManyOutputs | Pass::Positions => "outputs",
             Pass::Motions => "outputs of motion",
             Pass::HighPass => "high pass",

@@ -115,7 +115,7 @@ impl Words {
             waves,
             weighed,
             // output_rows follow from outputs
-            out: OutputArrays { heard, outputs, of_motion, blockers, lowpass, output_rows: _ },
+            out: OutputArrays { links: output_links, outputs, of_motion, blockers, lowpass, output_rows: _ },
             implicit,
             ledger,
             vectors: _,
@@ -129,7 +129,7 @@ impl Words {
         self.places(nodes.iter());
         self.numbers(shares.iter());
         self.places(weighed.iter());
-        self.all(heard.iter().map(|h| (h.ends, h.e0, h.coef, h.step, h.coefs, h.tap)));
+        self.all(output_links.iter().map(|h| (h.ends, h.e0, h.coef, h.step, h.coefs, h.tap)));
         self.debug(&(pair_sets, moving_points, modal, tables));
         self.debug(&(enx, enf, tgr, crossing, waves));
         if !ahead.is_empty() {

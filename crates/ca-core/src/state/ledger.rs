@@ -14,7 +14,7 @@ pub type Block<R = f64> = [R; BLOCK];
 
 /// Working memory: some blocks of numbers. It is kept because clearing it takes as long as entering a few links.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Room<R: Real = f64> {
+pub struct LedgerScratch<R: Real = f64> {
     /// elongations before, at and after the tick
     pub(crate) e: [Block<R>; 3],
     /// motion of the ends along the force over the two ticks together
@@ -23,9 +23,9 @@ pub struct Room<R: Real = f64> {
     pub(crate) out: [Block<R>; 2],
 }
 
-impl<R: Real> Default for Room<R> {
-    fn default() -> Room<R> {
-        Room { e: [[R::ZERO; BLOCK]; 3], moved: [R::ZERO; BLOCK], out: [[R::ZERO; BLOCK]; 2] }
+impl<R: Real> Default for LedgerScratch<R> {
+    fn default() -> LedgerScratch<R> {
+        LedgerScratch { e: [[R::ZERO; BLOCK]; 3], moved: [R::ZERO; BLOCK], out: [[R::ZERO; BLOCK]; 2] }
     }
 }
 
@@ -104,7 +104,7 @@ pub struct Ledger<R: Real = f64> {
     pub(crate) begun: bool,
     /// whether coefficients were moving at that tick
     pub(crate) turning: bool,
-    pub(crate) room: Box<Room<R>>,
+    pub(crate) scratch: Box<LedgerScratch<R>>,
     /// force \[N\] of the first tick only, for the start of mi.lib (n_mat, or none)
     pub(crate) kick: Vec<R>,
 }

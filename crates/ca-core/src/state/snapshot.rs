@@ -235,7 +235,7 @@ impl Ledger {
             mass,
             begun,
             turning,
-            room: _,
+            scratch: _,
             kick,
         } = self;
         w.each_of([

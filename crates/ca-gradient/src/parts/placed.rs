@@ -1,14 +1,14 @@
 //! Links evaluated alone, located in a scene: the numbers and state that they read there.
 
 use crate::parts::Link;
-use crate::parts::alone::Alone;
 use crate::parts::record::Row;
+use crate::parts::single_link::SingleLink;
 use ca_core::internal::op::Op;
 use ca_core::{Dual, Scene};
 
 /// A link evaluated alone, or several solved together, with its location in the scene.
 pub struct Placed {
-    pub alone: Alone,
+    pub single: SingleLink,
     pub slots: Vec<usize>,
     /// Indices of its memory, and of the last lengths of its ports.
     pub mem: Vec<usize>,
@@ -31,14 +31,14 @@ impl Placed {
     pub fn new(scene: &Scene, link: &Link, dual: &Scene<Dual>, place: &Scene) -> Option<Placed> {
         let ops: Vec<&Op> = link.members.iter().map(|(k, _)| &scene.passes.forces[*k]).collect();
         let each = || ops.iter().zip(&link.members).map(|(op, (_, i))| (*op, *i));
-        let mut alone = if link.together {
+        let mut single = if link.together {
             let at = |m: u32| link.slots.binary_search(&(m as usize)).map_or(0, |at| at as u32);
             let ends = each().map(|(op, i)| scene.layout.links.ends[op.first + i].map(at)).collect();
-            Alone::together(&ops, ends, link.slots.len(), dual)?
+            SingleLink::together(&ops, ends, link.slots.len(), dual)?
         } else {
-            Alone::new(ops[0], dual)?
+            SingleLink::new(ops[0], dual)?
         };
-        let (sh, n) = (&alone.shape, scene.layout.counts.n_mat);
+        let (sh, n) = (&single.shape, scene.layout.counts.n_mat);
         let reaches = |(op, i): (&Op, usize)| {
             let of = [Some(op.ports.reach), op.ports.onto.map(|o| o.2)];
             of.into_iter().flatten().map(move |r| r + i)
@@ -69,7 +69,7 @@ impl Placed {
             }
         }
         for (k, v, _) in &numbers {
-            alone.given[*k] = *v;
+            single.given[*k] = *v;
         }
         Some(Placed {
             slots: link.slots.clone(),
@@ -78,9 +78,9 @@ impl Placed {
             taps: each().map(|(op, i)| op.form.tap.then_some(op.tap + i)).collect(),
             numbers: numbers.into_iter().map(|(k, _, at)| (k, at)).collect(),
             coefs,
-            idle: alone.idle(ops[0]),
+            idle: single.idle(ops[0]),
             remembers: link.together,
-            alone,
+            single,
         })
     }
 
@@ -88,7 +88,7 @@ impl Placed {
     /// forces, `sums` holds the forces on its ends before it and the size of what it adds.
     pub fn is_idle(&self, row: &Row, sums: Option<&[f64]>) -> bool {
         let away = |(from, to): (f64, f64)| {
-            let e = row.x[self.slots[1]] - row.x[self.slots[0]] + self.alone.given[self.alone.shape.e0()];
+            let e = row.x[self.slots[1]] - row.x[self.slots[0]] + self.single.given[self.single.shape.e0()];
             e >= from && e <= to
         };
         let empty = || !self.remembers || self.mem.iter().all(|m| row.mem[*m] == 0.0);
@@ -96,7 +96,7 @@ impl Placed {
     }
 
     pub fn read(&mut self, row: &Row, sums: Option<&[f64]>) {
-        let Alone { given, shape: sh, .. } = &mut self.alone;
+        let SingleLink { given, shape: sh, .. } = &mut self.single;
         for (k, slot) in self.slots.iter().enumerate() {
             (given[k], given[sh.d() + k]) = (row.x[*slot], row.d[*slot]);
         }

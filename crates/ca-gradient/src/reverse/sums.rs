@@ -18,7 +18,7 @@ pub struct Links {
     /// For implicit links, sums of φ times the change of elongation in the next tick.
     pub ahead: Vec<f64>,
     /// Sums of φ, where constant elongations need them.
-    pub alone: Vec<f64>,
+    pub elongation_sums: Vec<f64>,
 }
 
 impl Links {
@@ -27,8 +27,8 @@ impl Links {
         let sums = |wanted: bool| vec![0.0; if wanted { of.n } else { 0 }];
         let each = || of.basis.0.iter().zip(coefficients).filter(|(_, wanted)| **wanted);
         let products = [0, 1].map(|k| sums(each().any(|(basis, _)| basis[k] != 0.0)));
-        let alone = sums(elongations);
-        (each().next().is_some() || elongations).then(|| Links { of, products, ahead: Vec::new(), alone })
+        let elongation_sums = sums(elongations);
+        (each().next().is_some() || elongations).then(|| Links { of, products, ahead: Vec::new(), elongation_sums })
     }
 
     /// Makes all sums, for implicit links: k needs all three products, z and θ need φw and the one with the next tick.
@@ -110,15 +110,15 @@ impl Links {
         let [to_e, to_w] = &mut self.products;
         put(to_e, at, by_e, but);
         put(to_w, at, by_w, but);
-        if !self.alone.is_empty() {
-            let mut alone = [0.0; N];
+        if !self.elongation_sums.is_empty() {
+            let mut elongation_sums = [0.0; N];
             for [_, _, adjoint] in ticks.each() {
                 let (Some(oa), Some(ob)) = (lanes::<N>(adjoint, a), lanes::<N>(adjoint, b)) else { break };
                 for i in 0..N {
-                    alone[i] += oa[i] - ob[i];
+                    elongation_sums[i] += oa[i] - ob[i];
                 }
             }
-            put(&mut self.alone, at, alone, but);
+            put(&mut self.elongation_sums, at, elongation_sums, but);
         }
         if !self.ahead.is_empty() {
             let mut ahead = [0.0; N];

@@ -1,6 +1,6 @@
 //! Batches: groups links of one law into passes, with rows as runs without indices.
 
-use crate::emit::plan::Plan;
+use crate::emit::layout_builder::LayoutBuilder;
 use crate::emit::rows::batch::Batch;
 use crate::emit::rows::space::{POINT, SHORTEST as SHORTEST_IN_SPACE};
 use crate::options::KernelClass;
@@ -26,7 +26,7 @@ pub struct Shape {
     set: Option<u32>,
 }
 
-impl Plan<'_> {
+impl LayoutBuilder<'_> {
     /// Returns the batches of links: in document order, or by law with rows as runs. Batches that are solved after the
     /// others come last. The flag is true if their order differs from arithmetic 2, see [`sorted`](super::sorted).
     pub fn batches(&self, class: KernelClass) -> (Vec<Batch>, bool) {

@@ -4,7 +4,7 @@
 //! hashes ([`written`](super::written)) depends on the batches and must not change. The order of forces on each mass is
 //! kept: a row stays among the links that are looked up if one of these comes before it at one of its masses.
 
-use crate::emit::plan::Plan;
+use crate::emit::layout_builder::LayoutBuilder;
 use crate::emit::rows::batch::Batch;
 use crate::emit::rows::batches::SHORTEST_RUN;
 use crate::options::{KernelClass, Options};
@@ -14,7 +14,7 @@ use alloc::vec::Vec;
 /// Largest gap between two rows of a chain \[slots\]: the mass at which the first one ends.
 const GAP: u32 = 1;
 
-impl Plan<'_> {
+impl LayoutBuilder<'_> {
     /// Returns the batches, with the chains of each before the rest of it.
     pub fn chained(&self, options: &Options, batches: Vec<Batch>) -> Vec<Batch> {
         let mut all = Vec::with_capacity(batches.len());

@@ -6,14 +6,14 @@
 //! stride and then by slot, before links in no row. The forces on a mass are summed in this order. Links of generators
 //! keep their order.
 
-use crate::emit::plan::Plan;
+use crate::emit::layout_builder::LayoutBuilder;
 use alloc::vec::Vec;
 use ca_core::Role;
 
 /// Smallest number of links in a row; rows too short for a run are sorted too.
 const SHORTEST: usize = 2;
 
-impl Plan<'_> {
+impl LayoutBuilder<'_> {
     /// Returns the links of one law and measure in sorted order, if it differs from the given one. Some links written
     /// one by one must then be in rows of at least `shortest` links, with both ends `step` slots further from link to
     /// link.

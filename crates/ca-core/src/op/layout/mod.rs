@@ -14,9 +14,9 @@ mod waves;
 pub use arrays::{Counts, LinkArrays, OutputArrays, Places, PortArrays, Rates};
 pub use driven::Driven;
 pub use group::{Copied, Response, SlowGroup};
-pub use ledger::{Account, AccountFns, LedgerPlan, Row};
+pub use ledger::{Account, AccountFns, LedgerLayout, Row};
 pub use modal::{Modal, ModalCoupling, SolvedModal};
-pub use outputs::{DcBlocker, HeardLink, Output, OutputRow, Tap};
+pub use outputs::{DcBlocker, Output, OutputLink, OutputRow, Tap};
 pub use waves::{Delay, Junction, Termination, Waves};
 
 use super::{Op, Vectors};
@@ -247,7 +247,7 @@ pub struct Layout<R: Real = f64> {
     pub implicit: Option<ImplicitLinks<R>>,
     /// data of the ledger, if the scene has one
     #[cfg_attr(feature = "bytes", serde(skip))]
-    pub ledger: Option<LedgerPlan<R>>,
+    pub ledger: Option<LedgerLayout<R>>,
     /// vectors that its passes use; the bits are the same with all
     #[cfg_attr(feature = "bytes", serde(skip))]
     pub vectors: Vectors,

@@ -45,9 +45,9 @@ impl Adjoint<'_> {
                     adjoint[number(coef[l.of.coef + k * l.of.n + i])] += e * by_e + w * by_w;
                 }
             }
-            for (i, alone) in l.alone.iter().enumerate() {
+            for (i, elongation_sums) in l.elongation_sums.iter().enumerate() {
                 let [slope, _] = l.of.basis.slopes(|k| own[l.of.coef + k * l.of.n + i]);
-                adjoint[number(place.layout.links.e0[l.of.first + i])] += slope * alone;
+                adjoint[number(place.layout.links.e0[l.of.first + i])] += slope * elongation_sums;
             }
         }
         for (v, by) in place.initial.links.mem.iter().zip(&self.mem) {

@@ -2,12 +2,12 @@
 
 use super::{Verified, block, each, ensure, links, within};
 use crate::numeric::ldl::Pattern;
-use crate::op::heard::COEFS;
 use crate::op::layout::Counts;
 use crate::op::layout::{
-    CoordinateSource, Driven, HeardLink, ImplicitLinks, Layout, LedgerPlan, LinkForce, MovingPoint, SolvedModal, Tap,
-    Termination, Waves,
+    CoordinateSource, Driven, ImplicitLinks, Layout, LedgerLayout, LinkForce, MovingPoint, OutputLink, SolvedModal,
+    Tap, Termination, Waves,
 };
+use crate::op::output_links::COEFS;
 
 /// Verifies a layout without its group and substeps. `inputs` and `live` count inputs and live coefficients.
 pub(in super::super) fn layout(l: &Layout, inputs: usize, live: usize) -> Verified {
@@ -61,7 +61,7 @@ pub(in super::super) fn layout(l: &Layout, inputs: usize, live: usize) -> Verifi
     waves(&l.waves, n_mat, n_mem)?;
     ensure(each(&l.weighed, n_mat), "a weight is beyond the masses")?;
     ensure(
-        l.out.heard.iter().all(|h| heard(h, l)),
+        l.out.links.iter().all(|h| output_link(h, l)),
         "the link of an output is beyond the masses, coefficients or forces",
     )?;
     outputs(l)?;
@@ -100,7 +100,7 @@ fn waves(w: &Waves, n_mat: usize, n_mem: usize) -> Verified {
     ensure(delays, "a delay of a waveguide is beyond the memory or junctions, or too short")
 }
 
-fn heard(h: &HeardLink, l: &Layout) -> bool {
+fn output_link(h: &OutputLink, l: &Layout) -> bool {
     let [coef, step, coefs, tap] = [h.coef, h.step, h.coefs, h.tap].map(|v| v as usize);
     let last = coefs.saturating_sub(1).checked_mul(step).and_then(|more| more.checked_add(coef));
     let law = h.law.mem == 0 && coefs <= COEFS;
@@ -155,7 +155,7 @@ fn implicit(a: &ImplicitLinks, l: &Layout) -> Verified {
     ensure(pairs, "an implicit link joins masses that do not exist")
 }
 
-fn ledger(plan: &LedgerPlan, l: &Layout) -> Verified {
+fn ledger(plan: &LedgerLayout, l: &Layout) -> Verified {
     ensure(within(plan.weight, l.weighed.len(), l.counts.n_coef), "a weight of the ledger is beyond the coefficients")?;
     let mut work = links::Work::of(l);
     plan.accounts.iter().try_for_each(|account| links::account(account, l, &mut work))

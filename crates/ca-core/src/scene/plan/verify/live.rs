@@ -3,7 +3,7 @@
 use super::super::known::Known;
 use super::{Verified, Wrong, each, ensure, within};
 use crate::kind::Role;
-use crate::live::{LiveImplicit, LiveItem, LiveModule, LivePlan, Loader};
+use crate::live::{LiveImplicit, LiveItem, LiveModule, LiveTable, Loader};
 use crate::method::implicit::Inertia;
 use crate::op::layout::Layout;
 
@@ -11,7 +11,7 @@ use crate::op::layout::Layout;
 const OF_GENERATOR: usize = 4;
 
 /// Verifies the live plan of a layout; `live` is the number of live coefficients of its state.
-pub(super) fn plan(plan: &LivePlan, l: &Layout, live: usize, known: &Known) -> Verified {
+pub(super) fn plan(plan: &LiveTable, l: &Layout, live: usize, known: &Known) -> Verified {
     let coefs = plan.coefs.len() == live && each(&plan.coefs, l.counts.n_coef);
     ensure(coefs && each(&plan.driven_coefs, live), "a live coefficient does not exist")?;
     plan.items.iter().try_for_each(|i| item(i, live, known))?;

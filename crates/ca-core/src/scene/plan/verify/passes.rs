@@ -89,7 +89,7 @@ fn other(op: &Op, l: &Layout) -> Verified {
         Pass::Group { compensated } | Pass::GroupOut { compensated } => {
             l.rates.slow.as_ref().is_none_or(|group| group.compensated == compensated)
         }
-        Pass::HeardLinks => all(l.out.heard.len()),
+        Pass::OutputLinks => all(l.out.links.len()),
         Pass::Outputs => all(l.out.outputs.len()) && numbers(n),
         Pass::ManyOutputs => {
             let of_rows: u64 = l.out.output_rows.iter().map(|row| u64::from(row.n)).sum();

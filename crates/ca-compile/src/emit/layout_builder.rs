@@ -1,18 +1,18 @@
-//! Plan: slots of modules, indices of their coefficients, and the recomputation of live ones.
+//! LayoutBuilder: slots of modules, indices of their coefficients, and the recomputation of live ones.
 
 use crate::net::{End, LiaNode, OutputTap, Pruned};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use ca_core::internal::kind::builder::Arg;
-use ca_core::internal::live::{LiveImplicit, LiveItem, LiveModule, LivePlan, Loader, Source};
+use ca_core::internal::live::{LiveImplicit, LiveItem, LiveModule, LiveTable, Loader, Source};
 use ca_core::internal::method::implicit::Inertia;
 use ca_core::internal::op::layout::{CoordinateSource, ImplicitLinks};
 use ca_core::internal::tuning::Scheme;
 use ca_core::{Identity, Role};
 
 /// Arrays and slots of a scene being laid out.
-pub struct Plan<'a> {
+pub struct LayoutBuilder<'a> {
     /// Network.
     pub net: &'a Pruned,
     /// First slot of each MAT, by document number; `u32::MAX` if it was left out.
@@ -31,9 +31,9 @@ pub struct Plan<'a> {
     pub modules: BTreeMap<u32, Vec<LiveModule>>,
 }
 
-impl<'n> Plan<'n> {
+impl<'n> LayoutBuilder<'n> {
     /// Assigns slots to MATs in `order`, then to the moving points in use.
-    pub fn new(net: &'n Pruned, order: &[u32]) -> Plan<'n> {
+    pub fn new(net: &'n Pruned, order: &[u32]) -> LayoutBuilder<'n> {
         let mut slot = alloc::vec![u32::MAX; net.mats.len()];
         let mut n_mat = 0;
         for m in order {
@@ -48,7 +48,7 @@ impl<'n> Plan<'n> {
             }
         }
         let coef = alloc::vec![0.0; 3 * n_mat as usize];
-        Plan {
+        LayoutBuilder {
             net,
             slot,
             point,
@@ -61,9 +61,9 @@ impl<'n> Plan<'n> {
     }
 }
 
-impl Plan<'_> {
+impl LayoutBuilder<'_> {
     /// Returns the links whose force is an output.
-    pub fn heard(&self) -> BTreeSet<u32> {
+    pub fn output_links(&self) -> BTreeSet<u32> {
         let force = |tap: &OutputTap| if let OutputTap::ForceOf(l) = tap { Some(*l) } else { None };
         self.net.outs.iter().filter_map(|o| force(&o.tap)).collect()
     }
@@ -121,7 +121,7 @@ impl Plan<'_> {
     }
 
     /// Returns the data for live changes.
-    pub fn live_plan(&mut self, implicit: Option<&(ImplicitLinks, Inertia)>) -> LivePlan {
+    pub fn live_table(&mut self, implicit: Option<&(ImplicitLinks, Inertia)>) -> LiveTable {
         let implicit = implicit.and_then(|(a, made)| {
             let live: BTreeSet<u32> = self.live.iter().copied().collect();
             let inputs = made.inputs();
@@ -162,7 +162,7 @@ impl Plan<'_> {
             .collect();
         // The identity is set when the scene is complete.
         let scene = Identity::default();
-        LivePlan {
+        LiveTable {
             scene,
             params: self.net.params.clone(),
             coefs: self.live.clone(),
@@ -177,11 +177,11 @@ impl Plan<'_> {
 fn used_points(net: &Pruned) -> Vec<bool> {
     let mut used = alloc::vec![false; net.points.len()];
     let ends = net.lias.iter().flat_map(LiaNode::all_ends);
-    let heard = net.outs.iter().filter_map(|o| match o.tap {
+    let read = net.outs.iter().filter_map(|o| match o.tap {
         OutputTap::Position(e) | OutputTap::ForceOn(e) => Some(e),
         OutputTap::ForceOf(_) => None,
     });
-    for e in ends.chain(heard).chain(net.pushes.iter().map(|p| p.end)) {
+    for e in ends.chain(read).chain(net.pushes.iter().map(|p| p.end)) {
         if let End::Point(p) = e {
             used[p as usize] = net.under(e).iter().all(|m| net.alive[*m as usize]);
         }

@@ -11,10 +11,10 @@ use crate::state::State;
 /// Largest number of coefficients of a link that may be fused.
 pub const COEFS: usize = 8;
 
-/// Writes the forces of the first `op.n` of `OutputArrays::heard` to [`LinkState::tap`](crate::state::LinkState::tap).
-pub fn heard<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+/// Writes the forces of the first `op.n` of `OutputArrays::links` to [`LinkState::tap`](crate::state::LinkState::tap).
+pub fn output_links<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let (x, d) = (&s.x[..], &s.d[..]);
-    for h in &layout.out.heard[..op.n] {
+    for h in &layout.out.links[..op.n] {
         let [a, b] = h.ends.map(|m| m as usize);
         let mut c: [R; COEFS] = [R::ZERO; COEFS];
         for (k, c) in c.iter_mut().enumerate().take(h.coefs as usize) {

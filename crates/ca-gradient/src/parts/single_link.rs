@@ -130,7 +130,7 @@ impl Shape {
 }
 
 /// Link evaluated alone, or several of one pass one after the other; or several solved together.
-pub struct Alone {
+pub struct SingleLink {
     pub shape: Shape,
     /// Its pass; of links solved together one pass each, then the one that solves.
     ops: Vec<Op<Dual>>,
@@ -159,21 +159,27 @@ pub struct LinkAdjoints<'a> {
     pub lengths: [f64; 2],
 }
 
-impl Alone {
+impl SingleLink {
     /// Makes the links of a pass; `None` where the `dual` scene does not have their law.
-    pub fn new(op: &Op, dual: &Scene<Dual>) -> Option<Alone> {
+    pub fn new(op: &Op, dual: &Scene<Dual>) -> Option<SingleLink> {
         let shape = Shape::of(op)?;
         let ends = |p: &Port| [p.first as u32, (p.first + p.axes) as u32];
         let (own, onto) = (vec![ends(&shape.ports[0])], shape.ports[1..].iter().map(ends).collect());
-        Alone::of(shape, &[op], own, onto, dual)
+        SingleLink::of(shape, &[op], own, onto, dual)
     }
 
     /// Makes links solved together, one of each of these passes; `ends` holds the first slots of their ends.
-    pub fn together(ops: &[&Op], ends: Vec<[u32; 2]>, slots: usize, dual: &Scene<Dual>) -> Option<Alone> {
-        Alone::of(Shape::together(ops, slots)?, ops, ends, Vec::new(), dual)
+    pub fn together(ops: &[&Op], ends: Vec<[u32; 2]>, slots: usize, dual: &Scene<Dual>) -> Option<SingleLink> {
+        SingleLink::of(Shape::together(ops, slots)?, ops, ends, Vec::new(), dual)
     }
 
-    fn of(shape: Shape, ops: &[&Op], ends: Vec<[u32; 2]>, onto: Vec<[u32; 2]>, dual: &Scene<Dual>) -> Option<Alone> {
+    fn of(
+        shape: Shape,
+        ops: &[&Op],
+        ends: Vec<[u32; 2]>,
+        onto: Vec<[u32; 2]>,
+        dual: &Scene<Dual>,
+    ) -> Option<SingleLink> {
         let (slots, links) = (shape.slots, shape.links);
         let (mut coef, mut mem, mut passes) = (3 * slots, 0, Vec::new());
         for (k, op) in ops.iter().enumerate() {
@@ -209,7 +215,7 @@ impl Alone {
         s.links.mem = vec![Dual::default(); shape.mem];
         s.links.lengths = Aligned::zeros(shape.ports.len());
         s.links.tap = Aligned::zeros(links);
-        Some(Alone {
+        Some(SingleLink {
             direct: slots == 2 && !shape.last,
             ops: passes,
             layout,

@@ -8,7 +8,7 @@ use crate::parts::{Basis, Parts, number};
 use ca_core::internal::op::Band;
 use ca_core::{Scene, State};
 
-pub struct HeardLink {
+pub struct TappedLink {
     pub tap: usize,
     pub ends: [usize; 2],
     slopes: [f64; 2],
@@ -18,11 +18,11 @@ pub struct HeardLink {
     e0: (f64, usize),
 }
 
-impl HeardLink {
+impl TappedLink {
     /// Returns all of a scene; `place` as for [`Adjoint`](super::adjoint::Adjoint).
-    pub fn all(scene: &Scene, parts: &Parts, place: &Scene) -> Vec<HeardLink> {
+    pub fn all(scene: &Scene, parts: &Parts, place: &Scene) -> Vec<TappedLink> {
         let coef = &scene.initial.coef;
-        let of = |basis: &Basis, tap: usize, ends: [u32; 2], at: &dyn Fn(usize) -> usize, e0: (f64, f64)| HeardLink {
+        let of = |basis: &Basis, tap: usize, ends: [u32; 2], at: &dyn Fn(usize) -> usize, e0: (f64, f64)| TappedLink {
             tap,
             ends: ends.map(|m| m as usize),
             slopes: basis.slopes(|k| coef[at(k)]),
@@ -40,7 +40,7 @@ impl HeardLink {
                 }));
             }
         }
-        for (h, other) in scene.layout.out.heard.iter().zip(&place.layout.out.heard) {
+        for (h, other) in scene.layout.out.links.iter().zip(&place.layout.out.links) {
             let of_row = |(k, _): &&(usize, Basis)| {
                 let op = &scene.passes.moves[*k];
                 // links across a row have their numbers after the links along it

@@ -5,7 +5,7 @@ use crate::parts::record::Row;
 use ca_core::Scene;
 use ca_core::internal::op::layout::{DcBlocker, Tap};
 
-struct Heard {
+struct OutputState {
     channel: usize,
     tap: Tap,
     gain: f64,
@@ -19,7 +19,7 @@ struct Heard {
 }
 
 pub struct Outputs {
-    all: Vec<Heard>,
+    all: Vec<OutputState>,
     /// First half of the low-pass, including its middle.
     low_pass: Vec<f64>,
     channels: usize,
@@ -27,7 +27,7 @@ pub struct Outputs {
 }
 
 /// Adjoint of a value read by an output at one tick.
-pub enum HeardAdjoint {
+pub enum OutputAdjoint {
     Place(usize, f64),
     Motion(usize, f64),
     /// Sum of the forces on a slot.
@@ -41,7 +41,7 @@ pub enum HeardAdjoint {
 impl Outputs {
     pub fn of(scene: &Scene) -> Outputs {
         let l = &scene.layout;
-        let heard = |o: Listed| Heard {
+        let state = |o: Listed| OutputState {
             channel: o.channel,
             tap: o.tap,
             gain: scene.initial.coef[o.gain],
@@ -51,7 +51,7 @@ impl Outputs {
             kept: 0.0,
         };
         Outputs {
-            all: listed(scene).map(heard).collect(),
+            all: listed(scene).map(state).collect(),
             low_pass: l.out.lowpass.clone(),
             channels: l.counts.channels,
             n_out: l.counts.n_out,
@@ -80,10 +80,10 @@ impl Outputs {
         tick: usize,
         adjoint: &[f64],
         row: &Row,
-        mut to: impl FnMut(HeardAdjoint),
+        mut to: impl FnMut(OutputAdjoint),
         mut gains: impl FnMut(usize, f64),
     ) {
-        let mut forces = row.heard.iter();
+        let mut forces = row.output_forces.iter();
         for h in &mut self.all {
             let mut v = adjoint[h.channel];
             let mut to_filter = 0.0;
@@ -94,16 +94,18 @@ impl Outputs {
                 (h.kept, to_filter) = (now, now);
             }
             let (raw, adjoint) = match h.tap {
-                Tap::Position(m) if h.motion => (row.d[m as usize], HeardAdjoint::Motion(m as usize, h.gain * v)),
-                Tap::Position(m) => (row.x[m as usize], HeardAdjoint::Place(m as usize, h.gain * v)),
-                Tap::ForceOn(m) => (forces.next().copied().unwrap_or(0.0), HeardAdjoint::Sum(m as usize, h.gain * v)),
-                Tap::ForceOf(t) => (forces.next().copied().unwrap_or(0.0), HeardAdjoint::Force(t as usize, h.gain * v)),
+                Tap::Position(m) if h.motion => (row.d[m as usize], OutputAdjoint::Motion(m as usize, h.gain * v)),
+                Tap::Position(m) => (row.x[m as usize], OutputAdjoint::Place(m as usize, h.gain * v)),
+                Tap::ForceOn(m) => (forces.next().copied().unwrap_or(0.0), OutputAdjoint::Sum(m as usize, h.gain * v)),
+                Tap::ForceOf(t) => {
+                    (forces.next().copied().unwrap_or(0.0), OutputAdjoint::Force(t as usize, h.gain * v))
+                }
             };
             gains(h.at, v * raw);
             to(adjoint);
             if let Some((k, _)) = h.high_pass.filter(|_| to_filter != 0.0) {
                 if let Some([before, y]) = row.passed.get(2 * k..).and_then(|p| p.first_chunk::<2>()) {
-                    to(HeardAdjoint::HighPass(k, [to_filter * y, to_filter * (h.gain * raw - before)]));
+                    to(OutputAdjoint::HighPass(k, [to_filter * y, to_filter * (h.gain * raw - before)]));
                 }
             }
         }
