@@ -7,10 +7,10 @@
 
 use super::{Output as Any, Playing};
 use crate::AudioError;
-use crate::events::{EventReader, EventWriter, ring};
+use crate::midi_events::{EventReader, EventWriter, ring};
 use ca_core::Scene;
 use ca_haptic::rt::now_ns;
-use ca_haptic::serve::audio::{Counts, Follow, PlaybackDevice, Player, Watch, link};
+use ca_haptic::serve::audio::{Counts, DeviceClock, PlaybackDevice, Player, Watch, link};
 use jack::{
     AsyncClient, AudioOut, Client, ClientOptions, Control, Frames, LatencyType, MidiIn, NotificationHandler, Port,
     PortFlags, ProcessHandler, ProcessScope,
@@ -37,7 +37,11 @@ pub(super) struct Output {
 ///
 /// Returns [`AudioError::Failed`] if no server answers, [`AudioError::Unfit`] if the server cannot play the scene as it
 /// is.
-pub(super) fn open(scene: &Scene, buffer: Option<u32>, midi: bool) -> Result<(Playing, Follow, Watch), AudioError> {
+pub(super) fn open(
+    scene: &Scene,
+    buffer: Option<u32>,
+    midi: bool,
+) -> Result<(Playing, DeviceClock, Watch), AudioError> {
     let none = |_| {
         let how =
             "no JACK server answers; start one (`jackd -d alsa -r 48000 -p 64`) or set JACK_DEFAULT_SERVER to its name";

@@ -7,15 +7,15 @@
 
 #[cfg(feature = "devices")]
 mod device;
-mod events;
 mod jack;
+mod midi_events;
 mod pulse;
 mod switch;
 
 use ca_core::Scene;
 use ca_haptic::rt::RtRequest;
-use ca_haptic::serve::audio::{Counts, Follow, Watch};
-pub use events::EventReader;
+use ca_haptic::serve::audio::{Counts, DeviceClock, Watch};
+pub use midi_events::EventReader;
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
@@ -85,7 +85,7 @@ enum Output {
 }
 
 /// An open output, with the ends for the engine and the recorder.
-pub type Opened = (Playing, Follow, Watch);
+pub type Opened = (Playing, DeviceClock, Watch);
 
 /// Opens an output by name: [`JACK`], [`PULSE`], [`DEFAULT`], or a device of [`names`].
 ///

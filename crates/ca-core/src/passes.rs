@@ -3,7 +3,7 @@
 use crate::border::{self, group};
 use crate::method::{implicit, modes, pefrl, together};
 use crate::numeric::Real;
-use crate::op::{Kernel, Op, Pass, blocker, driven, energy, lowpass, output_links, pass, substep, wave};
+use crate::op::{Kernel, Op, Pass, dc_blocker, driven, energy, lowpass, output_links, pass, substep, wave};
 
 impl Pass {
     /// Returns the kernel over `R`. For [`Pass::Links`] it does nothing, since the law of the links has the kernel.
@@ -45,8 +45,8 @@ impl Pass {
             Pass::ManyOutputs => pass::many_outputs,
             Pass::Positions => pass::positions,
             Pass::Motions => pass::motions,
-            Pass::HighPass => blocker::blocker,
-            Pass::HighPassOfMotion => blocker::of_motion,
+            Pass::HighPass => dc_blocker::blocker,
+            Pass::HighPassOfMotion => dc_blocker::of_motion,
             Pass::LowPass => lowpass::lowpass,
             Pass::Remember => lowpass::remember,
             Pass::IntegrateFree => pass::integrate_free,

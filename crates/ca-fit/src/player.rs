@@ -4,7 +4,7 @@
 //! model does not compile or diverges are not an error of the fit but a step too far.
 
 use super::target::{Samples, mixed};
-use super::vary::Varied;
+use super::variables::Varied;
 use ca_compile::Options;
 use ca_compile::analysis::{Network, modes};
 use ca_io::gesture::Gesture;

@@ -5,7 +5,7 @@
 //! (Broyden) without renders; they are computed again when a step that relies on them fails.
 
 use super::loss::{Free, Loss};
-use super::normal::{Normal, dot};
+use super::normal_equations::{Normal, dot};
 use super::player::Player;
 use super::target::Samples;
 use ca_lab::Failure;

@@ -5,10 +5,10 @@ use super::loss::wave::{self, Wave};
 use super::loss::{Free, Loss};
 use super::player::Player;
 use super::search::Point;
+use super::stages::{Found, Work};
 use super::target::{Samples, Target};
 use super::verdict::Known;
 use super::verdict::{Doubt, StopReason, explained};
-use super::work::{Found, Work};
 use super::{Beyond, Distance, Fit, Fitted, Pitch, Shown, Stage, sinusoids};
 use ca_lab::Failure;
 

@@ -9,7 +9,7 @@ use crate::difference::{Start, derivatives};
 use crate::parameter::put;
 use crate::parts::Parts;
 use crate::parts::numbers::Numbers;
-use crate::played::{BLOCK, GoesOn, Played, diverged, frames_of, zeros};
+use crate::play_io::{BLOCK, GoesOn, Played, diverged, frames_of, zeros};
 use crate::tangent::Tangent;
 use crate::{Error, Parameter};
 use ca_compile::load::finish;
@@ -225,7 +225,7 @@ impl Forward {
     /// # Errors
     /// As [`Forward::tangents`].
     pub fn output(&self, seconds: Option<f64>, gesture: Option<&Gesture>, goes_on: GoesOn) -> Result<Vec<f64>, Error> {
-        crate::played::output(&self.plain, seconds, gesture, goes_on)
+        crate::play_io::output(&self.plain, seconds, gesture, goes_on)
     }
 
     /// Returns the gradient of a loss by the parameters. The cotangent holds the derivative of the loss by each output

@@ -50,7 +50,7 @@ mod error;
 mod forward;
 mod parameter;
 mod parts;
-mod played;
+mod play_io;
 mod reverse;
 mod tangent;
 
@@ -58,5 +58,5 @@ pub use energy::{ACCOUNTS, Energy, EnergyTangents};
 pub use error::Error;
 pub use forward::{Forward, Tangents};
 pub use parameter::Parameter;
-pub use played::GoesOn;
+pub use play_io::GoesOn;
 pub use reverse::{Checkpoints, Gradient, Reverse};

@@ -7,7 +7,7 @@
 use super::diag::{Diag, Diags, KEPT, Severity};
 use super::model::{Model, Span};
 use super::part::files::Source;
-use super::plain::plain;
+use super::printable::printable;
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
@@ -65,7 +65,7 @@ fn groups<'a>(d: &'a Diag, model: &'a Model) -> Vec<Group<'a>> {
         Severity::Warning => Level::WARNING,
         Severity::Note => Level::NOTE,
     };
-    let mut main = Group::with_title(level.primary_title(plain(&d.title)).id(d.code));
+    let mut main = Group::with_title(level.primary_title(printable(&d.title)).id(d.code));
     // one snippet for each file, first the file of the first place
     let mut files: Vec<Source> = Vec::new();
     for source in d.labels.iter().filter(|l| l.0.is_some()).map(|l| model.source(l.0)) {
@@ -128,7 +128,7 @@ fn view(d: &Diag, model: &Model, file: Source<'_>) -> Range<usize> {
 fn lines<'a, T: Clone>(file: Source<'a>, view: &Range<usize>) -> Snippet<'a, T> {
     let above = file.text[..view.start].bytes().filter(|&b| b == b'\n').count();
     let snippet = Snippet::source(&file.text[view.clone()]).line_start(above + 1);
-    if file.file.is_empty() { snippet } else { snippet.path(plain(file.file)) }
+    if file.file.is_empty() { snippet } else { snippet.path(printable(file.file)) }
 }
 
 /// Converts a span to a range within the text on character borders; `None` for a model without text.

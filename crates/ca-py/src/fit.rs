@@ -2,7 +2,7 @@
 
 use crate::error::{failure, file};
 use crate::gesture::Gesture;
-use crate::wait::apart;
+use crate::long_call::apart;
 use ca_fit::{Distance, FitOptions, Pitch, Range, Stage, StopReason, Words};
 use ca_io::recording::Recording;
 use ca_lab::Failure;

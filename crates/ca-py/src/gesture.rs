@@ -1,8 +1,8 @@
 //! Gestures: constants, breakpoints and samples by port or parameter name, or files.
 
 use crate::error::{self, file, usage};
+use crate::long_call::{Wanted, apart};
 use crate::measure::table;
-use crate::wait::{Wanted, apart};
 use ca_io::gesture::{self, PortMap, Track};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods as _, ToPyArray as _};
 use pyo3::prelude::*;

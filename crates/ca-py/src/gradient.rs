@@ -3,8 +3,8 @@
 use crate::compiled::CompiledModel;
 use crate::error;
 use crate::gesture::Gesture;
+use crate::long_call::apart;
 use crate::measure::table;
-use crate::wait::apart;
 use ca_gradient::{Error, GoesOn};
 use ca_lab::Failure;
 use numpy::{

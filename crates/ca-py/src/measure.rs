@@ -1,7 +1,7 @@
 //! Measurements of a model: modes, linear part, accuracy, energy, quantities.
 
 use crate::error::{failure, usage};
-use crate::wait::apart;
+use crate::long_call::apart;
 use ca_accuracy::AccuracyOptions;
 use ca_compile::Options;
 use ca_compile::analysis::{Dof, LinkRow, modes};

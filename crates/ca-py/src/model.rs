@@ -3,9 +3,9 @@
 use crate::error::{failure, findings, usage};
 use crate::fit::{self, FitArgs, Target};
 use crate::gesture::Gesture;
+use crate::long_call::apart;
 use crate::measure;
 use crate::scene::Scene;
-use crate::wait::apart;
 use ca_compile::Options;
 use ca_core::Role;
 use ca_lab::bytes;

@@ -1,6 +1,6 @@
 //! Plays a scene in this process, with its page.
 
-use crate::wait::until;
+use crate::long_call::until;
 use crate::{error, model};
 use ca_haptic::control::{Given, Reply, Request};
 use ca_haptic::serve::Shared;

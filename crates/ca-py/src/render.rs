@@ -3,8 +3,8 @@
 use crate::compiled::CompiledModel;
 use crate::error::{self, failure, usage};
 use crate::gesture::Gesture;
+use crate::long_call::{Wanted, apart};
 use crate::measure::{energy, table};
-use crate::wait::{Wanted, apart};
 use ca_core::Ledger;
 use ca_io::FileError;
 use ca_io::perform::Performance;

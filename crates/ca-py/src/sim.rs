@@ -5,7 +5,7 @@
 //! device. Threads that share one wait for each other's blocks.
 
 use crate::error::{failure, usage};
-use crate::wait::Look;
+use crate::long_call::Look;
 use ca_io::running::Running;
 use ca_lab::Failure;
 use ca_lab::outcome::Outcome;

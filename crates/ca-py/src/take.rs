@@ -1,9 +1,9 @@
 //! Takes: device motion, forces and sound.
 
 use crate::error::{failure, file};
+use crate::long_call::{Wanted, apart};
 use crate::measure::table;
 use crate::model::Model;
-use crate::wait::{Wanted, apart};
 use ca_haptic::frame::{Cause, DOF, Mode};
 use ca_haptic::take::{self, Event, Replay, ReplayVerdict};
 use ca_io::{FileError, FileErrorKind};

@@ -8,14 +8,14 @@
 //! refused, as is a sink that does not switch to the rate of the model. A thread answers the server; between messages
 //! it neither allocates nor locks.
 
-mod line;
+mod connection;
 
 use super::{Output, Playing};
 use crate::AudioError;
 use ca_core::Scene;
 use ca_haptic::rt::{self, RtRequest, now_ns};
-use ca_haptic::serve::audio::{Counts, Follow, PlaybackDevice, Player, Watch, link};
-use line::{Line, News, wrong};
+use ca_haptic::serve::audio::{Counts, DeviceClock, PlaybackDevice, Player, Watch, link};
+use connection::{Connection, ServerMessage, wrong};
 use pulseaudio::protocol::{
     self, ChannelMap, Command, CorkStreamParams, CreatePlaybackStreamReply, GetSinkInfo, LatencyParams,
     PlaybackLatency, PlaybackStreamParams, Prop, Props, SampleFormat, SampleSpec, SinkInfo,
@@ -49,7 +49,7 @@ const MOST: usize = 16384;
 const DUMMY: &[u8] = b"auto_null";
 
 struct Stream {
-    line: Line,
+    line: Connection,
     made: CreatePlaybackStreamReply,
     sink: SinkInfo,
     latency: PlaybackLatency,
@@ -63,13 +63,13 @@ pub(super) fn open(
     scene: &Scene,
     buffer: Option<u32>,
     request: RtRequest,
-) -> std::result::Result<(Playing, Follow, Watch), AudioError> {
+) -> std::result::Result<(Playing, DeviceClock, Watch), AudioError> {
     let buffer = buffer.unwrap_or(BUFFER);
     let absent = |why: &str| {
         let how = "start one, e.g. `pulseaudio --start`, or set PULSE_SERVER to its address";
         AudioError::Failed(format!("no PulseAudio server answers{why}; {how}"))
     };
-    let opened = within(PATIENCE, || Line::open(PATIENCE).map(default_sink)).ok_or_else(|| absent(" in time"))?;
+    let opened = within(PATIENCE, || Connection::open(PATIENCE).map(default_sink)).ok_or_else(|| absent(" in time"))?;
     let (line, sink) = opened.map_err(|_| absent(""))?;
     let refused = |e: Error| AudioError::Unfit(format!("{NAME} cannot play this model: {e}"));
     let Some(sink) = sink.filter(|s| s.name.as_bytes() != DUMMY) else {
@@ -107,7 +107,7 @@ pub(super) fn open(
 
 #[cfg(feature = "devices")]
 pub(super) fn is_there() -> bool {
-    within(PATIENCE, || Line::open(PATIENCE).is_ok()) == Some(true)
+    within(PATIENCE, || Connection::open(PATIENCE).is_ok()) == Some(true)
 }
 
 /// Runs `ask` on a new thread and abandons it after `patience`: a hanging server, or one that never stops talking, may
@@ -133,14 +133,14 @@ fn channels(sink: &SinkInfo, scene: &Scene) -> std::result::Result<usize, AudioE
 }
 
 /// Returns the default sink; `None` if there is none.
-fn default_sink(mut line: Line) -> (Line, Option<SinkInfo>) {
+fn default_sink(mut line: Connection) -> (Connection, Option<SinkInfo>) {
     let name = Some(protocol::DEFAULT_SINK.to_owned());
     let sink = line.ask(&Command::GetSinkInfo(GetSinkInfo { index: None, name })).ok();
     (line, sink)
 }
 
 /// Creates a stream with its queue full of silence, and starts it.
-fn stream(mut line: Line, sink: u32, hz: u32, map: ChannelMap, buffer: u32) -> Result<Stream> {
+fn stream(mut line: Connection, sink: u32, hz: u32, map: ChannelMap, buffer: u32) -> Result<Stream> {
     let wide = map.num_channels();
     let at_once = 4 * u32::from(wide) * buffer;
     let mut props = Props::new();
@@ -193,7 +193,7 @@ fn head(message: &mut [u8], channel: u32) {
 }
 
 fn speak(
-    mut line: Line,
+    mut line: Connection,
     channel: u32,
     player: Player,
     (counts, tell): (Arc<Counts>, Sender<String>),
@@ -220,7 +220,7 @@ fn speak(
 
 /// State of the thread that answers the server.
 struct Speaker {
-    line: Line,
+    line: Connection,
     channel: u32,
     player: Player,
     counts: Arc<Counts>,
@@ -246,11 +246,11 @@ impl Speaker {
                 return format!("lost connection to the server ({e})");
             }
             match self.line.next() {
-                Ok(News::Answer(n, at)) if n == self.query.0 => self.measure(at),
-                Ok(News::Underflow) => {
+                Ok(ServerMessage::Answer(n, at)) if n == self.query.0 => self.measure(at),
+                Ok(ServerMessage::Underflow) => {
                     self.counts.xruns.fetch_add(1, Relaxed);
                 }
-                Ok(News::Killed) => return "the server ended the stream".into(),
+                Ok(ServerMessage::Killed) => return "the server ended the stream".into(),
                 Ok(_) => {}
                 Err(e) => return format!("lost connection to the server ({e})"),
             }

@@ -3,7 +3,7 @@
 use super::raw::Place;
 use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode};
 use ca_haptic::host::Site;
-use ca_haptic::host::watch::Watch;
+use ca_haptic::host::force_watchdog::ForceWatchdog;
 use ca_haptic::rt::{RtRequest, ask, now_ns, wait_until};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -114,7 +114,7 @@ fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool) {
     let says = place.writer::<About>(name, "about", 1);
     let who = about(name, 1000);
     let period = if lie == Lie::Rate { 2_000_000 } else { 1_000_000 };
-    let mut watch = Watch::new(who.device);
+    let mut watchdog = ForceWatchdog::new(who.device);
     let mut held = ForceFrame::new(name, 1);
     let (mut due, mut frame) = (now_ns(), DeviceFrame::new(name, 1));
     frame.session = if lie == Lie::Session { 78 } else { 77 };
@@ -129,13 +129,13 @@ fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool) {
         while let Some(f) = forces.receive().unwrap() {
             let f = *f;
             match lie {
-                Lie::Restart if f.is_ours() && *first.get_or_insert(f.session) != f.session => {}
+                Lie::Restart if f.has_this_layout() && *first.get_or_insert(f.session) != f.session => {}
                 Lie::Layout => {
                     held = f;
-                    let _ = watch.take(&f);
+                    let _ = watchdog.take(&f);
                 }
                 _ => {
-                    if watch.take(&f) {
+                    if watchdog.take(&f) {
                         held = f;
                     }
                 }
@@ -144,18 +144,20 @@ fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool) {
         let now = now_ns();
         let cause = match lie {
             Lie::NoForce => Cause::Disarmed,
-            Lie::Watchdog | Lie::Unrested if watch.last().is_some() => {
+            Lie::Watchdog | Lie::Unrested if watchdog.last().is_some() => {
                 let on = !matches!(Mode::read(held.mode), Mode::Off | Mode::Fault);
                 let fresh = lie == Lie::Watchdog || now.saturating_sub(held.t_host_ns) < u64::from(held.ttl_us) * 1000;
-                match watch.cause(now) {
+                match watchdog.cause(now) {
                     _ if on && fresh => Cause::None,
                     Cause::None => Cause::Disarmed,
                     cause => cause,
                 }
             }
-            _ => watch.cause(now),
+            _ => watchdog.cause(now),
         };
-        if lie == Lie::GoesOn && cause == Cause::WatchdogOut && watch.last().is_some_and(|f| f.mode == Mode::On as u32)
+        if lie == Lie::GoesOn
+            && cause == Cause::WatchdogOut
+            && watchdog.last().is_some_and(|f| f.mode == Mode::On as u32)
         {
             due = wait_until(due + period);
             continue;
@@ -164,7 +166,7 @@ fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool) {
         if lie == Lie::Measured {
             frame.force_measured[0] *= 2.0;
         }
-        frame.cause = if watch.last().is_none() { Cause::Disarmed } else { cause } as u16;
+        frame.cause = if watchdog.last().is_none() { Cause::Disarmed } else { cause } as u16;
         frame.seq = if lie == Lie::Numbers { 1 } else { n };
         frame.ack = if lie == Lie::Ack { 0 } else { held.seq };
         match lie {

@@ -96,7 +96,7 @@ fn check(frames: &[ForceFrame], p: &Profile) -> u64 {
     let slew = p.slew() / 3000.0;
     let mut gaps = 0;
     for (k, f) in frames.iter().enumerate() {
-        assert!(f.is_ours() && f.n as usize == n, "{f:?}");
+        assert!(f.has_this_layout() && f.n as usize == n, "{f:?}");
         assert!(f.force.iter().all(|x| x.is_finite()), "{f:?}");
         assert!(f.force[n..].iter().all(|x| *x == 0.0), "{f:?}");
         let mode = Mode::read(f.mode);

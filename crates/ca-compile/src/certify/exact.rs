@@ -7,7 +7,7 @@
 use super::bound::explicit;
 use crate::analysis::{Factor, Linear, MovingLink, StabilityMatrix};
 use crate::certify::accumulate::Sums;
-use crate::certify::blame::{any, faster, span};
+use crate::certify::cause::{any, faster, span};
 use crate::findings::round_down;
 use crate::net::linear::{Numbers, Points, Pull, dofs, links, rows};
 use crate::net::linearisation::Own;

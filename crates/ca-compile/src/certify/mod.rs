@@ -10,27 +10,27 @@
 //! by rule (docs/numerics.md §3.2), and the certificate says so.
 
 mod accumulate;
-mod blame;
 mod bound;
+mod cause;
 mod decide;
+mod device_keys;
 #[cfg_attr(not(feature = "analysis"), path = "no_exact.rs")]
 mod exact;
-mod keys;
+mod lpr_support;
+mod max_elongation;
 mod negative;
-mod reach;
 mod report;
-mod rigid;
 mod ripple;
 mod rules;
-mod together;
+mod simultaneous_contacts;
 
 use crate::net::Pruned;
 use crate::options::Effort;
-use blame::overflow;
 use ca_core::internal::scene::certificate::Rules;
 use ca_core::{Certificate, Level};
 use ca_model::Model;
 use ca_model::diag::Diags;
+use cause::overflow;
 
 /// Judges the network; warnings name the module and a fix.
 pub fn certify(model: &Model, net: &Pruned, effort: Effort, diags: &mut Diags) -> Certificate {

@@ -1,12 +1,12 @@
 //! Writes the certificate, with findings that name the responsible module and a fix.
 
 use crate::certify::accumulate::Accumulated;
-use crate::certify::blame::{span, unstable};
 use crate::certify::bound::Bounds;
+use crate::certify::cause::{span, unstable};
 use crate::certify::decide::Decision;
 use crate::certify::exact::Exact;
 use crate::certify::rules::{Decides, at, contacts, devices, frictions, hardening, methods};
-use crate::certify::{keys, rigid, ripple, together};
+use crate::certify::{device_keys, lpr_support, ripple, simultaneous_contacts};
 use crate::findings::round_up;
 use crate::net::{LiaNode, Pruned};
 use alloc::collections::BTreeSet;
@@ -53,11 +53,11 @@ pub fn report(
         _ => {}
     }
     cert.ripple = ripple::ripple(net, exact, &cert);
-    rigid::rigid(model, net, diags);
+    lpr_support::lpr_support(model, net, diags);
     let held = |l: &LiaNode, b: &Bound| exact.filter(|_| decided.few)?.mobility(net, l, b);
     let mut decides = Decides::default();
     contacts(model, net, sums, held, (&mut cert, &mut decides), diags);
-    together::together(model, net, sums, &mut cert, diags);
+    simultaneous_contacts::simultaneous(model, net, sums, &mut cert, diags);
     frictions(model, net, sums, held, (&mut cert, &mut decides), diags);
     hardening(net, sums, held, (&mut cert, &mut decides));
     methods(model, net, sums, &mut decides, diags);
@@ -65,7 +65,7 @@ pub fn report(
         cert.rules.decides = decides.name();
     }
     devices(model, net, &sums.links, diags);
-    cert.keys = keys::keys(net, &sums.links);
+    cert.keys = device_keys::keys(net, &sums.links);
     cert
 }
 

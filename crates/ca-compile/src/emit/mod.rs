@@ -1,8 +1,9 @@
 //! Last step: converts the network to the arrays and passes of a [`Scene`](ca_core::Scene).
 
 pub mod cost;
-pub mod cutoff;
 mod driven;
+pub mod gesture_rate;
+pub mod high_pass;
 pub mod layout_builder;
 pub mod masses;
 pub mod methods;
@@ -13,5 +14,4 @@ pub mod penetration;
 pub mod points;
 pub mod rows;
 pub mod schedule;
-pub mod slow;
 pub mod waves;

@@ -1,7 +1,8 @@
 //! Schedule: builds the flat arrays and the list of passes of a scene, with entries only for parts that it has.
 
-use crate::emit::cutoff::{blockers, of_motion, plain_first};
 use crate::emit::driven;
+use crate::emit::gesture_rate::{self, Slow};
+use crate::emit::high_pass::{blockers, of_motion, plain_first};
 use crate::emit::layout_builder::LayoutBuilder;
 use crate::emit::masses::{Masses, masses, weigh};
 use crate::emit::methods::oversample::oversample;
@@ -10,12 +11,11 @@ use crate::emit::milib;
 use crate::emit::ordering::Storage;
 use crate::emit::pass_list;
 use crate::emit::points::{self, Points, points};
+use crate::emit::rows::document_order::DocumentOrder;
 use crate::emit::rows::fold::fold;
 use crate::emit::rows::fuse::{self, Passes};
 use crate::emit::rows::links::{Links, own_tables};
 use crate::emit::rows::space::rows;
-use crate::emit::rows::written::Written;
-use crate::emit::slow::{self, Slow};
 use crate::net::{End, LiaNode, MatRole, OutNode, OutputTap, Pruned, Push};
 use crate::options::{KernelClass, Options};
 use crate::passes::implicit;
@@ -43,7 +43,7 @@ use ca_core::internal::state::{
 use ca_core::{Certificate, InputRole, Location, Precision, Scene, State};
 use ca_model::Model;
 use ca_model::diag::Diags;
-use ca_model::plain::plain;
+use ca_model::printable::printable;
 use core::ops::Range;
 
 /// Builds the scene, with its groups at the gesture rate if there are any. Returns `None` if there is an error.
@@ -60,7 +60,7 @@ pub fn schedule(
     let builder = LayoutBuilder::new(net, order);
     let (batches, sorted) = builder.batches(options.kernel);
     let sorted = sorted || storage.sorted || slow.is_some_and(|slow| slow.scene.passes.sorted);
-    let mut written = Written::new(&batches);
+    let mut written = DocumentOrder::new(&batches);
     let mut batches = builder.chained(options, batches);
     let settled = builder.settled(order, options, &batches);
     let order = settled.as_deref().unwrap_or(order);
@@ -196,7 +196,7 @@ pub fn schedule(
     let mut reads = pass_list::reads(&layout, live_places.len(), aimed);
     let mut forces = pass_list::forces(&layout, links.forces, links.late, weight, in_space);
     if let Some((_, group, _)) = &slow {
-        slow::passes(group, &mut reads, &mut forces);
+        gesture_rate::passes(group, &mut reads, &mut forces);
     }
     layout.out.output_rows = pass_list::output_rows(&layout);
     let mut writes = pass_list::writes(&layout, gains);
@@ -211,8 +211,8 @@ pub fn schedule(
     }
     let summed = &forces[..forces.len() - fused];
     let tick = slow.as_ref().map(|_| match unfused {
-        Some(unfused) => slow::Tick::proportional(&listed, unfused),
-        None => slow::Tick { forces: summed.to_vec(), moves: moves.clone() },
+        Some(unfused) => gesture_rate::Tick::proportional(&listed, unfused),
+        None => gesture_rate::Tick { forces: summed.to_vec(), moves: moves.clone() },
     });
     oversample(net, &mut layout, &mut reads, summed, &mut writes, &mut moves);
     milib::check(model, net, &layout, &listed, diags);
@@ -227,8 +227,8 @@ pub fn schedule(
     set_order(&mut loaded, order_of_document);
     if let Some(((slow, mut group, reach), tick)) = slow.zip(tick) {
         let own = slow.state(&group);
-        let blank = slow::blank(&loaded, own.clone());
-        group.response = slow::response(&layout, &group, &tick, &blank, &reach);
+        let blank = gesture_rate::blank(&loaded, own.clone());
+        group.response = gesture_rate::response(&layout, &group, &tick, &blank, &reach);
         loaded.slow = Some(Box::new(own));
         layout.rates.slow = Some(Arc::new(group));
     }
@@ -252,7 +252,7 @@ pub fn schedule(
             gestures: net.gestures.clone(),
             presets: net.presets.clone(),
             left_out: net.left_out.clone(),
-            title: plain(model.title()),
+            title: printable(model.title()),
             seconds: net.seconds,
         },
         symbols: symbols.build(),

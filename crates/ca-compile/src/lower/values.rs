@@ -4,7 +4,7 @@
 //! of their place. A `[param]` without a unit takes the dimension of the place where it is used.
 
 use crate::findings::{bad_quantity, instead, quoted, range_help, type_name, unit_span, wanted, wrong_unit};
-use crate::lower::named::{Named, Raw};
+use crate::lower::parsed_param::{ParsedParam, Raw};
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
@@ -27,7 +27,7 @@ pub struct Values<'a> {
     /// Tick of the reference rate for `alg` units; `None` in SI.
     pub alg: Option<f64>,
     /// Parameters, set by [`Values::name`].
-    pub named: Vec<Named>,
+    pub named: Vec<ParsedParam>,
     /// Index of each parameter by name.
     pub(super) index: HashMap<String, usize>,
     /// Contents of files.
@@ -47,7 +47,7 @@ impl<'a> Values<'a> {
 
 impl Values<'_> {
     /// Sets the named parameters.
-    pub fn name(&mut self, named: Vec<Named>) {
+    pub fn name(&mut self, named: Vec<ParsedParam>) {
         // Of two parameters with the same name, which is reported, the first counts.
         self.index = named.iter().enumerate().rev().map(|(i, n)| (n.name.clone(), i)).collect();
         self.named = named;

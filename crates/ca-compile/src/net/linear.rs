@@ -6,7 +6,7 @@
 use crate::analysis::{Dof, Linear, MovingLink, Network, Port};
 use crate::net::linearisation;
 use crate::net::linearisation::Own;
-use crate::net::lines::LineNode;
+use crate::net::waveguides::WaveguideNode;
 use crate::net::{Coordinate, End, LiaNode, MatNode, MatRole, Measure, OutNode, OutputTap, Pruned, Wired};
 use alloc::string::String;
 use alloc::string::ToString;
@@ -97,7 +97,7 @@ pub fn network(net: &Pruned, purpose: Purpose) -> Network {
     let mats = net.mats.iter().zip(&net.alive);
     let mut own: Vec<Own> = mats.map(|(m, alive)| if *alive { of(net, m) } else { Own::default() }).collect();
     // Delays are not a matrix: links at a waveguide are reported as if it stood still.
-    net.lines.iter().flat_map(LineNode::junctions).for_each(|m| own[m as usize] = Own::default());
+    net.lines.iter().flat_map(WaveguideNode::junctions).for_each(|m| own[m as usize] = Own::default());
     let slopes: Vec<Bound> = net.lias.iter().map(|l| linearisation::slopes(net, l)).collect();
     let (mut linear, mut numbers) = dofs(net, &own);
     let mut driven = Vec::new();

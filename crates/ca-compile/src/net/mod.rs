@@ -6,8 +6,8 @@ pub mod families;
 #[cfg(feature = "analysis")]
 pub mod linear;
 pub mod linearisation;
-pub mod lines;
 mod stage;
+pub mod waveguides;
 pub mod worst;
 
 pub use families::Family;

@@ -10,7 +10,7 @@
 //! ```
 
 use crate::net::families::Families;
-use crate::net::lines::LineNode;
+use crate::net::waveguides::WaveguideNode;
 use crate::net::{End, LiaNode, MatNode, Medium, NetItem, OutNode, PointNode, Push};
 use alloc::collections::BTreeMap;
 use alloc::string::{String, ToString};
@@ -64,7 +64,7 @@ pub struct Resolved {
     /// LIAs in document order.
     pub lias: Vec<LiaNode>,
     /// Waveguides.
-    pub lines: Vec<LineNode>,
+    pub lines: Vec<WaveguideNode>,
     /// Modules by name.
     pub families: Families,
     /// Shared value lists of modules whose numbers are the slots of their item, by length. Most modules share one.

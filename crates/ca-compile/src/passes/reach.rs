@@ -2,7 +2,7 @@
 //!
 //! A quadripole transmits any change of a distance in space to its line port, including the slow stretch of a spinning
 //! body (docs/numerics.md §4.3), and so to everything linked to that port. Outputs there have a high-pass unless one is
-//! written (see `emit/cutoff.rs`).
+//! written (see `emit/high_pass.rs`).
 
 use crate::net::{End, Measure, OutNode, OutputTap, Pruned};
 use alloc::vec::Vec;

@@ -8,7 +8,7 @@ use crate::numeric::Real;
 use crate::state::State;
 
 pub mod account;
-pub mod blocker;
+pub mod dc_blocker;
 pub mod driven;
 pub mod energy;
 mod law;

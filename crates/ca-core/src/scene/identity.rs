@@ -7,7 +7,7 @@
 //! [`State::apply`](crate::State::apply) compare it. It detects mistakes, not attacks.
 
 use crate::numeric::Real;
-use crate::numeric::words::word;
+use crate::numeric::word_hash::word;
 use crate::op::layout::{Counts, Layout, LinkArrays, MeasureKind, OutputArrays, Places, PortArrays, Rates};
 use crate::op::{Op, SolveStage};
 use crate::scene::Scene;

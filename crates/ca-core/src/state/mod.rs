@@ -9,7 +9,7 @@ pub(crate) mod ledger;
 mod parts;
 mod snapshot;
 
-use crate::numeric::words::word;
+use crate::numeric::word_hash::word;
 use crate::numeric::{Aligned, Real};
 pub use active_contacts::ActiveContacts;
 use alloc::boxed::Box;

@@ -7,7 +7,7 @@
 
 pub(super) mod partials;
 
-use super::normal::{Normal, dot};
+use super::normal_equations::{Normal, dot};
 use super::player::{Heard, Player};
 use ca_lab::Failure;
 use partials::Partial;

@@ -10,13 +10,13 @@
 //!
 //! Any other pass is refused by name; forward mode over dual numbers does not divide a tick.
 
+pub mod link_in_scene;
 pub mod numbers;
 pub mod outputs;
-pub mod placed;
 pub mod record;
 pub mod rows;
 pub mod single_link;
-pub mod small;
+pub mod small_passes;
 
 use crate::error::Error;
 use ca_core::internal::op::layout::{MeasureKind, Tap};

@@ -5,7 +5,7 @@
 
 use super::{Gradient, Reverse};
 use crate::parts::no;
-use crate::played::{BLOCK, diverged, frames_of, known, zeros};
+use crate::play_io::{BLOCK, diverged, frames_of, known, zeros};
 use crate::{Error, GoesOn};
 use ca_core::State;
 use ca_core::internal::numeric::Aligned;

@@ -20,7 +20,7 @@ use crate::forward::over_dual;
 use crate::parts::numbers::Numbers;
 use crate::parts::record::Record;
 use crate::parts::{Parts, number};
-use crate::played::{BLOCK, frames_of};
+use crate::play_io::{BLOCK, frames_of};
 use crate::{Error, Forward, GoesOn, Parameter};
 use adjoint::Adjoint;
 use ca_core::internal::op::layout::{CoordinateSource, Shape as PortShape};
@@ -138,7 +138,7 @@ impl Reverse {
     /// # Errors
     /// As [`Forward::output`].
     pub fn output(&self, seconds: Option<f64>, gesture: Option<&Gesture>, goes_on: GoesOn) -> Result<Vec<f64>, Error> {
-        crate::played::output(&self.scene, seconds, gesture, goes_on)
+        crate::play_io::output(&self.scene, seconds, gesture, goes_on)
     }
 
     /// Returns whether reverse mode supports a gesture. It does not where a link that depends on the sum of all forces

@@ -1,6 +1,6 @@
 //! Backward pass over links evaluated alone, one tick at a time.
 
-use crate::parts::placed::Placed;
+use crate::parts::link_in_scene::Placed;
 use crate::parts::record::Row;
 use crate::parts::single_link::{LinkAdjoints, Port, SingleLink};
 use crate::parts::{Link, number};

@@ -3,7 +3,7 @@
 //! A link reads only a few numbers of the state. Its derivatives by each of them are computed for several ticks
 //! beforehand, so that the derivatives by one parameter can be played over all these ticks without the others.
 
-use crate::parts::placed::Placed;
+use crate::parts::link_in_scene::Placed;
 use crate::parts::record::Row;
 use crate::parts::single_link::Port;
 use crate::parts::{Link, number};

@@ -15,13 +15,13 @@ mod groups;
 mod link;
 
 use crate::Error;
+use crate::parts::link_in_scene::Placed;
 use crate::parts::numbers::Numbers;
 use crate::parts::outputs::listed;
-use crate::parts::placed::Placed;
 use crate::parts::record::Record;
-use crate::parts::small::Small;
+use crate::parts::small_passes::Small;
 use crate::parts::{Link, Parts, number, unknown};
-use crate::played::diverged;
+use crate::play_io::diverged;
 use added::Added;
 use ca_core::internal::numeric::Aligned;
 use ca_core::internal::op::layout::Layout;

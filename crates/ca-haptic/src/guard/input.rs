@@ -165,7 +165,7 @@ impl InputValidator {
     }
 
     fn judge(&self, f: &DeviceFrame, hand: &GuardFrame) -> FrameVerdict {
-        if !f.is_ours() || (f.n as usize) < self.n {
+        if !f.has_this_layout() || (f.n as usize) < self.n {
             return FrameVerdict::Foreign;
         }
         let last = self.last(0).filter(|_| f.session == self.session);

@@ -2,15 +2,15 @@
 //!
 //! A device process needs five calls: open, send, read the newest force, wait for one, and [`DeviceClient::safe_force`]
 //! for the forces that may reach the motors. Device and engine may start in either order. An engine that is killed,
-//! stopped or restarted is not an error: forces are zero (see [`watch`](super::watch)) until the next engine sends any.
+//! stopped or restarted is not an error: forces are zero (see [`force_watchdog`](super::force_watchdog)) until the next engine sends any.
 
 use super::error::HostError;
+use super::force_watchdog::ForceWatchdog;
 use super::free_memory;
 use super::services::{Frames, Service, Wakeup, check_name};
 use super::session::session;
 use super::site::{Ipc, Site};
 use super::timeout::{LIMIT, with_timeout};
-use super::watch::Watch;
 use crate::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, VERSION, text, uid};
 use crate::rt::now_ns;
 use iceoryx2::port::listener::Listener;
@@ -31,7 +31,7 @@ pub struct DeviceClient {
     held: Option<u64>,
     /// Number of the force frame last returned to the caller.
     given: u64,
-    watch: Watch,
+    watchdog: ForceWatchdog,
     // ports are dropped before their node
     frames: Publisher<Ipc, DeviceFrame, ()>,
     forces: Subscriber<Ipc, ForceFrame, ()>,
@@ -64,14 +64,14 @@ impl DeviceClient {
         let forces = Frames::open(&node, name, Service::Out, 0)?.subscriber(site, 0)?;
         let says = Frames::open(&node, name, Service::About, 1)?.publisher(site)?;
         let wakeup = Wakeup::open(&node, name)?.listener(site)?;
-        let watch = Watch::new(about.device);
+        let watchdog = ForceWatchdog::new(about.device);
         let mut client = DeviceClient {
             about,
             seq: 0,
             reported: 0,
             held: None,
             given: 0,
-            watch,
+            watchdog,
             frames,
             forces,
             says,
@@ -133,7 +133,7 @@ impl DeviceClient {
         if own && sent.cause == 0 {
             // Only causes that the device found itself are sent. A cause of the engine becomes `Disarmed`, because the
             // engine would take its own fault for a new one. So does a missing engine, if there was none before.
-            let found = self.watch.last().map_or(Cause::Disarmed, |_| self.watch.cause(now));
+            let found = self.watchdog.last().map_or(Cause::Disarmed, |_| self.watchdog.cause(now));
             sent.cause = match found {
                 Cause::None | Cause::WatchdogOut | Cause::Disconnect => found,
                 _ => Cause::Disarmed,
@@ -145,9 +145,9 @@ impl DeviceClient {
     /// Receives all waiting frames. Returns true if one is newer than the last.
     fn drain(&mut self) -> bool {
         let mut newer = false;
-        // a frame that cannot be received counts as missing, and `watch` returns zero force
+        // a frame that cannot be received counts as missing, and `watchdog` returns zero force
         while let Ok(Some(frame)) = self.forces.receive() {
-            newer |= self.watch.take(&frame);
+            newer |= self.watchdog.take(&frame);
         }
         newer
     }
@@ -164,13 +164,13 @@ impl DeviceClient {
     pub fn safe_force(&mut self) -> [f64; DOF] {
         self.drain();
         self.give();
-        self.watch.force(now_ns())
+        self.watchdog.force(now_ns())
     }
 
     /// Returns the newest frame and notes it as the one that the motors hold from now on. A frame that is read only for
     /// [`DeviceClient::cause`] does not reach the motors and must not be acknowledged.
     fn give(&mut self) -> Option<&ForceFrame> {
-        let last = self.watch.last();
+        let last = self.watchdog.last();
         self.given = last.map_or(0, |f| f.seq);
         last
     }
@@ -178,12 +178,12 @@ impl DeviceClient {
     /// Returns why [`DeviceClient::safe_force`] is zero; [`Cause::None`] if it returns a force of the engine.
     pub fn cause(&mut self) -> Cause {
         self.drain();
-        self.watch.cause(now_ns())
+        self.watchdog.cause(now_ns())
     }
 
     /// Returns the state of the connection to the engine.
-    pub fn watch(&self) -> &Watch {
-        &self.watch
+    pub fn watchdog(&self) -> &ForceWatchdog {
+        &self.watchdog
     }
 
     /// Sleeps until a force frame comes, at most for `timeout`. Returns true if one came.

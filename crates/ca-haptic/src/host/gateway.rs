@@ -224,7 +224,7 @@ impl Gateway {
                 let Some(Ok(Some(about))) = p.claim.is_granted().then(|| p.says.receive()) else { break };
                 // as bytes, because NaN differs from itself
                 let new = p.about.is_none_or(|a| a.as_bytes() != about.as_bytes());
-                if about.is_ours() && about.device == p.uid && new {
+                if about.has_this_layout() && about.device == p.uid && new {
                     p.about = Some(*about);
                     self.events.push_back((k, Event::About(Box::new(*about))));
                 }
@@ -381,7 +381,7 @@ fn read_descriptions(site: &Site, patience: Duration) -> Result<Vec<About>, Host
         let mut waiting = false;
         for (line, reader, said) in &mut lines {
             while let Ok(Some(about)) = reader.receive() {
-                if about.is_ours() {
+                if about.has_this_layout() {
                     *said = Some(*about);
                 }
             }

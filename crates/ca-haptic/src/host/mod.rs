@@ -23,6 +23,7 @@ pub mod client;
 pub mod control;
 mod error;
 mod file_ownership;
+pub mod force_watchdog;
 mod free_memory;
 pub mod gateway;
 pub mod services;
@@ -32,7 +33,6 @@ pub mod site;
 pub mod stale_shm;
 mod timeout;
 pub mod user;
-pub mod watch;
 
 pub use client::DeviceClient;
 pub use error::{HostError, HostErrorKind};

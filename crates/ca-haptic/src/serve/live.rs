@@ -8,7 +8,7 @@ use super::audio::Outlet;
 use super::clock::{Clock, Start};
 #[cfg(feature = "system")]
 use super::clock::{Pace, wait_for};
-use crate::blocks::put;
+use crate::block_ring::put;
 use crate::engine::{Engine, EngineCommand, Retired};
 use crate::frame::{Cause, DeviceFrame, ForceFrame, Mode};
 use crate::guard::Order;

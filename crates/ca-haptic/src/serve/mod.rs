@@ -15,7 +15,7 @@ mod async_sink;
 pub mod audio;
 mod clock;
 mod live;
-mod loops;
+mod loop_latency;
 mod recorder;
 mod sink;
 mod summary;

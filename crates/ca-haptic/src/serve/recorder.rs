@@ -1,15 +1,15 @@
 //! Sends the records of the engine to the sinks, and commands from people to the engine.
 
+mod device_monitor;
 mod manual;
 mod refused;
-mod seen;
 mod swap;
 
 use super::audio::{AudioSummary, Outputs, Watch};
 use super::sink::{Notice, Sink, missing};
 use super::summary::{Fault, StatsSnapshot, Summary};
 use super::{FrameTiming, RecorderEnds, Shared};
-use crate::blocks::take;
+use crate::block_ring::take;
 use crate::engine::{Change, Engine, EngineCommand, Port, Refit, Retired, Setup};
 use crate::frame::{Cause, Mode};
 use crate::guard::Order;
@@ -18,8 +18,8 @@ use crate::stats::Times;
 use crate::version::Version;
 use ca_core::{Controls, Scene};
 use ca_io::FileError;
+use device_monitor::DeviceMonitor;
 pub use refused::Refused;
-use seen::Seen;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::{Relaxed, Release};
 
@@ -40,7 +40,7 @@ pub struct Recorder {
     scene: Arc<Scene>,
     controls: Controls,
     sinks: Vec<Box<dyn Sink>>,
-    seen: Vec<Seen>,
+    monitors: Vec<DeviceMonitor>,
     frame_times: Times,
     late_times: Times,
     second: Second,
@@ -78,7 +78,7 @@ impl Recorder {
             shared,
             controls: scene.controls(),
             sinks,
-            seen: ports.iter().map(Seen::new).collect(),
+            monitors: ports.iter().map(DeviceMonitor::new).collect(),
             frame_times: Times::new(),
             late_times: Times::new(),
             second: Second::default(),
@@ -187,7 +187,7 @@ impl Recorder {
 
     fn timing(&mut self, timing: FrameTiming) {
         self.frames += 1;
-        if self.seen.is_empty() {
+        if self.monitors.is_empty() {
             // without devices, no force frame carries the tick
             self.tick = (self.frames - 1) * u64::from(self.scene.rates.ratio);
         }
@@ -235,27 +235,27 @@ impl Recorder {
     fn look(&mut self, record: &Record) {
         match record {
             Record::Device { port, frame } => {
-                let Some(seen) = self.seen.get_mut(*port as usize) else { return };
-                if let Some(ns) = seen.sent(frame) {
+                let Some(monitors) = self.monitors.get_mut(*port as usize) else { return };
+                if let Some(ns) = monitors.sent(frame) {
                     self.second.loops.add(ns);
                 }
             }
             Record::Force { port, frame } => {
                 self.tick = frame.tick;
-                let Some(seen) = self.seen.get_mut(*port as usize) else { return };
-                self.faults.extend(seen.force(frame, &mut self.notices));
+                let Some(monitors) = self.monitors.get_mut(*port as usize) else { return };
+                self.faults.extend(monitors.force(frame, &mut self.notices));
             }
             Record::Order { tick, port, order } => {
                 let meant = |k: usize| port.is_none_or(|p| p as usize == k);
-                let all = self.seen.iter_mut().enumerate();
-                all.filter(|(k, _)| meant(*k)).for_each(|(_, seen)| seen.order(*tick, *order));
+                let all = self.monitors.iter_mut().enumerate();
+                all.filter(|(k, _)| meant(*k)).for_each(|(_, monitors)| monitors.order(*tick, *order));
             }
             Record::Retired { retired: Retired::State(_), .. } => self.manual.reset(),
             Record::Manual { tick, event, .. } => self.manual.apply(*tick, event),
             Record::Swapped { tick, .. } => self.swapped(*tick),
             Record::Waiting { tick, port, wait } => {
-                let Some(seen) = self.seen.get_mut(*port as usize) else { return };
-                self.notices.extend(seen.waits(*tick, wait, &self.scene));
+                let Some(monitors) = self.monitors.get_mut(*port as usize) else { return };
+                self.notices.extend(monitors.waits(*tick, wait, &self.scene));
             }
             _ => {}
         }
@@ -309,8 +309,8 @@ impl Recorder {
         let which = match device {
             None => None,
             Some(name) => {
-                let Some(k) = self.seen.iter().position(|s| s.name == name) else {
-                    return Err(Refused::Device(name.into(), self.seen.iter().map(|s| s.name.clone()).collect()));
+                let Some(k) = self.monitors.iter().position(|s| s.name == name) else {
+                    return Err(Refused::Device(name.into(), self.monitors.iter().map(|s| s.name.clone()).collect()));
                 };
                 Some(k as u32)
             }
@@ -347,12 +347,12 @@ impl Recorder {
 
     /// Returns name, mode, cause and number of frames of each device.
     pub fn devices(&self) -> impl Iterator<Item = (&str, Mode, Cause, u64)> {
-        self.seen.iter().map(|s| (s.name.as_str(), s.mode, s.cause, s.frames))
+        self.monitors.iter().map(|s| (s.name.as_str(), s.mode, s.cause, s.frames))
     }
 
     /// Returns the name of each armed device that waits, and the reason.
     pub fn waiting(&self) -> impl Iterator<Item = (&str, &str)> {
-        self.seen.iter().filter_map(|s| Some((s.name.as_str(), s.waiting()?)))
+        self.monitors.iter().filter_map(|s| Some((s.name.as_str(), s.waiting()?)))
     }
 
     /// Returns the number of gesture frames so far, and the present sound sample.
@@ -382,7 +382,7 @@ impl Recorder {
             refused: engine.counts.refused,
             unstable: engine.has_diverged(),
             devices: self
-                .seen
+                .monitors
                 .iter()
                 .zip(&engine.ports)
                 .map(|(s, p)| s.summary(p, &engine.scene, engine.state.tick, ratio))

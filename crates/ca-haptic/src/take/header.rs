@@ -11,7 +11,7 @@
 //! has arithmetic 0.
 
 use super::couplings;
-use super::next::NextModel;
+use super::next_version::NextModel;
 use crate::calibration::Calibration;
 use crate::engine::{self, Engine, Port, Setup};
 use crate::equivalence::Gains;

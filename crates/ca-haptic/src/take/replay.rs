@@ -12,7 +12,7 @@
 mod verdict;
 
 use super::header::Header;
-use super::next::NextModel;
+use super::next_version::NextModel;
 use super::read::{Event, Take};
 use super::source::End;
 use crate::engine::{Change, Engine, EngineCommand, Refit, Retired, Setup, Swap};

@@ -5,7 +5,7 @@
 //! gives everything before them, and is reported as damaged: what follows was played but is lost. The checksum over all
 //! bytes of a finished file finds errors that no chunk shows.
 
-use super::framed;
+use super::mcap_records;
 use ca_io::error::{FileError, FileErrorKind};
 use mcap::McapError;
 use mcap::read::ChannelAccumulator;
@@ -203,12 +203,12 @@ impl Iterator for Source {
                 None => return self.cut(&McapError::UnexpectedEof),
                 Some(Err(e)) => return self.cut(&e),
                 Some(Ok(LinearReadEvent::ReadRequest(_))) => {
-                    if let Err(e) = framed::next(&mut self.file, self.most, &mut self.record) {
+                    if let Err(e) = mcap_records::next(&mut self.file, self.most, &mut self.record) {
                         self.end = Some(End::Whole);
                         return Some(Err(FileError::io(&self.path, "it cannot be read", &e)));
                     }
-                    let whole = framed::record(&self.record);
-                    if let Some(Err(e)) = whole.map(|(kind, body)| framed::check(kind, body)) {
+                    let whole = mcap_records::record(&self.record);
+                    if let Some(Err(e)) = whole.map(|(kind, body)| mcap_records::check(kind, body)) {
                         return self.cut(&e);
                     }
                     feed(&mut self.reader, &self.record);
@@ -217,7 +217,9 @@ impl Iterator for Source {
                 }
                 Some(Ok(LinearReadEvent::Record { data, opcode })) => {
                     // records in a chunk are not checked yet
-                    framed::check(opcode, data).and_then(|()| mcap::parse_record(opcode, data)).map(Record::into_owned)
+                    mcap_records::check(opcode, data)
+                        .and_then(|()| mcap::parse_record(opcode, data))
+                        .map(Record::into_owned)
                 }
             };
             self.used = self.read;

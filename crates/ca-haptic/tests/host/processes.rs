@@ -84,8 +84,8 @@ fn a_server_that_is_killed_is_zero_force_and_the_next_one_takes_its_place() {
     for round in 0..3 {
         let mut child = server(&place, "key");
         play(&mut device, &mut frame);
-        let last = *device.watch().last().unwrap();
-        assert_eq!((last.session, device.watch().restarts), (u64::from(child.id()), round));
+        let last = *device.watchdog().last().unwrap();
+        assert_eq!((last.session, device.watchdog().restarts), (u64::from(child.id()), round));
         assert_eq!(Mode::read(last.mode), Mode::On);
         child.kill().unwrap();
         child.wait().unwrap();

@@ -71,7 +71,7 @@ fn a_force_that_was_only_looked_at_is_not_acknowledged() {
         });
         until("the answer is there", || {
             look(device);
-            device.watch().last().is_some_and(|f| f.seq == server.seq[0])
+            device.watchdog().last().is_some_and(|f| f.seq == server.seq[0])
         });
         (frame.ack, server.seq[0])
     };

@@ -3,10 +3,10 @@
 //! The model has `alg` units at 44.1 kHz and the same sound rate. The header lists the parts that a generator replaced,
 //! because a header stays with the model, unlike a finding. Unused parameters are left out, with a note.
 
-use super::first;
 use super::generator_plan::{Generator, GeneratorPlan};
 use super::names::Losses;
 use super::part::{Arg, Net, Part};
+use super::start;
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -23,7 +23,7 @@ pub(super) fn emit(net: &Net, plan: &GeneratorPlan, file: &str, diags: &mut Diag
     }
     model.meta.push(Entry::new("units", "alg"));
     model.meta.push(Entry::new("reference_rate", "44.1 kHz"));
-    if first::matters(net) {
+    if start::matters(net) {
         model.meta.push(Entry::new("start", "mi.lib"));
     }
     model.rate.push(Entry::new("sound", "44.1 kHz"));
@@ -121,7 +121,7 @@ fn header(net: &Net, plan: &GeneratorPlan, file: &str) -> String {
         format!("Imported from {} (MIMS). Numbers are per sample at 44.1 kHz, as there.", one_line(source)),
         format!("{}.", counts.join(", ")),
     ]);
-    if first::matters(net) {
+    if start::matters(net) {
         lines.push("Starts as mi.lib does: `dx0` is one sample before the first, `v` the step that led there.".into());
     }
     for g in &plan.generators {

@@ -8,12 +8,12 @@
 //! at the start. Only a `posInput`, which stays at its x0 until it is moved, rests there. A mass starts with the
 //! velocity x0 − xDelayed per sample, and the first two samples follow mi.lib (`start`).
 
-use super::first;
 use super::links;
 use super::names::Losses;
 use super::parse::{Line, Token, shown};
 use super::part::{Arg, Net, Param, Part};
 use super::reader::{Reader, number};
+use super::start;
 use super::types::{Type, What};
 use alloc::collections::BTreeMap;
 use alloc::format;
@@ -63,7 +63,7 @@ pub(super) fn build<'a>(typed: &[(&Line<'a>, &'static Type)], diags: &mut Diags)
     }
     let Reader { mut net, mut losses, diags, .. } = r;
     links::rest_lengths(&mut net.parts);
-    first::notes(&net, &mut losses);
+    start::notes(&net, &mut losses);
     name_groups(&mut net);
     losses.into_diags(diags);
     net

@@ -4,7 +4,7 @@
 //! own gesture. The decay time is not known in advance, so it is detected in the sound. It is bounded, since a sound
 //! may never end.
 
-use crate::ending::QUIET;
+use crate::level_and_fade::QUIET;
 use crate::perform::{Performance, frames, seconds};
 
 /// Time for which a sound must be quiet before it ends \[s\]: longer than beats and the longest audible period.

@@ -2,9 +2,9 @@
 
 use crate::error::failure;
 use crate::gesture::Gesture;
+use crate::long_call::apart;
 use crate::model::Given;
 use crate::scene::Scene;
-use crate::wait::apart;
 use ca_lab::play::Sample;
 use ca_sweep::batch::{self, Batch, BatchSpec};
 use numpy::{Element, IntoPyArray as _, PyArrayMethods as _};

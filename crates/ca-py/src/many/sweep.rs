@@ -2,9 +2,9 @@
 
 use crate::error::{failure, usage};
 use crate::gesture::Gesture;
+use crate::long_call::{apart, unless};
 use crate::measure::table;
 use crate::model::{Given, Model};
-use crate::wait::{apart, unless};
 use ca_lab::Failure;
 use ca_sweep::folder::{self, Folder};
 use ca_sweep::{Audio, Axis, Column, SweepSpec};

@@ -4,7 +4,7 @@
 
 use crate::emit::layout_builder::LayoutBuilder;
 use crate::emit::rows::batch::Batch;
-use crate::net::lines::LineNode;
+use crate::net::waveguides::WaveguideNode;
 use crate::net::{End, MatRole, OutputTap};
 use alloc::vec::Vec;
 use ca_core::internal::op::layout::MeasureKind;
@@ -83,7 +83,7 @@ impl Added {
             OutputTap::ForceOn(e) => builder.alive(e, o.axis),
             _ => None,
         });
-        let junctions = net.lines.iter().filter(|l| l.tuned.is_some()).flat_map(LineNode::junctions);
+        let junctions = net.lines.iter().filter(|l| l.tuned.is_some()).flat_map(WaveguideNode::junctions);
         let junctions = junctions.filter_map(|m| builder.alive(End::Mat(m), 0));
         read.chain(junctions).for_each(|slot| mark(&mut self.whole, slot, 1));
     }

@@ -28,7 +28,7 @@ pub struct Shape {
 
 impl LayoutBuilder<'_> {
     /// Returns the batches of links: in document order, or by law with rows as runs. Batches that are solved after the
-    /// others come last. The flag is true if their order differs from arithmetic 2, see [`sorted`](super::sorted).
+    /// others come last. The flag is true if their order differs from arithmetic 2, see [`row_order`](super::row_order).
     pub fn batches(&self, class: KernelClass) -> (Vec<Batch>, bool) {
         let laws = self.laws(class);
         let batch = |(links, stride): (Vec<u32>, usize)| {

@@ -1,7 +1,7 @@
 //! Chains: short rows close behind each other, e.g. in a mesh of 10 × 10, run as one.
 //!
 //! This step follows the batches, because each of these rows is too short for a run, and the document order of state
-//! hashes ([`written`](super::written)) depends on the batches and must not change. The order of forces on each mass is
+//! hashes ([`document_order`](super::document_order)) depends on the batches and must not change. The order of forces on each mass is
 //! kept: a row stays among the links that are looked up if one of these comes before it at one of its masses.
 
 use crate::emit::layout_builder::LayoutBuilder;

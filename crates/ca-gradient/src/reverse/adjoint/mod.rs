@@ -15,7 +15,7 @@ mod end;
 use crate::error::Error;
 use crate::parts::record::{Record, Row, whole_lines};
 use crate::parts::rows::Rows;
-use crate::parts::small::Small;
+use crate::parts::small_passes::Small;
 use crate::parts::{Basis, Link, Parts, number, unknown};
 use crate::reverse::outputs::{OutputAdjoint, Outputs};
 use crate::reverse::single::{Adjoints, Pairs, Single};

@@ -4,7 +4,7 @@
 //! a second ring and is freed there, so the engine thread neither allocates nor frees. Without a device, the engine
 //! follows the monotonic clock.
 
-use super::Follow;
+use super::DeviceClock;
 use rtrb::{Consumer, Producer, RingBuffer};
 
 /// Most changes that wait, and most devices that wait to be freed.
@@ -12,26 +12,26 @@ const WAITING: usize = 4;
 
 /// The engine's side.
 pub struct Outlet {
-    now: Option<Box<Follow>>,
-    next: Consumer<Option<Box<Follow>>>,
-    gone: Producer<Box<Follow>>,
+    now: Option<Box<DeviceClock>>,
+    next: Consumer<Option<Box<DeviceClock>>>,
+    gone: Producer<Box<DeviceClock>>,
 }
 
 /// The other side, which changes the device.
 pub struct Patch {
-    next: Producer<Option<Box<Follow>>>,
-    gone: Consumer<Box<Follow>>,
+    next: Producer<Option<Box<DeviceClock>>>,
+    gone: Consumer<Box<DeviceClock>>,
 }
 
 /// Makes both sides; `first` plays from the start.
-pub fn outlet(first: Option<Follow>) -> (Outlet, Patch) {
+pub fn outlet(first: Option<DeviceClock>) -> (Outlet, Patch) {
     let (to, next) = RingBuffer::new(WAITING);
     let (gone, back) = RingBuffer::new(WAITING);
     (Outlet { now: first.map(Box::new), next, gone }, Patch { next: to, gone: back })
 }
 
 impl Outlet {
-    pub(in crate::serve) fn now(&mut self) -> Option<&mut Follow> {
+    pub(in crate::serve) fn now(&mut self) -> Option<&mut DeviceClock> {
         self.now.as_deref_mut()
     }
 
@@ -51,7 +51,7 @@ impl Outlet {
 
 impl Patch {
     /// Sets the device that plays from the next frame on, if any. Returns false if too many earlier changes still wait.
-    pub fn put(&mut self, next: Option<Follow>) -> bool {
+    pub fn put(&mut self, next: Option<DeviceClock>) -> bool {
         while self.gone.pop().is_ok() {}
         self.next.push(next.map(Box::new)).is_ok()
     }

@@ -1,14 +1,14 @@
 //! Tests both sides with simulated devices. Time is a number here, so the test sets every delay.
 
 use super::*;
-use crate::serve::audio::follow::lead;
+use crate::serve::audio::device_clock::lead;
 
 const RATE: f64 = 48_000.0;
 const R: u64 = 16;
 
 /// An engine and a device in simulated time.
 struct Hall {
-    follow: Follow,
+    follow: DeviceClock,
     player: Player,
     watch: Watch,
     /// Frames that the device requests at once.

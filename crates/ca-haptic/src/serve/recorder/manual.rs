@@ -99,7 +99,7 @@ impl Recorder {
             return Err(Refused::Port(name.into(), self.scene.inputs.iter().map(|i| i.name.clone()).collect()));
         };
         let device = self.scene.inputs[input].device.as_ref();
-        if let Some(device) = device.filter(|d| self.seen.iter().any(|s| s.name == d.0 && d.1 < s.dof)) {
+        if let Some(device) = device.filter(|d| self.monitors.iter().any(|s| s.name == d.0 && d.1 < s.dof)) {
             return Err(Refused::OfDevice(name.into(), device.0.clone()));
         }
         if !value.is_finite() || over.is_nan() {

@@ -6,7 +6,7 @@
 //! directions, so they are judged individually.
 
 use crate::certify::accumulate::Accumulated;
-use crate::certify::blame::{any, faster, span};
+use crate::certify::cause::{any, faster, span};
 use crate::certify::rules::{stable, word};
 use crate::findings::round_down;
 use crate::net::{End, LiaNode, Measure, Pruned};
@@ -20,16 +20,16 @@ use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::Plain;
 
 /// A pressed contact: k + 2z/T, and whether z contributes.
-struct Pressed<'a> {
+struct PressedContact<'a> {
     link: &'a LiaNode,
     h: f64,
     viscous: bool,
 }
 
 /// Warns of contacts that are unstable together but not individually.
-pub fn together(model: &Model, net: &Pruned, sums: &Accumulated, cert: &mut Certificate, diags: &mut Diags) {
+pub fn simultaneous(model: &Model, net: &Pruned, sums: &Accumulated, cert: &mut Certificate, diags: &mut Diags) {
     // Contacts by mass, axis and side.
-    let mut sides: BTreeMap<(u32, u8, bool), Vec<Pressed>> = BTreeMap::new();
+    let mut sides: BTreeMap<(u32, u8, bool), Vec<PressedContact>> = BTreeMap::new();
     for ((l, b), reached) in net.lias.iter().zip(&sums.links).zip(&sums.reached) {
         let Measure::Line(axes) = l.measure else { continue };
         if !b.contact || !l.law.stage.is_explicit() || l.sets.is_some() {
@@ -40,7 +40,11 @@ pub fn together(model: &Model, net: &Pruned, sums: &Accumulated, cert: &mut Cert
             if let End::Mat(m) = end {
                 // A contact with `sense = "inside"` presses from the other side.
                 let side = (second == 1) != (word(net, l, "sense") == "inside");
-                sides.entry((m, axis, side)).or_default().push(Pressed { link: l, h: k + 2.0 * z, viscous: z > 0.0 });
+                sides.entry((m, axis, side)).or_default().push(PressedContact {
+                    link: l,
+                    h: k + 2.0 * z,
+                    viscous: z > 0.0,
+                });
             }
         }
     }

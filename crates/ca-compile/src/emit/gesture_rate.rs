@@ -5,7 +5,7 @@
 
 use crate::emit::layout_builder::LayoutBuilder;
 use crate::net::{End, MatRole, OutputTap, Pruned};
-use crate::passes::slow::SlowPart;
+use crate::passes::gesture_rate::SlowPart;
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 use ca_core::internal::border;

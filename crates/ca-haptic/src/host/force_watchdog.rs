@@ -13,7 +13,7 @@ pub const LONGEST_NS: u64 = 100_000_000;
 
 /// State of the connection to the engine, for one device.
 #[derive(Clone, Debug)]
-pub struct Watch {
+pub struct ForceWatchdog {
     device: [u8; 16],
     last: Option<ForceFrame>,
     /// True once a frame with the session of `last` had mode off or fault.
@@ -26,15 +26,15 @@ pub struct Watch {
     pub restarts: u64,
 }
 
-impl Watch {
+impl ForceWatchdog {
     /// Starts without a frame, for the device with this uid.
-    pub fn new(device: [u8; 16]) -> Watch {
-        Watch { device, last: None, rested: false, foreign: 0, old: 0, restarts: 0 }
+    pub fn new(device: [u8; 16]) -> ForceWatchdog {
+        ForceWatchdog { device, last: None, rested: false, foreign: 0, old: 0, restarts: 0 }
     }
 
     /// Checks a frame and stores the newest. Returns true if this one is the newest.
     pub fn take(&mut self, f: &ForceFrame) -> bool {
-        if !f.is_ours() || f.device != self.device {
+        if !f.has_this_layout() || f.device != self.device {
             self.foreign += 1;
             return false;
         }
@@ -103,8 +103,8 @@ mod tests {
         f
     }
 
-    fn watch() -> Watch {
-        let mut w = Watch::new(crate::frame::uid("key"));
+    fn watch() -> ForceWatchdog {
+        let mut w = ForceWatchdog::new(crate::frame::uid("key"));
         assert!(w.take(&frame(7, 1, Mode::Off, MS)));
         w
     }
@@ -147,7 +147,7 @@ mod tests {
 
     #[test]
     fn an_engine_that_was_not_seen_at_rest_gives_nothing() {
-        let mut w = Watch::new(crate::frame::uid("key"));
+        let mut w = ForceWatchdog::new(crate::frame::uid("key"));
         assert_eq!(w.cause(MS), Cause::Disconnect, "nobody there");
         assert!(w.take(&frame(7, 5, Mode::On, MS)));
         assert_eq!((w.force(MS), w.cause(MS)), ([0.0; DOF], Cause::Disconnect));

@@ -17,14 +17,14 @@ const DEEP: usize = 16;
 const OF_PERIOD: f64 = 100.0;
 
 /// Evaluation of one table.
-pub(super) struct Maker<'m, 'a, 'v> {
+pub(super) struct CurveBuilder<'m, 'a, 'v> {
     pub(super) c: &'m mut Curves<'a, 'v>,
     pub(super) t: &'m [Entry],
     pub(super) at: Span,
     pub(super) what: &'m str,
 }
 
-impl Maker<'_, '_, '_> {
+impl CurveBuilder<'_, '_, '_> {
     fn find(&self, key: &str) -> Option<&Entry> {
         self.t.iter().find(|x| x.key == key)
     }

@@ -15,7 +15,7 @@ const REFERENCE: u32 = 16;
 
 /// Options of the error.
 #[derive(Args, Clone, Default)]
-pub struct Aim {
+pub struct ErrorTarget {
     /// Largest relative RMS error, e.g. 1e-3: measures the model first, like `ca accuracy`, then uses the fastest
     /// proven method and rate within it
     #[arg(long, value_name = "E", value_parser = share, help_heading = "Accuracy")]
@@ -25,7 +25,7 @@ pub struct Aim {
     pub write: Option<PathBuf>,
 }
 
-impl Aim {
+impl ErrorTarget {
     /// Returns the changes of the model that meet the error, as names and values of `--set`; none without `--error`.
     pub fn changes(&self, loaded: &Loaded, rate: Option<f64>, quiet: bool) -> Result<Vec<(String, String)>, Failure> {
         let Some(error) = self.error else { return Ok(Vec::new()) };

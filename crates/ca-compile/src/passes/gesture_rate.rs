@@ -199,7 +199,7 @@ fn reach(net: &Pruned, part: &SlowPart, edge: BTreeSet<u32>, say: &mut Findings)
         }
     }
     let pushed: BTreeSet<u32> = net.pushes.iter().flat_map(|p| net.under(p.end)).collect();
-    let waves: BTreeSet<u32> = net.lines.iter().flat_map(crate::net::lines::LineNode::junctions).collect();
+    let waves: BTreeSet<u32> = net.lines.iter().flat_map(crate::net::waveguides::WaveguideNode::junctions).collect();
     let frame = net.ratio * net.oversample;
     let (mut seen, mut now, mut distance) = (edge.clone(), edge, 1);
     while !now.is_empty() && distance <= frame {

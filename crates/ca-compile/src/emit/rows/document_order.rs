@@ -1,4 +1,4 @@
-//! Written: the order that the numbers of the state would have if no row had been joined or folded.
+//! DocumentOrder: the order that the numbers of the state would have if no row had been joined or folded.
 //!
 //! The hash of a state uses this order, which depends on the document only. Takes store these hashes, while the layout
 //! of the state may change between versions of the compiler.
@@ -11,7 +11,7 @@ use core::ops::Range;
 
 /// Original order of slots and coefficients.
 #[derive(Default)]
-pub struct Written {
+pub struct DocumentOrder {
     /// Links of each batch before any row was joined.
     batches: Vec<Vec<u32>>,
     /// Slots in their order before any row was folded; empty if none was.
@@ -22,10 +22,10 @@ pub struct Written {
     end: usize,
 }
 
-impl Written {
+impl DocumentOrder {
     /// Stores the batches in their present order.
-    pub fn new(batches: &[Batch]) -> Written {
-        Written { batches: batches.iter().map(|b| b.links.clone()).collect(), ..Written::default() }
+    pub fn new(batches: &[Batch]) -> DocumentOrder {
+        DocumentOrder { batches: batches.iter().map(|b| b.links.clone()).collect(), ..DocumentOrder::default() }
     }
 
     /// Records the indices of the coefficients of `n_mat` slots and of `links`.

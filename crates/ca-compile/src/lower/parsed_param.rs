@@ -25,7 +25,7 @@ impl Raw {
 
 /// A `[param]`.
 #[derive(Clone, Debug)]
-pub struct Named {
+pub struct ParsedParam {
     /// Name.
     pub name: String,
     /// Value; `None` if it could not be read, which was reported.
@@ -49,10 +49,10 @@ pub struct Named {
     pub used: Option<(Unit, f64, f64)>,
 }
 
-impl Named {
+impl ParsedParam {
     /// Creates a parameter that exists without a value.
-    pub fn broken(name: &str, span: Span) -> Named {
-        Named {
+    pub fn broken(name: &str, span: Span) -> ParsedParam {
+        ParsedParam {
             name: name.into(),
             value: None,
             live: false,

@@ -31,7 +31,7 @@ pub enum Cause {
 
 /// The steepest point within reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reached {
+pub struct MaxElongation {
     /// Slope against elongation \[N/m\].
     pub k: f64,
     /// Slope against change of elongation \[N per m/tick\].
@@ -43,7 +43,7 @@ pub struct Reached {
 }
 
 /// Returns the steepest point of each link within reach; `None` for links with one slope or an unknown reach.
-pub fn reached(net: &Pruned, mats: &[WorstMat], bounds: &[Bound]) -> Vec<Option<Reached>> {
+pub fn max_elongations(net: &Pruned, mats: &[WorstMat], bounds: &[Bound]) -> Vec<Option<MaxElongation>> {
     let grows = |b: &Bound| b.hardens || b.loose > 0.0 || b.power.0 > 0.0;
     let any = net.lias.iter().zip(bounds).any(|(l, b)| grows(b) && l.law.stage.is_explicit());
     let energy = if any { at_load(net, bounds) } else { None };
@@ -67,7 +67,7 @@ pub fn reached(net: &Pruned, mats: &[WorstMat], bounds: &[Bound]) -> Vec<Option<
         };
         let [k, z] = (l.law.at_load.steepest)(&law.coefs, &net.tables, between);
         let far = if b.contact { law.depth(between) } else { between[1].max(-between[0]) };
-        Some(Reached { k, z, far, cause }).filter(|r| r.k.is_finite() && r.z.is_finite())
+        Some(MaxElongation { k, z, far, cause }).filter(|r| r.k.is_finite() && r.z.is_finite())
     };
     net.lias.iter().zip(bounds).map(one).collect()
 }

@@ -4,7 +4,7 @@ use crate::engine::{Port, coupled};
 use crate::frame::{Cause, DeviceFrame, ForceFrame, Mode, flag};
 use crate::guard::Order;
 use crate::guard::wait::Wait;
-use crate::serve::loops::Loops;
+use crate::serve::loop_latency::LoopLatency;
 use crate::serve::sink::Notice;
 use crate::serve::summary::{DeviceSummary, Fault};
 use crate::stats::Times;
@@ -15,7 +15,7 @@ const REPEAT: f64 = 2.0;
 /// Checks after which a waiting device is reported; a model moves to its device within a second, without a message.
 const LOOKS: u32 = 5;
 
-pub(super) struct Seen {
+pub(super) struct DeviceMonitor {
     pub name: String,
     profile: String,
     pub mode: Mode,
@@ -32,14 +32,14 @@ pub(super) struct Seen {
     reported: u64,
     /// Tick of the disarm or trip that ended its wait.
     ended: Option<u64>,
-    loops: Loops,
+    loops: LoopLatency,
     times: Times,
 }
 
-impl Seen {
+impl DeviceMonitor {
     /// Starts with the device of a port, before any frame.
-    pub fn new(p: &Port) -> Seen {
-        Seen {
+    pub fn new(p: &Port) -> DeviceMonitor {
+        DeviceMonitor {
             name: p.name.clone(),
             profile: p.profile.name.clone(),
             mode: Mode::Off,
@@ -52,7 +52,7 @@ impl Seen {
             looks: 0,
             reported: 0,
             ended: None,
-            loops: Loops::new(),
+            loops: LoopLatency::new(),
             times: Times::new(),
         }
     }

@@ -10,11 +10,11 @@
 //! and D grows by the same factor.
 
 use super::loss::{Loss, STRETCHES};
-use super::normal::{Normal, dot};
+use super::normal_equations::{Normal, dot};
 use super::player::Player;
 use super::search::{EXACT, Point, Rules, Slopes, Stop, descend, free_columns};
+use super::stages::Work;
 use super::verdict::{Known, StopReason};
-use super::work::Work;
 use ca_lab::Failure;
 
 /// Deviation, as a logarithm or in units of the scale, above which a number is not determined.

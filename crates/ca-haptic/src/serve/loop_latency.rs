@@ -11,7 +11,7 @@ const KEPT: usize = 1024;
 /// Longest time that a frame waits in the rings \[ns\].
 const WAITS: u64 = 5_000_000_000;
 
-pub(super) struct Loops {
+pub(super) struct LoopLatency {
     /// Position frames: number, time sent \[ns\], time read here \[ns\].
     sent: Vec<(u64, u64, u64)>,
     /// Force frames: number, and number of the position frame that it answers.
@@ -21,9 +21,9 @@ pub(super) struct Loops {
     last: u64,
 }
 
-impl Loops {
-    pub(super) fn new() -> Loops {
-        Loops { sent: vec![(0, 0, 0); KEPT], answered: vec![(0, 0); KEPT], session: 0, last: 0 }
+impl LoopLatency {
+    pub(super) fn new() -> LoopLatency {
+        LoopLatency { sent: vec![(0, 0, 0); KEPT], answered: vec![(0, 0); KEPT], session: 0, last: 0 }
     }
 
     pub(super) fn force(&mut self, f: &ForceFrame) {
@@ -35,7 +35,7 @@ impl Loops {
     /// Returns the loop latency \[ns\] if this frame is the first that uses a force. `now` \[ns\] is the time here.
     pub(super) fn device(&mut self, f: &DeviceFrame, now: u64) -> Option<u64> {
         if f.session != self.session {
-            *self = Loops { session: f.session, ..Loops::new() };
+            *self = LoopLatency { session: f.session, ..LoopLatency::new() };
         }
         self.sent[f.seq as usize % KEPT] = (f.seq, f.t_host_ns, now);
         if f.ack <= self.last {
@@ -56,7 +56,7 @@ mod tests {
 
     #[test]
     fn a_loop_is_from_the_position_to_the_first_one_after_its_force() {
-        let (mut l, mut d, mut f) = (Loops::new(), DeviceFrame::new("a", 1), ForceFrame::new("a", 1));
+        let (mut l, mut d, mut f) = (LoopLatency::new(), DeviceFrame::new("a", 1), ForceFrame::new("a", 1));
         (d.session, f.ack_session) = (9, 9);
         for n in 1..=5000_u64 {
             // the force that answers frame n is used two frames later
@@ -74,7 +74,7 @@ mod tests {
     #[test]
     fn a_stamp_of_no_clock_makes_no_latency() {
         for (name, wrong) in [("the largest", u64::MAX), ("none", 0), ("another clock", 1_700_000_000_000_000_000)] {
-            let (mut l, mut d, mut f) = (Loops::new(), DeviceFrame::new("a", 1), ForceFrame::new("a", 1));
+            let (mut l, mut d, mut f) = (LoopLatency::new(), DeviceFrame::new("a", 1), ForceFrame::new("a", 1));
             (d.session, f.ack_session) = (9, 9);
             let mut counted = 0;
             for n in 1..=900_u64 {

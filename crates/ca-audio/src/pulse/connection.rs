@@ -28,7 +28,7 @@ const HEARD: [CommandTag; 5] = [
 /// Length of a cookie \[bytes\]; without one, zeros are sent and the socket identifies the user.
 const COOKIE: usize = 256;
 
-pub(super) struct Line {
+pub(super) struct Connection {
     socket: UnixStream,
     version: u16,
     sequence: u32,
@@ -37,7 +37,7 @@ pub(super) struct Line {
     pub(super) owed: usize,
 }
 
-pub(super) enum News {
+pub(super) enum ServerMessage {
     /// Answer to the command of this number; its content begins at this offset in the message.
     Answer(u32, usize),
     /// Reason why a command was refused.
@@ -66,14 +66,14 @@ pub(super) fn wrong(what: impl std::fmt::Display) -> Error {
     Error::new(ErrorKind::InvalidData, format!("{what}"))
 }
 
-impl Line {
+impl Connection {
     /// Connects to the server, with this time limit for each answer.
-    pub(super) fn open(patience: Duration) -> Result<Line> {
+    pub(super) fn open(patience: Duration) -> Result<Connection> {
         let socket = UnixStream::connect(socket().ok_or(ErrorKind::NotFound)?)?;
         socket.set_read_timeout(Some(patience))?;
         socket.set_write_timeout(Some(patience))?;
         let version = protocol::MAX_VERSION;
-        let mut line = Line { socket, version, sequence: 0, message: Vec::with_capacity(1 << 16), owed: 0 };
+        let mut line = Connection { socket, version, sequence: 0, message: Vec::with_capacity(1 << 16), owed: 0 };
         let mut cookie = pulseaudio::cookie_path_from_env().and_then(|p| std::fs::read(p).ok()).unwrap_or_default();
         cookie.resize(COOKIE, 0);
         let auth = AuthParams { version, supports_shm: false, supports_memfd: false, cookie };
@@ -119,8 +119,8 @@ impl Line {
         self.send(&bytes)?;
         loop {
             match self.next()? {
-                News::Answer(n, at) if n == number => return Ok(at),
-                News::Refused(why) => return Err(Error::other(why)),
+                ServerMessage::Answer(n, at) if n == number => return Ok(at),
+                ServerMessage::Refused(why) => return Err(Error::other(why)),
                 _ => {}
             }
         }
@@ -132,8 +132,8 @@ impl Line {
         TagStructReader::new(&mut rest, self.version).read().map_err(wrong)
     }
 
-    /// Waits for the next message. A request is added to [`Line::owed`].
-    pub(super) fn next(&mut self) -> Result<News> {
+    /// Waits for the next message. A request is added to [`Connection::owed`].
+    pub(super) fn next(&mut self) -> Result<ServerMessage> {
         loop {
             let mut head = [0; protocol::DESCRIPTOR_SIZE];
             self.socket.read_exact(&mut head)?;
@@ -150,22 +150,22 @@ impl Line {
             }
             let tag = self.message.get(1..5).and_then(|b| Some(u32::from_be_bytes(b.try_into().ok()?)));
             if !HEARD.iter().any(|h| tag == Some(*h as u32)) {
-                return Ok(News::Other);
+                return Ok(ServerMessage::Other);
             }
             let mut body = Cursor::new(&self.message[..]);
             let news = match Command::read_tag_prefixed(&mut body, self.version).map_err(wrong)? {
-                (number, Command::Reply) => News::Answer(number, body.position() as usize),
+                (number, Command::Reply) => ServerMessage::Answer(number, body.position() as usize),
                 (_, Command::Request(r)) if r.length > LARGEST => {
                     return Err(wrong("it requested too many samples at once"));
                 }
                 (_, Command::Request(r)) => {
                     self.owed = self.owed.saturating_add(r.length as usize);
-                    News::Other
+                    ServerMessage::Other
                 }
-                (_, Command::Error(e)) => News::Refused(format!("{e:?}")),
-                (_, Command::Underflow(_)) => News::Underflow,
-                (_, Command::PlaybackStreamKilled(_)) => News::Killed,
-                _ => News::Other,
+                (_, Command::Error(e)) => ServerMessage::Refused(format!("{e:?}")),
+                (_, Command::Underflow(_)) => ServerMessage::Underflow,
+                (_, Command::PlaybackStreamKilled(_)) => ServerMessage::Killed,
+                _ => ServerMessage::Other,
             };
             return Ok(news);
         }

@@ -8,8 +8,8 @@ use alloc::string::String;
 /// Returns `text` with U+FFFD for each control character except line ends.
 ///
 /// ```
-/// assert_eq!(ca_model::plain::plain("a\x1b]0;x\x07b\nc\r"), "a\u{fffd}]0;x\u{fffd}b\nc\u{fffd}");
+/// assert_eq!(ca_model::printable::printable("a\x1b]0;x\x07b\nc\r"), "a\u{fffd}]0;x\u{fffd}b\nc\u{fffd}");
 /// ```
-pub fn plain(text: &str) -> String {
+pub fn printable(text: &str) -> String {
     text.chars().map(|c| if c.is_control() && c != '\n' { '\u{fffd}' } else { c }).collect()
 }

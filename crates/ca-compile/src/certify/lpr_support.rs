@@ -9,7 +9,7 @@
 //! narrow band for strings and meshes. Parts with a wide envelope are only checked for connection. Negative springs
 //! (bending) count in the compliance but not as a connection.
 
-use crate::certify::blame::span;
+use crate::certify::cause::span;
 use crate::findings::round_down;
 use crate::net::linearisation;
 use crate::net::{End, LiaNode, Measure, Pruned};
@@ -175,13 +175,13 @@ fn factor(s: &Springs, nodes: &[Node], grounded: bool) -> Option<Vec<(usize, Vec
 }
 
 /// Connection between the two ends of a port.
-enum Hold {
+enum Support {
     Nothing,
     /// Compliance \[m/N\]; `None` if it was not computed.
     Gives(Option<f64>),
 }
 
-fn hold(net: &Pruned, s: &Springs, parts: &mut Vec<Part>, ends: [End; 2], axes: [u8; 2]) -> Hold {
+fn support(net: &Pruned, s: &Springs, parts: &mut Vec<Part>, ends: [End; 2], axes: [u8; 2]) -> Support {
     // An end on a string is held if the string is.
     let place =
         |e: End, axis: u8| net.under(e).first().filter(|m| !net.mats[**m as usize].is_fixed()).map(|m| node(*m, axis));
@@ -195,21 +195,21 @@ fn hold(net: &Pruned, s: &Springs, parts: &mut Vec<Part>, ends: [End; 2], axes: 
     let part = at.map(|n| n.map(&mut find));
     if let ([Some(a), Some(b)], [Some(p), Some(q)]) = (at, part) {
         if p == q {
-            return Hold::Gives(parts[p].compliance(&[(a, -1.0), (b, 1.0)]));
+            return Support::Gives(parts[p].compliance(&[(a, -1.0), (b, 1.0)]));
         }
     }
     if part.iter().flatten().any(|p| !parts[*p].grounded) {
-        return Hold::Nothing;
+        return Support::Nothing;
     }
     let gives = at.into_iter().zip(part).map(|(n, p)| match (n, p) {
         (Some(n), Some(p)) => parts[p].compliance(&[(n, 1.0)]),
         _ => Some(0.0),
     });
-    Hold::Gives(gives.sum())
+    Support::Gives(gives.sum())
 }
 
 /// Checks the line ports of each LPR; at most one finding per item.
-pub fn rigid(model: &Model, net: &Pruned, diags: &mut Diags) {
+pub fn lpr_support(model: &Model, net: &Pruned, diags: &mut Diags) {
     if net.lias.iter().all(|l| l.onto.is_none()) {
         return;
     }
@@ -227,10 +227,10 @@ pub fn rigid(model: &Model, net: &Pruned, diags: &mut Diags) {
             let Measure::Line(axes) = measure else { continue };
             let at = span(model, net, l.item);
             let [p, q] = ends.map(|e| net.end_name(e));
-            let d = match hold(net, &springs, &mut parts, ends, axes) {
-                Hold::Nothing => nothing(&l.name, [p, q]).at(at, "no stiffness without a support"),
-                Hold::Gives(Some(soft)) if soft * k > 1.0 => softer(&l.name, [p, q], k, soft).at(at, "softened"),
-                Hold::Gives(_) => {
+            let d = match support(net, &springs, &mut parts, ends, axes) {
+                Support::Nothing => nothing(&l.name, [p, q]).at(at, "no stiffness without a support"),
+                Support::Gives(Some(soft)) if soft * k > 1.0 => softer(&l.name, [p, q], k, soft).at(at, "softened"),
+                Support::Gives(_) => {
                     held = true;
                     break;
                 }

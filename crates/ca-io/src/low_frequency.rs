@@ -10,7 +10,7 @@ const NOTHING: f64 = 1e-20;
 /// Two one-pole low-passes in series, together 3 dB down at [`EDGE`], extract the slow part. Samples arrive block by
 /// block.
 #[derive(Clone, Debug)]
-pub struct Slow {
+pub struct LowFrequencyMeter {
     pole: f64,
     channels: Vec<Channel>,
 }
@@ -23,13 +23,13 @@ struct Channel {
     all: f64,
 }
 
-impl Slow {
+impl LowFrequencyMeter {
     /// Takes the number of channels and the rate \[Hz\].
-    pub fn new(channels: usize, rate: f64) -> Slow {
+    pub fn new(channels: usize, rate: f64) -> LowFrequencyMeter {
         // two poles at w are 3 dB down at w·sqrt(sqrt 2 − 1)
         let corner = EDGE / (2.0_f64.sqrt() - 1.0).sqrt();
         let pole = 1.0 - (-2.0 * std::f64::consts::PI * corner / rate).exp();
-        Slow { pole, channels: vec![Channel::default(); channels] }
+        LowFrequencyMeter { pole, channels: vec![Channel::default(); channels] }
     }
 
     /// Adds whole frames, interleaved.
@@ -63,7 +63,7 @@ mod tests {
         for (name, slow, ask) in
             [("a drift", true, 1.0), ("its border", true, 4.0), ("heard", false, 6.5), ("a tone", false, 220.0)]
         {
-            let mut s = Slow::new(2, rate);
+            let mut s = LowFrequencyMeter::new(2, rate);
             let frames: Vec<f64> = (0..96_000).flat_map(|n| [sine(ask, n), sine(330.0, n)]).collect();
             s.hear(&frames);
             let found: Vec<usize> = s.found().map(|f| f.0).collect();

@@ -4,7 +4,7 @@ use ca_core::internal::tuning::wave::{Tuned, WaveguideSpec};
 
 /// A waveguide.
 #[derive(Clone, Debug)]
-pub struct LineNode {
+pub struct WaveguideNode {
     /// Item it was made from.
     pub item: u32,
     /// First junction, by document number; the others follow.
@@ -15,7 +15,7 @@ pub struct LineNode {
     pub tuned: Option<Tuned>,
 }
 
-impl LineNode {
+impl WaveguideNode {
     /// Returns its junctions, by document number.
     pub fn junctions(&self) -> core::ops::Range<u32> {
         self.first..self.first + self.asked.at.len() as u32

@@ -30,7 +30,7 @@ pub(super) fn lead(buffer: u32, frame: u32, rate: f64) -> u64 {
 }
 
 /// The engine's side. Its methods neither allocate nor lock.
-pub struct Follow {
+pub struct DeviceClock {
     samples: Producer<f32>,
     calls: Consumer<Call>,
     counts: Arc<Counts>,
@@ -57,7 +57,7 @@ pub struct Follow {
     left: i64,
 }
 
-impl Follow {
+impl DeviceClock {
     pub(super) fn new(
         channels: usize,
         frame: u32,
@@ -66,9 +66,9 @@ impl Follow {
         samples: Producer<f32>,
         calls: Consumer<Call>,
         counts: Arc<Counts>,
-    ) -> Follow {
+    ) -> DeviceClock {
         let most = (samples.buffer().capacity() / channels.max(1) / 2) as u64;
-        Follow {
+        DeviceClock {
             samples,
             calls,
             counts,
