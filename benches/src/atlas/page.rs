@@ -1,7 +1,7 @@
 //! Page `docs/measured/atlas.md`: the format of maps and tables, which a test compares with the page.
 
+use super::non_finite::{self, Door};
 use super::orders;
-use super::poison::{self, Door};
 use super::survival::{CASES, Case, METHODS};
 use super::{Field, Map};
 use crate::table::head;
@@ -61,13 +61,17 @@ pub type Try = fn() -> Door;
 
 /// All entry points: name, expected behaviour, and test.
 pub const DOORS: [(&str, &str, Try); 4] = [
-    ("parameters of a model, each number of each kind", "an error that names the value; no scene", poison::parameters),
-    ("ports, each input of each example", "held (positions) or taken as 0 (forces), and counted", poison::ports),
-    ("live parameters, by name and as a patch", "refused, nothing changed", poison::changes),
+    (
+        "parameters of a model, each number of each kind",
+        "an error that names the value; no scene",
+        non_finite::parameters,
+    ),
+    ("ports, each input of each example", "held (positions) or taken as 0 (forces), and counted", non_finite::ports),
+    ("live parameters, by name and as a patch", "refused, nothing changed", non_finite::changes),
     (
         "frames of a device, with forces on",
         "no force and no sound that is not finite; where positions stay bad, no force",
-        poison::frames,
+        non_finite::frames,
     ),
 ];
 

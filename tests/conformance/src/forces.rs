@@ -1,7 +1,7 @@
 //! Forces of every law: action and reaction, bounds, passivity, and energies.
 
-use crate::drawn::{Loaded, built, laws, only_resists, pair, ways};
 use crate::play::{Random, mat};
+use crate::random_parameters::{Loaded, built, laws, only_resists, pair, ways};
 use ca_compile::Options;
 use ca_core::tick;
 use ca_model::{Entry, Value};

@@ -1,7 +1,7 @@
 //! Every form of a law, batch, run or single link, gives the same result.
 
-use crate::drawn::{MASSES, built, row, ways};
 use crate::play::{Random, mat, reference};
+use crate::random_parameters::{MASSES, built, row, ways};
 use ca_compile::Options;
 use ca_core::tick;
 

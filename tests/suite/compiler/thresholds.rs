@@ -2,7 +2,7 @@
 //! thousandth above it the finding is there. A limit that moves in either direction is detected.
 
 use ca_compile::{Options, compile};
-use ca_conformance::drawn::catalog;
+use ca_conformance::random_parameters::catalog;
 use ca_core::{Kind, Role, Type, Unit};
 use ca_model::diag::Diags;
 use ca_model::{Entry, Value, read};

@@ -1,7 +1,7 @@
 //! Bars: modes of struck bars, and their decay.
 
 use super::closed_forms::eigenvalues;
-use super::heard::{blows, by_hand, load, perform, play, scene};
+use super::rendering::{blows, by_hand, load, perform, play, scene};
 use crate::acoustics::{centroid, cents, damping, mode, partial, peak, rms, t60};
 
 pub fn iron_bar() {

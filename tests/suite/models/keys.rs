@@ -1,7 +1,7 @@
 //! Piano keys: forces at the finger, repetition, and the wires they play.
 
-use super::heard::{blows, by_hand, play};
 use super::piano::{BED, Finger, UP, felt, one_key};
+use super::rendering::{blows, by_hand, play};
 use crate::acoustics::{centroid, cents, db, partial, peak, rms};
 
 /// Frequency [Hz] in equal temperament, `steps` from C4.

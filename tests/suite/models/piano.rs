@@ -3,7 +3,7 @@
 //! The page is measured with a finger that follows a list of positions, through the engine and the guard of a TGR:
 //! force at the key, sound, and energy flow. `UPDATE=1 cargo test $ALL --test suite -- hammer_piano` rewrites it.
 
-use super::heard::{Heard, blows, by_hand, load, play};
+use super::rendering::{Rendering, blows, by_hand, load, play};
 use crate::acoustics::{centroid, cents, db, partial, peak, rms, t60};
 use ca_compile::{Options, compile};
 use ca_core::Scene;
@@ -29,7 +29,7 @@ pub fn press(speed: f64, to: f64) -> Vec<(f64, f64)> {
 }
 
 /// Plays one key of a model alone, pressed at `speed` and held until `to`.
-pub fn one_key(model: &Model, key: &str, probes: &[&str], speed: f64, to: f64, seconds: f64) -> Heard {
+pub fn one_key(model: &Model, key: &str, probes: &[&str], speed: f64, to: f64, seconds: f64) -> Rendering {
     by_hand(model, probes, &[(key, &press(speed, to))], seconds)
 }
 

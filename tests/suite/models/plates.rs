@@ -1,7 +1,7 @@
 //! Membranes, plates and gongs: modes of meshes, and the effect of hardening springs.
 
 use super::closed_forms::sin2;
-use super::heard::{Heard, blows, by_hand, play, scene};
+use super::rendering::{Rendering, blows, by_hand, play, scene};
 use crate::acoustics::{centroid, cents, damping, db, density, mode, partial, peak, rms, stiffness, t60};
 use ca_tests::long_form::long_form;
 
@@ -64,7 +64,7 @@ pub fn plate() {
     assert!(strokes[0] < strokes[1] && strokes[1] < strokes[2], "{strokes:?}");
 }
 
-fn both(h: &Heard) -> Vec<f64> {
+fn both(h: &Rendering) -> Vec<f64> {
     h.sound[0].iter().zip(&h.sound[1]).map(|(a, b)| a + b).collect()
 }
 

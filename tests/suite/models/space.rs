@@ -1,8 +1,8 @@
 //! Instruments in space: the rattle in two manipulations, maracas, wind chimes, and a dropped jack.
 
 use super::closed_forms::eigenvalues;
-use super::heard::{Heard, blows, by_hand, load, perform, play, scene};
 use super::plates::share;
+use super::rendering::{Rendering, blows, by_hand, load, perform, play, scene};
 use crate::acoustics::{cents, db, mode, partial, peak, rms};
 use ca_core::{Location, Scene};
 use ca_io::gesture::{Gesture, Track};
@@ -10,22 +10,22 @@ use ca_model::Model;
 
 /// Absolute positions [m] of the modules `names` over time, from probes of the same names in the same order.
 struct Motion<'a> {
-    heard: &'a Heard,
+    rendering: &'a Rendering,
     rest: Vec<[f64; 3]>,
 }
 
 impl<'a> Motion<'a> {
-    fn new(heard: &'a Heard, scene: &Scene, names: &[String]) -> Motion<'a> {
+    fn new(rendering: &'a Rendering, scene: &Scene, names: &[String]) -> Motion<'a> {
         let rest = names.iter().map(|n| {
             let symbol = scene.symbols.iter().find(|s| s.name == *n).unwrap_or_else(|| panic!("no `{n}`"));
             let Location::Mat(at) = symbol.location else { panic!("`{n}` is a link") };
             [0, 1, 2].map(|k| scene.places.rest[at as usize + k])
         });
-        Motion { rest: rest.collect(), heard }
+        Motion { rest: rest.collect(), rendering }
     }
 
     fn at(&self, i: usize, n: usize) -> [f64; 3] {
-        [0, 1, 2].map(|k| self.rest[i][k] + self.heard.probe[3 * i + k][n])
+        [0, 1, 2].map(|k| self.rest[i][k] + self.rendering.probe[3 * i + k][n])
     }
 
     fn apart(&self, i: usize, j: usize, n: usize) -> f64 {
@@ -34,11 +34,11 @@ impl<'a> Motion<'a> {
     }
 
     fn ticks(&self) -> usize {
-        self.heard.probe[0].len()
+        self.rendering.probe[0].len()
     }
 }
 
-fn played(name: &str) -> Heard {
+fn played(name: &str) -> Rendering {
     let corners = ["low", "mid", "high"].iter().flat_map(|p| (0..4).map(move |i| format!("toy.{p}[{i}]")));
     let names: Vec<String> = std::iter::once("toy.ball".to_string()).chain(corners).collect();
     let mut probes: Vec<&str> = names.iter().map(String::as_str).collect();

@@ -1,7 +1,7 @@
 //! Struck, plucked, touched and stopped strings: partials, decay, and the effects of playing.
 
 use super::closed_forms::sin2;
-use super::heard::{Heard, blows, by_hand, perform, play, scene};
+use super::rendering::{Rendering, blows, by_hand, perform, play, scene};
 use crate::acoustics::{centroid, cents, damping, db, mode, partial, peak, period, rms, stiffness, t60};
 use crate::play::PI;
 
@@ -218,10 +218,10 @@ pub fn prepared_string() {
     assert_eq!(peak(&loud.probe[0]), 0.0);
     let colour = [&soft, &loud].map(|g| centroid(g.at(0, 0.1, 0.6), h.rate));
     assert!(colour[1] > 1.2 * colour[0], "{colour:.0?} Hz");
-    let fall = |g: &Heard| db(rms(g.at(0, 0.2, 0.3)) / rms(g.at(0, 0.8, 0.9)));
+    let fall = |g: &Rendering| db(rms(g.at(0, 0.2, 0.3)) / rms(g.at(0, 0.8, 0.9)));
     let (with, without) = (fall(&stroke("1.5 g", 0.007, 8e-3)), fall(&loud));
     assert!(with > without + 10.0, "{with:.1} dB with the rubber, {without:.1} dB without");
-    let spread = |g: &Heard| {
+    let spread = |g: &Rendering| {
         let tones = (1..=8).map(|j| h.string("low", j).0);
         tones.map(|f| cents(partial(g.at(0, 0.4, 1.9), h.rate, f, 0.06 * f).0, f).abs()).fold(0.0, f64::max)
     };

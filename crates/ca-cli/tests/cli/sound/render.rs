@@ -1,7 +1,7 @@
 //! Tests `ca render`.
 
 use crate::sandbox::{BAR, KEY, STRUCK, Sandbox, peak};
-use crate::sound::degraded::UNSTABLE;
+use crate::sound::divergence_and_clipping::UNSTABLE;
 use std::fs;
 
 #[test]

@@ -1,10 +1,10 @@
 //! Tests faulty models and devices through shared memory. A watcher checks every force on the line.
 
-use crate::fuzz::Fuzz;
-use crate::liar::Liar;
+use crate::faulty_device::FaultyDevice;
+use crate::force_watcher::{ForceWatcher, key};
 use crate::long_form::long_form;
+use crate::random_device::RandomDevice;
 use crate::sandbox::{KEY, Sandbox, until};
-use crate::watch::{Watch, key};
 use ca_haptic::frame::{Cause, Mode};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -24,7 +24,7 @@ fn h9_a_throw_brakes_and_ends() {
         writeln!(throws, "{t},{a}\n{},{b}", t + 0.02).unwrap();
     }
     sandbox.put("throw.csv", &throws);
-    let watch = Watch::of(&sandbox.site, "key");
+    let watch = ForceWatcher::of(&sandbox.site, "key");
     let server = sandbox.serve("weak.ca.toml", &["--json"]);
     let _device = sandbox.key(&["--script", "file", "--gesture", "throw.csv"]);
     sandbox.armed("it trips", |mode, cause| mode == "fault" && cause == "VELOCITY");
@@ -58,10 +58,10 @@ cliff = { between = ["wall", "key"], spring = [[-1, -1.4e308], [-0.13, 0], [0.13
     // without a coupling, which this cliff would need
     let long = crate::sandbox::PROFILE.replace("0.01", "0.5") + "coupling = false\n";
     sandbox.put("wild.ca.toml", wild).put("c/profiles/key.toml", &long);
-    let watch = Watch::of(&sandbox.site, "key");
+    let watch = ForceWatcher::of(&sandbox.site, "key");
     let _server = sandbox.serve("wild.ca.toml", &["--quiet"]);
     // three seconds at rest, then out to 30 cm and back at 0.3 m/s, repeated
-    let _device = Liar::moving(&sandbox.site, "key", |n, f| {
+    let _device = FaultyDevice::moving(&sandbox.site, "key", |n, f| {
         let t = (n % 18_000) as f64 / 3000.0;
         f.pos[0] = (0.3 * (t - 3.0)).min(0.3 * (6.0 - t)).clamp(0.0, 0.3);
     });
@@ -80,7 +80,7 @@ fn h15_h16_a_model_that_explodes_leaves_hand_and_ear() {
     let sandbox = Sandbox::new();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/models/exploding_resonator.ca.toml");
     sandbox.put("bang.ca.toml", &std::fs::read_to_string(root).unwrap());
-    let watch = Watch::of(&sandbox.site, "key");
+    let watch = ForceWatcher::of(&sandbox.site, "key");
     let _device = sandbox.key(&["--script", "hold"]);
     let server = sandbox.serve("bang.ca.toml", &["--json", "-o", "bang.wav"]);
     // on a stalled machine, it diverged before forces were on; arming loads it again
@@ -106,9 +106,9 @@ fn h10_no_frame_of_a_device_moves_a_force_beyond_its_limits() {
     let all: u64 = if long_form("nine of ten frames") { 1_000_000 } else { 100_000 };
     let sandbox = Sandbox::new();
     sandbox.put("key.ca.toml", &KEY.replace("k = 500", "k = 20000").replace("0.9 mm", "0 mm"));
-    let watch = Watch::of(&sandbox.site, "key");
+    let watch = ForceWatcher::of(&sandbox.site, "key");
     let server = sandbox.serve("key.ca.toml", &["--json"]);
-    let mut device = Fuzz::of(&sandbox.site, "key", all);
+    let mut device = RandomDevice::of(&sandbox.site, "key", all);
     let end = std::time::Instant::now() + Duration::from_secs(600);
     while device.sent() < all {
         assert!(std::time::Instant::now() < end && device.is_running(), "{} frames were sent", device.sent());
@@ -140,10 +140,10 @@ fn h10_no_frame_of_a_device_moves_a_force_beyond_its_limits() {
 #[test]
 fn h8_another_session_is_another_device() {
     let sandbox = Sandbox::new();
-    let watch = Watch::of(&sandbox.site, "key");
+    let watch = ForceWatcher::of(&sandbox.site, "key");
     let _server = sandbox.serve("key.ca.toml", &["--quiet"]);
     // the device is replaced every two seconds within a frame
-    let device = Liar::moving(&sandbox.site, "key", |n, f| {
+    let device = FaultyDevice::moving(&sandbox.site, "key", |n, f| {
         if n % 6000 == 0 {
             (f.session, f.seq) = (f.session + 1, 1);
         }
@@ -164,7 +164,7 @@ fn h10_forces_end_with_the_reason_that_is_true() {
     for (name, cause, wrong) in cases {
         let _server = sandbox.serve("key.ca.toml", &["--quiet"]);
         // wrong for half a second in every four
-        let _device = Liar::moving(&sandbox.site, "key", move |n, f| {
+        let _device = FaultyDevice::moving(&sandbox.site, "key", move |n, f| {
             if n % 12_000 >= 10_500 {
                 wrong(n, f);
             }
@@ -185,7 +185,7 @@ fn what_is_wrong_with_frames_is_said_and_no_version_blamed() {
     ];
     for (want, wrong) in cases {
         let server = sandbox.serve("key.ca.toml", &[]);
-        let _device = Liar::moving(&sandbox.site, "key", move |_, f| wrong(f));
+        let _device = FaultyDevice::moving(&sandbox.site, "key", move |_, f| wrong(f));
         until(want, || server.stderr().contains(want));
         let said = server.stderr();
         assert_eq!(said.contains("of version 9"), want == "of version 9", "{said}");

@@ -2,9 +2,9 @@
 //! shared memory. Positions are functions of the frame number, so the `ack` of a force gives its expected value in
 //! closed form.
 
-use crate::liar::Liar;
+use crate::faulty_device::FaultyDevice;
+use crate::force_watcher::{ForceWatcher, Seen};
 use crate::sandbox::{PROFILE, Sandbox, until};
-use crate::watch::{Seen, Watch};
 use ca_haptic::frame::{Cause, DeviceFrame, Mode, flag, status};
 use ca_haptic::profile::Profile;
 use std::sync::Arc;
@@ -35,9 +35,9 @@ fn with(seen: &Seen, bit: u32) -> Vec<(u64, f64)> {
 #[test]
 fn h4_motors_stay_within_their_rating() {
     let (sandbox, p) = sandbox(&spring("1 m", 20.0), "continuous = 3.0", "");
-    let watch = Watch::of(&sandbox.site, "key");
+    let watch = ForceWatcher::of(&sandbox.site, "key");
     let _server = sandbox.serve("key.ca.toml", &["--quiet"]);
-    let _device = Liar::moving(&sandbox.site, "key", |_, _| {});
+    let _device = FaultyDevice::moving(&sandbox.site, "key", |_, _| {});
     let count = watch.count();
     until("four seconds of it", || {
         // time at rest is harmless if forces went off meanwhile
@@ -65,10 +65,10 @@ fn h4_motors_stay_within_their_rating() {
 #[test]
 fn h11_the_edge_of_the_travel_is_soft() {
     let (sandbox, p) = sandbox(&spring("0 m", 20.0), "", "passivity = false\ncoupling = false\n");
-    let watch = Watch::of(&sandbox.site, "key");
+    let watch = ForceWatcher::of(&sandbox.site, "key");
     let _server = sandbox.serve("key.ca.toml", &["--quiet"]);
     let place = |n: u64| 0.0099 * (std::f64::consts::TAU * 0.2 * n as f64 / 3000.0).sin();
-    let _device = Liar::moving(&sandbox.site, "key", move |n, f| f.pos[0] = place(n));
+    let _device = FaultyDevice::moving(&sandbox.site, "key", move |n, f| f.pos[0] = place(n));
     until("both edges are felt", || {
         sandbox.on();
         let edges = with(&watch.so_far(), flag::EDGE);
@@ -88,12 +88,12 @@ fn h11_the_edge_of_the_travel_is_soft() {
 #[test]
 fn h13_an_oscillation_is_weakened() {
     let (sandbox, p) = sandbox(&spring("0 m", 9000.0), "", "passivity = false\ncoupling = false\n");
-    let watch = Watch::of(&sandbox.site, "key");
+    let watch = ForceWatcher::of(&sandbox.site, "key");
     let _server = sandbox.serve("key.ca.toml", &["--quiet"]);
     // one second at rest, then half a second at 60 Hz: 0.38 m/s, and 5 N with 5 kN/m
     let burst = |n: u64| (n % 4500).checked_sub(3000);
     let place = move |n: u64| burst(n).map_or(0.0, |b| 1e-3 * (std::f64::consts::TAU * b as f64 / 50.0).sin());
-    let _device = Liar::moving(&sandbox.site, "key", move |n, f| f.pos[0] = place(n));
+    let _device = FaultyDevice::moving(&sandbox.site, "key", move |n, f| f.pos[0] = place(n));
     sandbox.on();
     sandbox.ca(&["set", "k=5 kN/m"]).is(0);
     // the end of a burst, long after its detection
@@ -128,12 +128,12 @@ fn h14_what_a_device_says_of_itself_ends_forces_with_its_cause() {
         (|f| f.cause = Cause::Velocity as u16, Cause::Velocity),
     ];
     let sandbox = Sandbox::new();
-    let watch = Watch::of(&sandbox.site, "key");
+    let watch = ForceWatcher::of(&sandbox.site, "key");
     let _server = sandbox.serve("key.ca.toml", &["--quiet"]);
     let says = Arc::new(AtomicUsize::new(SAID.len()));
     let what = says.clone();
     let good = DeviceFrame::new("key", 1);
-    let _device = Liar::moving(&sandbox.site, "key", move |_, f| {
+    let _device = FaultyDevice::moving(&sandbox.site, "key", move |_, f| {
         (f.status, f.cause) = (good.status, good.cause);
         if let Some((say, _)) = SAID.get(what.load(Relaxed)) {
             say(f);
@@ -154,7 +154,7 @@ fn h14_what_a_device_says_of_itself_ends_forces_with_its_cause() {
         let (mode, now, _) = sandbox.state();
         assert_eq!((mode.as_str(), now.as_str()), ("fault", cause.name()));
     }
-    let seen = watch.end(&crate::watch::key());
+    let seen = watch.end(&crate::force_watcher::key());
     for (_, cause) in SAID {
         assert!(seen.faults().contains(&cause), "{cause:?}: {:?}", seen.faults());
     }

@@ -1,10 +1,10 @@
 //! Plays for a minute with both cores busy (long form only). Every frame must be accounted for, and no memory may leak.
 //! `tests/alloc` checks that the engine thread allocates nothing, and the bench `latency` measures delays.
 
+use crate::force_watcher::{ForceWatcher, Seen, key};
+use crate::helper_process;
 use crate::long_form::long_form;
-use crate::role;
 use crate::sandbox::{Sandbox, until};
-use crate::watch::{Seen, Watch, key};
 use serde_json::Value;
 use std::fs;
 use std::time::{Duration, Instant};
@@ -25,9 +25,9 @@ struct Played {
 
 fn played(seconds: u64, load: bool) -> Played {
     let sandbox = Sandbox::new();
-    let watch = Watch::of(&sandbox.site, "key");
+    let watch = ForceWatcher::of(&sandbox.site, "key");
     let server = sandbox.serve("key.ca.toml", &["--json"]);
-    let load = load.then(|| role::load(&sandbox.site));
+    let load = load.then(|| helper_process::load(&sandbox.site));
     let mut device = sandbox.key(&["--script", "shake", "--seconds", &seconds.to_string(), "--json"]);
     sandbox.arm();
     // device frames are the clock of this test; a stalled device has fewer

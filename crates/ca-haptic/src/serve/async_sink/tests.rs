@@ -97,19 +97,19 @@ fn a_loss_is_reported_while_it_lasts_and_that_it_is_over() {
 }
 
 /// Ticks of sounds, number of records, messages.
-type Heard = (Vec<u64>, u64, Vec<String>);
+type Received = (Vec<u64>, u64, Vec<String>);
 
 /// A sink that stores everything from the recorder.
 #[derive(Clone, Default)]
-struct Ear(Arc<Mutex<Heard>>);
+struct RecordingSink(Arc<Mutex<Received>>);
 
-impl Ear {
-    fn heard(&self) -> Heard {
+impl RecordingSink {
+    fn received(&self) -> Received {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }
 
-impl Sink for Ear {
+impl Sink for RecordingSink {
     fn record(&mut self, _: &Record) -> Result<(), FileError> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).1 += 1;
         Ok(())
@@ -125,7 +125,7 @@ impl Sink for Ear {
 }
 
 struct Played {
-    ear: Ear,
+    sink: RecordingSink,
     /// Failures known to the recorder before the disk continued, and after.
     broken: [usize; 2],
     disk: Result<Option<Disk>, FileError>,
@@ -143,8 +143,8 @@ fn play(limits: BufferLimits, blocks: usize, frames: u64, hold: bool) -> Played 
     let shared = Arc::new(crate::serve::Shared::default());
     let (line, aside, still) = disk(limits, blocks);
     let held = hold.then(|| still.lock().unwrap_or_else(PoisonError::into_inner));
-    let ear = Ear::default();
-    let sinks: Vec<Box<dyn Sink>> = vec![Box::new(line), Box::new(ear.clone())];
+    let sink = RecordingSink::default();
+    let sinks: Vec<Box<dyn Sink>> = vec![Box::new(line), Box::new(sink.clone())];
     let mut recorder = Recorder::new(recorder_ends, shared.clone(), scene, &engine.ports, sinks);
     let mut live = Live::new(engine, ends, shared, Clock::Device { patience: 0 }, RecordIntervals::default());
     for n in 0..frames {
@@ -159,7 +159,7 @@ fn play(limits: BufferLimits, blocks: usize, frames: u64, hold: bool) -> Played 
     recorder.poll();
     let before = recorder.broken().len();
     // reports while the disk was blocked
-    let ear = Ear(Arc::new(Mutex::new(ear.heard())));
+    let sink = RecordingSink(Arc::new(Mutex::new(sink.received())));
     drop(held);
     if blocks < 100 && hold {
         // the recorder detects the failure when it hands over the next message
@@ -171,7 +171,7 @@ fn play(limits: BufferLimits, blocks: usize, frames: u64, hold: bool) -> Played 
     recorder.poll();
     let summary = recorder.summary(&engine, vec![]);
     let lost = [[summary.lost_records, summary.lost_sound, summary.lost_views], aside.lost()];
-    Played { ear, broken: [before, recorder.broken().len()], disk: aside.end(), lost }
+    Played { sink, broken: [before, recorder.broken().len()], disk: aside.end(), lost }
 }
 
 /// A slow sink that sets a flag when it is dropped.
@@ -206,13 +206,13 @@ fn a_disk_that_stands_still_for_a_while_loses_nothing() {
     let ticks = p.disk.expect("no failure").expect("a disk").ticks;
     assert_eq!((p.broken, p.lost, ticks.len()), ([0, 0], [[0; 3]; 2], 5001));
     assert!(ticks.windows(2).all(|w| w[0] < w[1]));
-    assert!(p.ear.heard().2.iter().all(|t| !t.contains("lost so far")), "{:?}", p.ear.heard().2);
+    assert!(p.sink.received().2.iter().all(|t| !t.contains("lost so far")), "{:?}", p.sink.received().2);
 }
 
 #[test]
 fn a_disk_that_stands_still_for_long_loses_what_is_counted_and_no_other_file_does() {
     let p = play(limits(1.0), usize::MAX, 9000, true);
-    let (ticks, records, reported) = p.ear.heard();
+    let (ticks, records, reported) = p.sink.received();
     // the other sink does not wait for the disk: it has a force and a sound per frame, two orders and a wait
     assert_eq!((ticks.len(), records), (9001, 9001 + 3));
     // a frame has the tick of its force, which is at its end

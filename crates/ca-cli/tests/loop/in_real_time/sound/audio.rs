@@ -2,8 +2,8 @@
 //! JACK selects the server by an environment variable. The received samples equal the written file to the bit, unless a
 //! loss was counted.
 
+use crate::helper_process::{HelperProcess, Job};
 use crate::long_form::long_form;
-use crate::role::{Job, Role};
 use crate::sandbox::{Proc, Sandbox, until};
 use crate::skipped::skipped;
 use ca_haptic::host::control::Request;
@@ -59,8 +59,8 @@ impl Jack {
     }
 
     /// Starts a process that writes the received sound to a file.
-    fn listener(&self, sandbox: &Sandbox) -> Role {
-        Role::start(&sandbox.site, "in_real_time::sound::audio::ears", &self.name, 0)
+    fn listener(&self, sandbox: &Sandbox) -> HelperProcess {
+        HelperProcess::start(&sandbox.site, "in_real_time::sound::audio::ears", &self.name, 0)
     }
 }
 
@@ -197,7 +197,7 @@ fn a_voice_plays_in_an_audio_host() {
     let sandbox = Sandbox::new();
     let Some(jack) = Jack::start(&sandbox, 256) else { return };
     let listener = jack.listener(&sandbox);
-    let voice = Role::start(&sandbox.site, "in_real_time::sound::audio::voice", &jack.name, 0);
+    let voice = HelperProcess::start(&sandbox.site, "in_real_time::sound::audio::voice", &jack.name, 0);
     std::thread::sleep(Duration::from_secs(4));
     let heard = samples(&listener.end());
     voice.end();
@@ -296,7 +296,7 @@ fn midi_comes_by_jack() {
     let sandbox = Sandbox::new();
     sandbox.put("string.ca.toml", STRING);
     let Some(jack) = Jack::start(&sandbox, 256) else { return };
-    let hands = Role::start(&sandbox.site, "in_real_time::sound::audio::hands", &jack.name, 0);
+    let hands = HelperProcess::start(&sandbox.site, "in_real_time::sound::audio::hands", &jack.name, 0);
     let args = ["serve", "string.ca.toml", "--audio", "jack", "--seconds", "3", "-o", "string.wav", "--json"];
     let played = jack.ca(&sandbox, &[&args[..], &["--log", "string.mcap"]].concat()).end();
     drop(hands.end());

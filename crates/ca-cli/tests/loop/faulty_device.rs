@@ -1,6 +1,6 @@
 //! A device written without the client of this project, with at most one fault.
 
-use super::raw::Place;
+use super::iceoryx_client::RawSite;
 use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode};
 use ca_haptic::host::Site;
 use ca_haptic::host::force_watchdog::ForceWatchdog;
@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::JoinHandle;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Lie {
+pub enum DeviceFault {
     None,
     /// All its frames have the same number.
     Numbers,
@@ -46,7 +46,7 @@ pub enum Lie {
 const PERIOD: u64 = 333_333;
 
 /// A device in a thread, stopped on drop.
-pub struct Liar {
+pub struct FaultyDevice {
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
@@ -62,22 +62,26 @@ pub fn about(name: &str, rate: u32) -> About {
     }
 }
 
-impl Liar {
+impl FaultyDevice {
     /// Starts a device `name` at 1000 frames per second.
-    pub fn new(site: &Site, name: &str, lie: Lie) -> Liar {
-        Liar::with(site, name, move |place, name, stop| play(place, name, lie, stop))
+    pub fn new(site: &Site, name: &str, fault: DeviceFault) -> FaultyDevice {
+        FaultyDevice::with(site, name, move |place, name, stop| play(place, name, fault, stop))
     }
 
-    fn with(site: &Site, name: &str, play: impl FnOnce(&Place, &str, &AtomicBool) + Send + 'static) -> Liar {
+    fn with(site: &Site, name: &str, play: impl FnOnce(&RawSite, &str, &AtomicBool) + Send + 'static) -> FaultyDevice {
         let stop = Arc::new(AtomicBool::new(false));
         let (end, site, name) = (stop.clone(), site.clone(), name.to_owned());
-        let thread = std::thread::spawn(move || play(&Place::new(&site), &name, &end));
-        Liar { stop, thread: Some(thread) }
+        let thread = std::thread::spawn(move || play(&RawSite::new(&site), &name, &end));
+        FaultyDevice { stop, thread: Some(thread) }
     }
 
     /// Starts a sensor at 3000 frames per second that applies no force. `frame` fills each frame, numbered from 1.
-    pub fn moving(site: &Site, name: &str, mut frame: impl FnMut(u64, &mut DeviceFrame) + Send + 'static) -> Liar {
-        Liar::with(site, name, move |place, name, stop| {
+    pub fn moving(
+        site: &Site,
+        name: &str,
+        mut frame: impl FnMut(u64, &mut DeviceFrame) + Send + 'static,
+    ) -> FaultyDevice {
+        FaultyDevice::with(site, name, move |place, name, stop| {
             let line = place.writer::<DeviceFrame>(name, "in", 0);
             let mut f = DeviceFrame::new(name, 1);
             (f.session, f.period_ns) = (1, PERIOD as u32);
@@ -95,7 +99,7 @@ impl Liar {
     }
 }
 
-impl Drop for Liar {
+impl Drop for FaultyDevice {
     fn drop(&mut self) {
         self.stop.store(true, Relaxed);
         if let Some(thread) = self.thread.take() {
@@ -106,18 +110,18 @@ impl Drop for Liar {
     }
 }
 
-fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool) {
+fn play(place: &RawSite, name: &str, fault: DeviceFault, stop: &AtomicBool) {
     // like a device process, if permitted
     ask(RtRequest { priority: Some(70), ..RtRequest::default() });
     let frames = place.writer::<DeviceFrame>(name, "in", 0);
     let forces = place.reader::<ForceFrame>(name, "out");
     let says = place.writer::<About>(name, "about", 1);
     let who = about(name, 1000);
-    let period = if lie == Lie::Rate { 2_000_000 } else { 1_000_000 };
+    let period = if fault == DeviceFault::Rate { 2_000_000 } else { 1_000_000 };
     let mut watchdog = ForceWatchdog::new(who.device);
     let mut held = ForceFrame::new(name, 1);
     let (mut due, mut frame) = (now_ns(), DeviceFrame::new(name, 1));
-    frame.session = if lie == Lie::Session { 78 } else { 77 };
+    frame.session = if fault == DeviceFault::Session { 78 } else { 77 };
     let mut first = None;
     for n in 1.. {
         if stop.load(Relaxed) {
@@ -128,9 +132,9 @@ fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool) {
         }
         while let Some(f) = forces.receive().unwrap() {
             let f = *f;
-            match lie {
-                Lie::Restart if f.has_this_layout() && *first.get_or_insert(f.session) != f.session => {}
-                Lie::Layout => {
+            match fault {
+                DeviceFault::Restart if f.has_this_layout() && *first.get_or_insert(f.session) != f.session => {}
+                DeviceFault::Layout => {
                     held = f;
                     let _ = watchdog.take(&f);
                 }
@@ -142,11 +146,12 @@ fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool) {
             }
         }
         let now = now_ns();
-        let cause = match lie {
-            Lie::NoForce => Cause::Disarmed,
-            Lie::Watchdog | Lie::Unrested if watchdog.last().is_some() => {
+        let cause = match fault {
+            DeviceFault::NoForce => Cause::Disarmed,
+            DeviceFault::Watchdog | DeviceFault::Unrested if watchdog.last().is_some() => {
                 let on = !matches!(Mode::read(held.mode), Mode::Off | Mode::Fault);
-                let fresh = lie == Lie::Watchdog || now.saturating_sub(held.t_host_ns) < u64::from(held.ttl_us) * 1000;
+                let fresh = fault == DeviceFault::Watchdog
+                    || now.saturating_sub(held.t_host_ns) < u64::from(held.ttl_us) * 1000;
                 match watchdog.cause(now) {
                     _ if on && fresh => Cause::None,
                     Cause::None => Cause::Disarmed,
@@ -155,7 +160,7 @@ fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool) {
             }
             _ => watchdog.cause(now),
         };
-        if lie == Lie::GoesOn
+        if fault == DeviceFault::GoesOn
             && cause == Cause::WatchdogOut
             && watchdog.last().is_some_and(|f| f.mode == Mode::On as u32)
         {
@@ -163,17 +168,19 @@ fn play(place: &Place, name: &str, lie: Lie, stop: &AtomicBool) {
             continue;
         }
         frame.force_measured[0] = if cause == Cause::None { held.force[0] } else { 0.0 };
-        if lie == Lie::Measured {
+        if fault == DeviceFault::Measured {
             frame.force_measured[0] *= 2.0;
         }
         frame.cause = if watchdog.last().is_none() { Cause::Disarmed } else { cause } as u16;
-        frame.seq = if lie == Lie::Numbers { 1 } else { n };
-        frame.ack = if lie == Lie::Ack { 0 } else { held.seq };
-        match lie {
-            Lie::Positions => frame.pos[0] = 0.02,
+        frame.seq = if fault == DeviceFault::Numbers { 1 } else { n };
+        frame.ack = if fault == DeviceFault::Ack { 0 } else { held.seq };
+        match fault {
+            DeviceFault::Positions => frame.pos[0] = 0.02,
             // a damped finger pushed in the wrong direction
-            Lie::Sign => frame.pos[0] = (frame.pos[0] - 2e-4 * f64::from(frame.force_measured[0])).clamp(-0.01, 0.01),
-            Lie::Moves => frame.pos[0] = 0.0095 * (std::f64::consts::TAU * n as f64 / 400.0).sin(),
+            DeviceFault::Sign => {
+                frame.pos[0] = (frame.pos[0] - 2e-4 * f64::from(frame.force_measured[0])).clamp(-0.01, 0.01)
+            }
+            DeviceFault::Moves => frame.pos[0] = 0.0095 * (std::f64::consts::TAU * n as f64 / 400.0).sin(),
             _ => {}
         }
         (frame.t_device_ns, frame.t_host_ns, frame.period_ns) = (n * period, now, period as u32);

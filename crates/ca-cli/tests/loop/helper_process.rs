@@ -18,15 +18,15 @@ const DEVICE: &str = "CA_LOOP_DEVICE";
 const MORE: &str = "CA_LOOP_MORE";
 
 /// A running helper, killed on drop.
-pub struct Role {
+pub struct HelperProcess {
     child: Child,
     record: PathBuf,
     _dir: tempfile::TempDir,
 }
 
-impl Role {
+impl HelperProcess {
     /// Starts the test `name` as a helper at `site` and waits until it is ready.
-    pub fn start(site: &Site, name: &str, device: &str, more: u64) -> Role {
+    pub fn start(site: &Site, name: &str, device: &str, more: u64) -> HelperProcess {
         let dir = tempfile::tempdir().unwrap();
         let record = dir.path().join("record");
         let child = Command::new(std::env::current_exe().unwrap())
@@ -39,7 +39,7 @@ impl Role {
             .stdout(Stdio::null())
             .spawn()
             .unwrap();
-        let mut role = Role { child, record, _dir: dir };
+        let mut role = HelperProcess { child, record, _dir: dir };
         super::sandbox::until("the part is ready", || {
             assert!(role.is_running(), "`{name}` ended at once");
             role.record.exists()
@@ -77,7 +77,7 @@ impl Role {
     }
 }
 
-impl Drop for Role {
+impl Drop for HelperProcess {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();
@@ -120,8 +120,8 @@ impl Job {
 }
 
 /// Starts two helpers that keep both cores busy.
-pub fn load(site: &Site) -> [Role; 2] {
-    [0, 1].map(|_| Role::start(site, "role::burn", "", 0))
+pub fn load(site: &Site) -> [HelperProcess; 2] {
+    [0, 1].map(|_| HelperProcess::start(site, "helper_process::burn", "", 0))
 }
 
 #[test]

@@ -12,16 +12,16 @@ use std::time::{Duration, Instant};
 const QUEUE: usize = 4;
 
 /// Node that keeps lines open; ports are dropped before it.
-pub struct Place(Node<ipc::Service>);
+pub struct RawSite(Node<ipc::Service>);
 
-impl Place {
-    pub fn new(site: &Site) -> Place {
+impl RawSite {
+    pub fn new(site: &Site) -> RawSite {
         let node = NodeBuilder::new()
             .config(&site.config())
             .signal_handling_mode(SignalHandlingMode::Disabled)
             .create::<ipc::Service>()
             .unwrap();
-        Place(node)
+        RawSite(node)
     }
 
     fn line<T: Debug + Copy + ZeroCopySend + 'static>(

@@ -40,6 +40,6 @@ pub fn mode(scene: &Scene, places: &[usize], shape: &[f64]) -> (f64, f64) {
     (lambda, apart(&d, &along))
 }
 
-pub fn heard(lambda: f64, rate: f64) -> f64 {
+pub fn warped_frequency(lambda: f64, rate: f64) -> f64 {
     rate / PI * (0.5 * lambda.sqrt()).asin()
 }

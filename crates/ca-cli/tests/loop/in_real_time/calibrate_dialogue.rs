@@ -1,6 +1,6 @@
 //! Tests `ca device calibrate` in a terminal: a user brings a device to its stops, skips an axis, and lets it move.
 
-use crate::liar::Liar;
+use crate::faulty_device::FaultyDevice;
 use crate::sandbox::{Sandbox, until};
 use crate::skipped::skipped;
 use std::fs::File;
@@ -61,7 +61,7 @@ fn a_person_is_asked_for_each_stop() {
     // reading of the sensor in counts; it shakes while this is negative
     let says = Arc::new(AtomicI64::new(100));
     let counts = says.clone();
-    let _device = Liar::moving(&sandbox.site, "key", move |n, f| {
+    let _device = FaultyDevice::moving(&sandbox.site, "key", move |n, f| {
         let at = counts.load(Relaxed);
         f.n = 2;
         f.pos[0] = if at < 0 { 1000.0 * (n % 2) as f64 } else { at as f64 };

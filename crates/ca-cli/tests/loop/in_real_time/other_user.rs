@@ -1,7 +1,7 @@
 //! Tests the protection from another user of the same machine. That user cannot write our files, block a command with
 //! files or links, or play an armed model. These tests need root to act as another user and are skipped otherwise.
 
-use super::flood;
+use super::request_flood;
 use crate::sandbox::{RunOutput, Sandbox, until};
 use crate::skipped::skipped;
 use ca_haptic::host::control::Request;
@@ -323,7 +323,7 @@ fn osc_of_another_user_moves_no_hand() {
     let server = sandbox.serve("live.ca.toml", &["--osc", "0", "--arm"]);
     let device = sandbox.key(&[]);
     sandbox.on();
-    let port = flood::port(&server);
+    let port = request_flood::port(&server);
     let k = || sandbox.ask(&Request::Status).unwrap().fields["params"][0]["value"].as_f64().unwrap();
     let token = sandbox.read("c/osc-token");
     let mode = fs::metadata(sandbox.path("c/osc-token")).unwrap().permissions().mode();

@@ -1,8 +1,8 @@
 //! A device process that sends arbitrary frames at its own pace: frames with one or more errors, and periods of valid
 //! frames so that forces come on in between.
 
-use super::raw::Place;
-use super::role::{Job, Role};
+use super::helper_process::{HelperProcess, Job};
+use super::iceoryx_client::RawSite;
 use ca_haptic::frame::{DOF, DeviceFrame, status};
 use ca_haptic::host::Site;
 use ca_haptic::rt::now_ns;
@@ -14,12 +14,12 @@ const EACH: u64 = 1000;
 /// Frames per period.
 const SPELL: u64 = 15_000;
 
-pub struct Fuzz(Role);
+pub struct RandomDevice(HelperProcess);
 
-impl Fuzz {
+impl RandomDevice {
     /// Sends `all` frames as `device`, with periods of arbitrary frames, and then valid frames until it ends.
-    pub fn of(site: &Site, device: &str, all: u64) -> Fuzz {
-        Fuzz(Role::start(site, "fuzz::anything", device, all))
+    pub fn of(site: &Site, device: &str, all: u64) -> RandomDevice {
+        RandomDevice(HelperProcess::start(site, "random_device::anything", device, all))
     }
 
     pub fn sent(&self) -> u64 {
@@ -75,7 +75,7 @@ fn spoiled(good: &DeviceFrame, seed: &mut u64) -> DeviceFrame {
 #[ignore = "a part of other tests"]
 fn anything() {
     let Some(job) = Job::asked() else { return };
-    let (place, name) = (Place::new(&job.site), job.device.as_str());
+    let (place, name) = (RawSite::new(&job.site), job.device.as_str());
     let line = place.writer::<DeviceFrame>(name, "in", 0);
     let (mut good, mut seed) = (DeviceFrame::new(name, 1), 0x9e37_79b9_7f4a_7c15_u64);
     (good.session, good.period_ns) = (1, 333_333);

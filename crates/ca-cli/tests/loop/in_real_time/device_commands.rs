@@ -78,10 +78,10 @@ fn calibrate_writes_what_serve_reads() {
     let a = c.axis[0];
     assert!((a.scale * 100.0 + a.offset + 0.01).abs() < 1e-15 && (a.scale * 4100.0 + a.offset - 0.01).abs() < 1e-15);
     // a device that reports counts instead of metres: 2600 is 2.5 mm
-    let watch = crate::watch::Watch::of(&sandbox.site, "key");
+    let watch = crate::force_watcher::ForceWatcher::of(&sandbox.site, "key");
     sandbox.put("far.ca.toml", &crate::sandbox::KEY.replace("0.9 mm", "3.2 mm"));
     let _server = sandbox.serve("far.ca.toml", &["--quiet"]);
-    let _device = crate::liar::Liar::moving(&sandbox.site, "key", |_, f| {
+    let _device = crate::faulty_device::FaultyDevice::moving(&sandbox.site, "key", |_, f| {
         f.pos[0] = 2600.0;
         f.status &= !ca_haptic::frame::status::CALIBRATED;
     });

@@ -34,7 +34,7 @@ pub fn load(name: &str) -> Model {
 }
 
 /// Outputs of a performance.
-pub struct Heard {
+pub struct Rendering {
     pub model: Model,
     pub rate: f64,
     /// Sound by channel.
@@ -44,7 +44,7 @@ pub struct Heard {
 }
 
 /// Plays a model by its own gesture and checks the requirements common to all models.
-pub fn play(name: &str, probes: &[&str]) -> Heard {
+pub fn play(name: &str, probes: &[&str]) -> Rendering {
     let model = load(name);
     for word in ["Play:", "Try:", "Source:"] {
         assert!(model.header.contains(word), "{name}: the header has no `{word}`");
@@ -53,10 +53,10 @@ pub fn play(name: &str, probes: &[&str]) -> Heard {
     let scene = scene(&model, probes);
     let reported = scene.findings.list.iter().any(|d| d.code.starts_with('W'));
     assert!(!reported, "{}", render::text(&scene.findings, &model, false));
-    let heard = perform(model, &scene, None, scene.about.seconds.expect("a model says how long it sounds"));
-    let level = heard.sound.iter().map(|c| db(peak(c))).fold(f64::MIN, f64::max);
+    let rendering = perform(model, &scene, None, scene.about.seconds.expect("a model says how long it sounds"));
+    let level = rendering.sound.iter().map(|c| db(peak(c))).fold(f64::MIN, f64::max);
     assert!((-12.0..=-0.5).contains(&level), "{name} peaks at {level:.2} dBFS");
-    heard
+    rendering
 }
 
 pub fn scene(model: &Model, probes: &[&str]) -> Compiled {
@@ -64,7 +64,7 @@ pub fn scene(model: &Model, probes: &[&str]) -> Compiled {
     compile(model, &catalog(), &options).unwrap_or_else(|d| panic!("{}", render::text(&d, model, false)))
 }
 
-pub fn perform(model: Model, scene: &Scene, gesture: Option<&Gesture>, seconds: f64) -> Heard {
+pub fn perform(model: Model, scene: &Scene, gesture: Option<&Gesture>, seconds: f64) -> Rendering {
     let mut p = Performance::new(scene, gesture).unwrap();
     assert!(gesture.is_some() || p.duration() <= seconds, "the gesture is longer than the sound");
     let n = (seconds * scene.rate) as usize;
@@ -84,10 +84,10 @@ pub fn perform(model: Model, scene: &Scene, gesture: Option<&Gesture>, seconds: 
         ledger.scheme_error
     );
     let probe = out.split_off(scene.counts.channels);
-    Heard { model, rate: scene.rate, sound: out, probe }
+    Rendering { model, rate: scene.rate, sound: out, probe }
 }
 
-impl Heard {
+impl Rendering {
     pub fn cut<'a>(&self, x: &'a [f64], t0: f64, t1: f64) -> &'a [f64] {
         &x[(t0 * self.rate) as usize..((t1 * self.rate) as usize).min(x.len())]
     }
@@ -152,7 +152,7 @@ pub fn alone(scene: &Scene, ports: &[(&str, &[(f64, f64)])]) -> Gesture {
 }
 
 /// Plays the model for `seconds` with these ports alone.
-pub fn by_hand(model: &Model, probes: &[&str], ports: &[(&str, &[(f64, f64)])], seconds: f64) -> Heard {
+pub fn by_hand(model: &Model, probes: &[&str], ports: &[(&str, &[(f64, f64)])], seconds: f64) -> Rendering {
     let scene = scene(model, probes);
     let gesture = alone(&scene, ports);
     perform(model.clone(), &scene, Some(&gesture), seconds)

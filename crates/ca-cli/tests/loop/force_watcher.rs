@@ -4,8 +4,8 @@
 //! The watcher creates the line before server and device start, with a queue of a third of a second, and a thread
 //! writes the file. So it misses no frame while the machine stalls. Sequence numbers reveal any missed frame.
 
-use super::raw::Place;
-use super::role::{Job, Role};
+use super::helper_process::{HelperProcess, Job};
+use super::iceoryx_client::RawSite;
 use ca_haptic::frame::{Cause, ForceFrame, Mode};
 use ca_haptic::host::Site;
 use ca_haptic::profile::Profile;
@@ -17,7 +17,7 @@ use zerocopy::{FromBytes as _, IntoBytes as _};
 /// Frames by which the watcher may be late.
 const QUEUE: usize = 1024;
 
-pub struct Watch(Role);
+pub struct ForceWatcher(HelperProcess);
 
 pub struct Seen {
     pub frames: Vec<ForceFrame>,
@@ -25,10 +25,10 @@ pub struct Seen {
     pub unseen: u64,
 }
 
-impl Watch {
+impl ForceWatcher {
     /// Starts to watch the forces of `device` before its server starts.
-    pub fn of(site: &Site, device: &str) -> Watch {
-        Watch(Role::start(site, "watch::every_force", device, 0))
+    pub fn of(site: &Site, device: &str) -> ForceWatcher {
+        ForceWatcher(HelperProcess::start(site, "force_watcher::every_force", device, 0))
     }
 
     pub fn count(&self) -> usize {
@@ -61,7 +61,7 @@ fn read(record: &[u8]) -> Vec<ForceFrame> {
 #[ignore = "a part of other tests"]
 fn every_force() {
     let Some(job) = Job::asked() else { return };
-    let place = Place::new(&job.site);
+    let place = RawSite::new(&job.site);
     let reader = place.deep_reader::<ForceFrame>(&job.device, "out", QUEUE);
     let mut record = job.ready();
     let (heap, heaps) = std::sync::mpsc::channel::<Vec<u8>>();

@@ -1,7 +1,7 @@
 //! Tests suspended, killed and restarted processes: H5 to H8 through shared memory, counted in frames.
 
+use crate::force_watcher::{ForceWatcher, key};
 use crate::sandbox::{KEY, Sandbox, until};
-use crate::watch::{Watch, key};
 use ca_haptic::frame::{Cause, ForceFrame, Mode, flag};
 use ca_haptic::host::control::Request;
 
@@ -22,7 +22,7 @@ fn aged(frames: &[ForceFrame]) -> impl Iterator<Item = (u64, &ForceFrame)> {
 #[test]
 fn h5_a_hand_inside_a_wall_waits() {
     let sandbox = Sandbox::new();
-    let watch = Watch::of(&sandbox.site, "key");
+    let watch = ForceWatcher::of(&sandbox.site, "key");
     // 5 mm into 500 N/m: 2.5 N
     sandbox.put("wall.ca.toml", &KEY.replace("0.9 mm", "5 mm"));
     let _server = sandbox.serve("wall.ca.toml", &["--quiet", "--arm"]);
@@ -40,7 +40,7 @@ fn h5_a_hand_inside_a_wall_waits() {
 #[test]
 fn h6_h8_a_suspended_device_is_zero_force_and_stays_so() {
     let sandbox = Sandbox::new();
-    let watch = Watch::of(&sandbox.site, "key");
+    let watch = ForceWatcher::of(&sandbox.site, "key");
     let server = sandbox.serve("key.ca.toml", &["--json"]);
     let device = sandbox.key(&["--script", "hold"]);
     // on a stalled machine, another fault may come first
@@ -89,7 +89,7 @@ fn h6_h8_a_suspended_device_is_zero_force_and_stays_so() {
 #[test]
 fn h8_a_killed_device_is_another_one_when_it_comes_back() {
     let sandbox = Sandbox::new();
-    let watch = Watch::of(&sandbox.site, "key");
+    let watch = ForceWatcher::of(&sandbox.site, "key");
     let _server = sandbox.serve("key.ca.toml", &["--quiet"]);
     let device = sandbox.key(&["--script", "hold"]);
     sandbox.on();
@@ -156,7 +156,7 @@ fn h7_a_killed_server_is_zero_force_at_the_device_and_the_next_one_is_taken() {
 #[test]
 fn disarm_is_zero_at_once_and_arm_fades_in() {
     let sandbox = Sandbox::new();
-    let watch = Watch::of(&sandbox.site, "key");
+    let watch = ForceWatcher::of(&sandbox.site, "key");
     let _server = sandbox.serve("key.ca.toml", &["--quiet"]);
     let _device = sandbox.key(&["--script", "hold"]);
     for _ in 0..2 {
@@ -240,7 +240,7 @@ b = { between = ["key", "low"], k = "down", l0 = 0 }
     // without noise and forces, a bare device does not move
     let quiet = crate::sandbox::PROFILE.replace("[guard]", "step = 0\nnoise = 0\n[guard]");
     sandbox.put("c/profiles/key.toml", &quiet);
-    let watch = Watch::of(&sandbox.site, "key");
+    let watch = ForceWatcher::of(&sandbox.site, "key");
     let _server = sandbox.serve("two.ca.toml", &["--quiet"]);
     let _device = sandbox.key(&["--script", "hold"]);
     sandbox.on();

@@ -2,7 +2,7 @@
 
 use super::thresholds::link;
 use ca_compile::{Options, compile};
-use ca_conformance::drawn::catalog;
+use ca_conformance::random_parameters::catalog;
 use ca_model::read;
 use std::f64::consts::PI;
 

@@ -1,7 +1,7 @@
 //! Tests devices without a profile: they describe themselves, with one or three degrees of freedom, before or after the
 //! server starts. A key that presses while it is armed is named.
 
-use crate::liar::{Liar, Lie};
+use crate::faulty_device::{DeviceFault, FaultyDevice};
 use crate::sandbox::{Sandbox, until};
 use ca_haptic::frame::{About, DOF, DeviceFrame};
 use ca_haptic::host::{DeviceClient, Site};
@@ -197,12 +197,12 @@ fn conformance_asks_whether_it_would_be_served() {
     };
     {
         // without a profile, its description applies
-        let _device = Liar::new(&sandbox.site, "finger", Lie::None);
+        let _device = FaultyDevice::new(&sandbox.site, "finger", DeviceFault::None);
         let (pass, found) = row(&sandbox.ca(&["device", "conformance", "finger", "--json"]).json(), "serve");
         assert!(pass && found.contains("profile `unknown`, at most 2 N"), "{found}");
     }
     // the bundled profile of this name has twelve keys, and the device has one
-    let _device = Liar::new(&sandbox.site, "tgr12", Lie::None);
+    let _device = FaultyDevice::new(&sandbox.site, "tgr12", DeviceFault::None);
     let ran = sandbox.ca(&["device", "conformance", "tgr12", "--json"]).is(1);
     let (pass, found) = row(&ran.json(), "serve");
     assert!(!pass && found.contains("needs 12 degrees of freedom, the device has 1; no frame is used"), "{found}");

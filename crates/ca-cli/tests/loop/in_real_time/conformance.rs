@@ -1,6 +1,6 @@
 //! Tests `ca device conformance`: a correct device passes, and the row for each fault finds it.
 
-use crate::liar::{Liar, Lie};
+use crate::faulty_device::{DeviceFault, FaultyDevice};
 use crate::sandbox::{RunOutput, Sandbox, until};
 use serde_json::Value;
 use std::sync::RwLock;
@@ -62,7 +62,7 @@ fn simulated_devices_pass() {
 #[test]
 fn a_device_without_our_client_passes() {
     let sandbox = Sandbox::shared();
-    let _device = Liar::new(&sandbox.site, "key", Lie::None);
+    let _device = FaultyDevice::new(&sandbox.site, "key", DeviceFault::None);
     passes(&sandbox, "key");
 }
 
@@ -91,9 +91,9 @@ fn a_device_that_cannot_be_had_is_an_error() {
 
 /// Repeats the test of a faulty device until the row `name` appears; a busy machine may fail an earlier row first.
 /// After a few attempts, it runs without other tests at the same time.
-fn found(lie: Lie, name: &str, beside: &RwLock<()>) {
+fn found(fault: DeviceFault, name: &str, beside: &RwLock<()>) {
     let sandbox = Sandbox::shared();
-    let _device = Liar::new(&sandbox.site, "key", lie);
+    let _device = FaultyDevice::new(&sandbox.site, "key", fault);
     let mut last = Value::Null;
     for try_of_it in 0..30 {
         let with_others = (try_of_it < FEW).then(|| beside.read().expect("nobody panics with it"));
@@ -112,12 +112,12 @@ fn found(lie: Lie, name: &str, beside: &RwLock<()>) {
         }
     }
     let (pass, said) = row(&last, name);
-    assert!(!pass, "{lie:?}: {last:#}");
+    assert!(!pass, "{fault:?}: {last:#}");
     if name == "spring" {
         let [still, sign] = ["hold it still", "same sign"].map(|words| said.contains(words));
-        assert_eq!([still, sign], [lie == Lie::Moves, lie == Lie::Sign], "{lie:?}: {said}");
+        assert_eq!([still, sign], [fault == DeviceFault::Moves, fault == DeviceFault::Sign], "{fault:?}: {said}");
     }
-    if lie == Lie::NoForce {
+    if fault == DeviceFault::NoForce {
         let rows = last["rows"].as_array().unwrap();
         assert!(rows.iter().all(|r| r["name"] != "watchdog"), "{last:#}");
     }
@@ -127,28 +127,28 @@ fn found(lie: Lie, name: &str, beside: &RwLock<()>) {
 #[test]
 fn lies_are_found() {
     let lies = [
-        (Lie::Numbers, "numbers"),
-        (Lie::Rate, "rate"),
-        (Lie::Positions, "positions"),
-        (Lie::Session, "session"),
-        (Lie::Ack, "ack"),
-        (Lie::Measured, "measured"),
-        (Lie::Layout, "layout"),
-        (Lie::Sign, "spring"),
-        (Lie::Moves, "spring"),
-        (Lie::Watchdog, "watchdog"),
+        (DeviceFault::Numbers, "numbers"),
+        (DeviceFault::Rate, "rate"),
+        (DeviceFault::Positions, "positions"),
+        (DeviceFault::Session, "session"),
+        (DeviceFault::Ack, "ack"),
+        (DeviceFault::Measured, "measured"),
+        (DeviceFault::Layout, "layout"),
+        (DeviceFault::Sign, "spring"),
+        (DeviceFault::Moves, "spring"),
+        (DeviceFault::Watchdog, "watchdog"),
         // a device that never applies a force fails earlier than at its end
-        (Lie::NoForce, "arms again"),
-        (Lie::GoesOn, "goes on"),
-        (Lie::Restart, "restart"),
-        (Lie::Unrested, "unrested"),
+        (DeviceFault::NoForce, "arms again"),
+        (DeviceFault::GoesOn, "goes on"),
+        (DeviceFault::Restart, "restart"),
+        (DeviceFault::Unrested, "unrested"),
     ];
     let (next, beside) = (AtomicUsize::new(0), RwLock::new(()));
     std::thread::scope(|scope| {
         for _ in 0..AT_ONCE {
             scope.spawn(|| {
-                while let Some((lie, name)) = lies.get(next.fetch_add(1, Relaxed)) {
-                    found(*lie, name, &beside);
+                while let Some((fault, name)) = lies.get(next.fetch_add(1, Relaxed)) {
+                    found(*fault, name, &beside);
                 }
             });
         }
