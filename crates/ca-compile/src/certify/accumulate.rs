@@ -74,9 +74,9 @@ pub fn accumulate(net: &Pruned) -> Accumulated {
     let reached = max_elongations(net, &worst, &links);
     for (b, r) in links.iter_mut().zip(&reached) {
         if let Some(r) = r.filter(|_| !b.contact) {
-            let floor = b.k - b.loose;
+            let floor = b.k - b.varying;
             let k = if b.hardens { b.k.max(r.k) } else { r.k };
-            *b = Bound { k, loose: k - floor, ..*b };
+            *b = Bound { k, varying: k - floor, ..*b };
         }
     }
     let mut mats: Vec<Sums> = worst.into_iter().zip(&net.alive).map(sums).collect();
@@ -121,5 +121,5 @@ fn link(net: &Pruned, l: &LiaNode, b: &Bound, mats: &mut [Sums]) {
 /// Returns the part of [`Bound::h`] that a link has at all elongations \[N/m\].
 fn fixed_share(b: &Bound) -> f64 {
     // The slope of a friction curve exists only at some speed.
-    (if b.curve { b.k } else { b.h() }) - b.loose
+    (if b.curve { b.k } else { b.h() }) - b.varying
 }

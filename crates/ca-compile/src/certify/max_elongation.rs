@@ -44,7 +44,7 @@ pub struct MaxElongation {
 
 /// Returns the steepest point of each link within reach; `None` for links with one slope or an unknown reach.
 pub fn max_elongations(net: &Pruned, mats: &[WorstMat], bounds: &[Bound]) -> Vec<Option<MaxElongation>> {
-    let grows = |b: &Bound| b.hardens || b.loose > 0.0 || b.power.0 > 0.0;
+    let grows = |b: &Bound| b.hardens || b.varying > 0.0 || b.power.0 > 0.0;
     let any = net.lias.iter().zip(bounds).any(|(l, b)| grows(b) && l.law.stage.is_explicit());
     let energy = if any { at_load(net, bounds) } else { None };
     let one = |(l, b): (&LiaNode, &Bound)| {

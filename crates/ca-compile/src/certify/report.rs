@@ -80,9 +80,10 @@ fn not_proven(model: &Model, net: &Pruned, sums: &Accumulated, bounds: &Bounds, 
         d = d.at(span(model, net, net.mats[i].item), "nearest to the limit");
         // Label the steepest non-linear link there.
         let touches = |l: &LiaNode| l.all_ends().any(|e| net.under(e).contains(&(i as u32)));
-        let loose = net.lias.iter().zip(&sums.links).zip(&sums.reached);
-        let loose = loose.filter(|((l, b), _)| !b.linear && !b.contact && l.law.stage.is_explicit() && touches(l));
-        if let Some(((l, b), r)) = loose.max_by(|a, b| a.0.1.h().total_cmp(&b.0.1.h())) {
+        let nonlinear = net.lias.iter().zip(&sums.links).zip(&sums.reached);
+        let nonlinear =
+            nonlinear.filter(|((l, b), _)| !b.linear && !b.contact && l.law.stage.is_explicit() && touches(l));
+        if let Some(((l, b), r)) = nonlinear.max_by(|a, b| a.0.1.h().total_cmp(&b.0.1.h())) {
             let k = quantity::show(round_up(b.h()), Unit::STIFFNESS);
             d = d.at(span(model, net, l.item), format!("decisive: a slope of up to {k}{}", at(r.as_ref())));
         }

@@ -87,16 +87,16 @@ impl LayoutBuilder<'_> {
                 out.push((group, 0));
                 continue;
             }
-            let mut loose = Vec::new();
+            let mut singles = Vec::new();
             for row in group.chunk_by(|a, b| self.follows(*a, *b, 1)) {
                 if let Some(stride) = self.stride(row) {
                     out.push((row.to_vec(), stride));
                 } else {
-                    loose.extend_from_slice(row);
+                    singles.extend_from_slice(row);
                 }
             }
-            if !loose.is_empty() {
-                out.push((loose, 0));
+            if !singles.is_empty() {
+                out.push((singles, 0));
             }
         }
         (out, sorted)

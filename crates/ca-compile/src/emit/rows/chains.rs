@@ -23,10 +23,10 @@ impl LayoutBuilder<'_> {
                 all.push(batch);
                 continue;
             }
-            let (rows, loose) = self.rows_of(&batch.links);
+            let (rows, singles) = self.rows_of(&batch.links);
             all.extend(rows.into_iter().map(|(links, stride)| Batch { links, stride, ..batch }));
-            if !loose.is_empty() {
-                all.push(Batch { links: loose, ..batch });
+            if !singles.is_empty() {
+                all.push(Batch { links: singles, ..batch });
             }
         }
         all
@@ -40,7 +40,7 @@ impl LayoutBuilder<'_> {
             let next = last(a) + 1;
             stride(a) == stride(b) && (next..=next + GAP).contains(&first(b)[0])
         };
-        let (mut rows, mut loose, mut passed) = (Vec::new(), Vec::new(), BTreeSet::new());
+        let (mut rows, mut singles, mut passed) = (Vec::new(), Vec::new(), BTreeSet::new());
         let short: Vec<&[u32]> = links.chunk_by(|a, b| self.follows(*a, *b, 1)).collect();
         for chain in short.chunk_by(behind) {
             let each = || chain.iter().copied().flatten().copied();
@@ -51,9 +51,9 @@ impl LayoutBuilder<'_> {
                 rows.extend(chain.iter().map(|row| (row.to_vec(), stride(row) as usize)));
             } else {
                 passed.extend(each().flat_map(|l| self.ends(l)));
-                loose.extend(each());
+                singles.extend(each());
             }
         }
-        (rows, loose)
+        (rows, singles)
     }
 }

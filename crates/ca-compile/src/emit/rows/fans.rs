@@ -49,7 +49,7 @@ impl LayoutBuilder<'_> {
         places.iter().zip(&mats).for_each(|(i, m)| now[*i] = *m);
         let settled = LayoutBuilder::new(net, &now);
         let looked_up = batches.iter().filter(|b| b.law.wide && b.is_looked_up(&settled));
-        looked_up.flat_map(|b| settled.cut(b)).any(|part| part.1 != Part::Loose).then_some(now)
+        looked_up.flat_map(|b| settled.cut(b)).any(|part| part.1 != Part::Single).then_some(now)
     }
 
     /// Returns the slot in `to` of each slot of this plan, whose MATs are in another order.
@@ -73,7 +73,7 @@ impl LayoutBuilder<'_> {
             }
             for (links, part) in self.cut(&batch) {
                 let (stride, hub) = match part {
-                    Part::Loose => (0, Hub::None),
+                    Part::Single => (0, Hub::None),
                     Part::Run(stride) => (stride, Hub::None),
                     Part::Fan(hub) => (0, hub),
                 };
@@ -89,10 +89,10 @@ impl LayoutBuilder<'_> {
         let mut all: Vec<(Vec<u32>, Part)> = Vec::new();
         let mut at = 0;
         while at < links.len() {
-            let behind_loose = matches!(all.last(), Some((_, Part::Loose)));
-            let (n, part) = self.part(&links[at..], |n| cost::fans(n, batch.law.coefs, behind_loose));
+            let behind_singles = matches!(all.last(), Some((_, Part::Single)));
+            let (n, part) = self.part(&links[at..], |n| cost::fans(n, batch.law.coefs, behind_singles));
             match all.last_mut() {
-                Some((loose, Part::Loose)) if part == Part::Loose => loose.extend(&links[at..at + n]),
+                Some((singles, Part::Single)) if part == Part::Single => singles.extend(&links[at..at + n]),
                 _ => all.push((links[at..at + n].to_vec(), part)),
             }
             at += n;
@@ -117,7 +117,7 @@ impl LayoutBuilder<'_> {
             () if run >= SHORTEST_RUN && second > first => (run, Part::Run((second - first) as usize)),
             () if worth(from_first) && apart(first, second, from_first) => (from_first, Part::Fan(Hub::First)),
             () if worth(from_second) && apart(second, first, from_second) => (from_second, Part::Fan(Hub::Second)),
-            () => (1, Part::Loose),
+            () => (1, Part::Single),
         }
     }
 }
@@ -126,7 +126,7 @@ impl LayoutBuilder<'_> {
 #[derive(Clone, Copy, PartialEq)]
 enum Part {
     /// Looked up one by one.
-    Loose,
+    Single,
     /// A row of this stride.
     Run(usize),
     /// From one slot to a row.
