@@ -125,7 +125,7 @@ impl Frames {
 /// Returns a hand while forces are on.
 fn moving() -> GuardFrame {
     let mut hand = GuardFrame::new(KEYS, FRAME_DT);
-    (hand.fresh, hand.age, hand.calibrated, hand.met, hand.mode) = (true, 0, true, u32::MAX, Mode::On);
+    (hand.is_new, hand.age, hand.calibrated, hand.arrived, hand.mode) = (true, 0, true, u32::MAX, Mode::On);
     hand.moved[..KEYS].fill(1e-5);
     hand.v[..KEYS].fill(0.03);
     hand.sent[..KEYS].fill(0.3);

@@ -82,7 +82,7 @@ impl Switch {
         let (mut follow, mut playing) = (None, None);
         let now = match found {
             Some((name, (plays, engine, watch))) => {
-                recorder.hears(Some(watch));
+                recorder.set_audio(Some(watch));
                 (follow, playing) = (Some(engine), Some(plays));
                 name
             }
@@ -146,7 +146,7 @@ impl Switch {
         if let Some(all) = self.choices.as_ref().and_then(|c| c.try_recv().ok()) {
             recorder.outputs().choices = all;
         }
-        if let Some(name) = recorder.outputs().asked.take() {
+        if let Some(name) = recorder.outputs().pending.take() {
             self.asked(&name, recorder, changed);
         }
         self.look(recorder);
@@ -222,7 +222,7 @@ impl Switch {
                 if !self.patch.put(Some(follow)) {
                     return;
                 }
-                recorder.hears(Some(watch));
+                recorder.set_audio(Some(watch));
                 changed(playing.events(), playing.host());
                 self.leave(Some(playing));
                 self.now = name;
@@ -230,7 +230,7 @@ impl Switch {
                     self.wanted.clone_from(&self.now);
                 }
                 let back = if why == Why::Back { "it is back; " } else { "" };
-                if let Some((device, ms)) = recorder.heard() {
+                if let Some((device, ms)) = recorder.audio_output() {
                     recorder.say(false, format!("sound: {back}{device}, {ms:.1} ms latency"));
                 }
             }
@@ -249,7 +249,7 @@ impl Switch {
         if !self.patch.put(None) {
             return;
         }
-        recorder.hears(None);
+        recorder.set_audio(None);
         changed(None, PAGE);
         self.leave(None);
         self.now = PAGE.into();
@@ -268,7 +268,7 @@ impl Switch {
 
     /// Updates the output shown by `ca audio` and the page.
     fn says(&self, recorder: &mut Recorder) {
-        let heard = recorder.heard().map(|(device, ms)| format!("{device}, {ms:.1} ms latency"));
+        let heard = recorder.audio_output().map(|(device, ms)| format!("{device}, {ms:.1} ms latency"));
         let plays = heard.unwrap_or_else(|| if self.now == PAGE { "by the page".into() } else { String::new() });
         let o = recorder.outputs();
         (o.plays, o.wanted, o.busy) = (plays, self.wanted.clone(), self.opening.is_some());

@@ -100,8 +100,8 @@ impl Work<'_> {
     /// Estimates the numbers that fit one window; `None` if a derivative is not finite.
     fn estimate(&self, loss: &dyn Loss, point: &Point, slopes: &Slopes) -> Option<Estimate> {
         let n = self.varied.len();
-        let point = &Point { free: loss.settle(&point.heard, point.free), ..point.clone() };
-        let r = loss.residual(&point.heard, point.free);
+        let point = &Point { free: loss.settle(&point.sound, point.free), ..point.clone() };
+        let r = loss.residual(&point.sound, point.free);
         let mut columns = slopes.columns(loss, point, &r);
         columns.extend(free_columns(loss, point, &r));
         let normal = Normal::of(&columns)?;

@@ -69,7 +69,7 @@ impl Work<'_> {
             ));
         };
         player.frames = self.frames(fitted, first.free.delay);
-        let point = Point { free: levels.settle(&first.heard, first.free), ..first };
+        let point = Point { free: levels.settle(&first.sound, first.free), ..first };
         let before = point.clone();
         let partials = partials::partials(&self.target.samples, (onset + (0.02 * rate) as usize).min(fitted), rate);
         let mut moved = vec![false; start.len()];
@@ -77,7 +77,7 @@ impl Work<'_> {
         if let Some(placed) = modal::place(player, &partials, &start, &self.ends)? {
             moved = placed.moved;
             if let Some(tried) = self.point(player, &placed.places)? {
-                starts.insert(0, Point { free: levels.settle(&tried.heard, tried.free), ..tried });
+                starts.insert(0, Point { free: levels.settle(&tried.sound, tried.free), ..tried });
             }
         }
         let starts = self.scanned(player, &levels, starts, &moved)?;
@@ -169,8 +169,8 @@ impl Work<'_> {
     /// Rates a result \[dB\], by samples where they could be followed, otherwise by levels, which is worse.
     fn score(&self, levels: &Spectral, point: &Point, until: Option<usize>) -> f64 {
         match until {
-            Some(until) => self.wave(until).decibel(&point.heard, point.free),
-            None => levels.decibel(&point.heard, levels.settle(&point.heard, point.free)),
+            Some(until) => self.wave(until).decibel(&point.sound, point.free),
+            None => levels.decibel(&point.sound, levels.settle(&point.sound, point.free)),
         }
     }
 
@@ -180,8 +180,8 @@ impl Work<'_> {
         let wave = self.wave(fitted);
         let tried = ALIGNED.map(|seconds| {
             let free = self.aligned(point, (onset + (seconds * rate) as usize).min(fitted));
-            let free = wave.settle(&point.heard, free);
-            let r = wave.residual(&point.heard, free);
+            let free = wave.settle(&point.sound, free);
+            let r = wave.residual(&point.sound, free);
             (free, dot(&r, &r))
         });
         tried.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((point.free, 1.0))
@@ -198,7 +198,7 @@ impl Work<'_> {
     ) -> Result<Vec<Point>, Failure> {
         let off = |p: &Point| match self.agreement(p).1 {
             left if left < AGREES => left,
-            _ => 1.0 + levels.decibel(&p.heard, p.free),
+            _ => 1.0 + levels.decibel(&p.sound, p.free),
         };
         let mut all: Vec<(f64, Point)> = points.into_iter().map(|p| (off(&p), p)).collect();
         all.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -215,7 +215,7 @@ impl Work<'_> {
                     continue;
                 }
                 if let Some(tried) = self.point(player, &places)? {
-                    let tried = Point { free: levels.settle(&tried.heard, tried.free), ..tried };
+                    let tried = Point { free: levels.settle(&tried.sound, tried.free), ..tried };
                     all.push((off(&tried), tried));
                 }
             }
@@ -229,7 +229,7 @@ impl Work<'_> {
         let Some(heard) = player.render(places)? else { return Ok(None) };
         let Some(onset) = target::onset(&heard, self.target.rate) else { return Ok(None) };
         let delay = self.target.onset as f64 - onset as f64;
-        Ok(Some(Point { places: places.to_vec(), free: Free { gain: 0.0, delay }, heard }))
+        Ok(Some(Point { places: places.to_vec(), free: Free { gain: 0.0, delay }, sound: heard }))
     }
 
     pub fn wave(&self, until: usize) -> Wave {
@@ -251,8 +251,8 @@ impl Work<'_> {
         point.free = self.agreement(&point).0;
         let left = |point: &Point, until: usize| {
             let wave = self.wave(until);
-            let free = wave.settle(&point.heard, point.free);
-            let r = wave.residual(&point.heard, free);
+            let free = wave.settle(&point.sound, point.free);
+            let r = wave.residual(&point.sound, free);
             dot(&r, &r)
         };
         let mut reached: Option<usize> = None;
@@ -289,8 +289,8 @@ impl Work<'_> {
         let wave = self.wave(until);
         let tried = (-most..=most).map(|lag| {
             let delay = libm::round(point.free.delay) + f64::from(lag);
-            let free = wave.settle(&point.heard, Free { delay, ..point.free });
-            let r = wave.residual(&point.heard, free);
+            let free = wave.settle(&point.sound, Free { delay, ..point.free });
+            let r = wave.residual(&point.sound, free);
             (dot(&r, &r), lag.abs(), free)
         });
         tried.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map_or(point.free, |t| t.2)

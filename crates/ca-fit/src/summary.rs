@@ -25,27 +25,27 @@ impl Work<'_> {
         let wave = self.wave(fitted);
         let distance = |p: &Point| {
             // each at its best gain, since loudness is not part of the comparison
-            let (l, w) = (levels.settle(&p.heard, p.free), wave.settle(&p.heard, p.free));
-            Distance { levels: levels.decibel(&p.heard, l), samples: wave.decibel(&p.heard, w) }
+            let (l, w) = (levels.settle(&p.sound, p.free), wave.settle(&p.sound, p.free));
+            Distance { levels: levels.decibel(&p.sound, l), samples: wave.decibel(&p.sound, w) }
         };
         let before = Point { free: self.aligned(before, fitted), ..before.clone() };
         let free = match stage {
-            Stage::Samples => self.wave(until).settle(&point.heard, point.free),
+            Stage::Samples => self.wave(until).settle(&point.sound, point.free),
             Stage::Levels => self.aligned(point, fitted),
         };
         let mut point = Point { free, ..point.clone() };
         if self.is_beyond() {
             player.frames = self.frames(there, free.delay);
-            point.heard = player.render(&point.places)?.unwrap_or(point.heard);
+            point.sound = player.render(&point.places)?.unwrap_or(point.sound);
         }
         let point = point;
         // the gain at which levels agree, with its sign from the samples
-        let level = levels.settle(&point.heard, free);
+        let level = levels.settle(&point.sound, free);
         let beyond = self.beyond(&point, level);
         let loaded = player.model(&point.places)?;
         let [was, is] = [&before, &point].map(distance);
         let explained = explained(&is);
-        let pitch = Pitch::of(&self.target.samples, &before.heard, &point.heard, rate);
+        let pitch = Pitch::of(&self.target.samples, &before.sound, &point.sound, rate);
         let doubt = match known.halt {
             _ if !explained => Some(Doubt::Unexplained),
             _ if pitch.ends_elsewhere() => Some(Doubt::Elsewhere),
@@ -64,7 +64,7 @@ impl Work<'_> {
             })
             .collect();
         let gained = |p: &Point, free: Free| -> Samples {
-            p.heard
+            p.sound
                 .iter()
                 .map(|c| {
                     let mut to = Vec::with_capacity(there);
@@ -81,7 +81,7 @@ impl Work<'_> {
             rate,
             fitted,
             target: self.target.samples.clone(),
-            before: gained(&before, levels.settle(&before.heard, before.free)),
+            before: gained(&before, levels.settle(&before.sound, before.free)),
             after: gained(&point, shown_free),
         };
         Ok(Fit {
@@ -122,7 +122,7 @@ impl Work<'_> {
         let one = Free { gain: 1.0, delay: 0.0 };
         Some(Beyond {
             seconds: (there - fitted) as f64 / rate,
-            model: of(&point.heard, level, point.free),
+            model: of(&point.sound, level, point.free),
             sinusoids: of(&other, one, one),
             count,
         })

@@ -29,7 +29,7 @@ impl Files {
     /// If a file cannot be written, as [`RenderOut::write`] and [`ProbeOut::write`].
     pub fn write(&mut self, rows: &[f64]) -> Result<(), FileError> {
         if self.probes.is_empty() {
-            self.slow.hear(rows);
+            self.slow.add(rows);
             return self.wav.write(rows);
         }
         let columns: usize = self.probes.iter().map(|p| p.1).sum();
@@ -43,7 +43,7 @@ impl Files {
                 rest = others;
             }
         }
-        self.slow.hear(&self.waiting[0]);
+        self.slow.add(&self.waiting[0]);
         self.wav.write(&self.waiting[0])?;
         for ((file, _), values) in self.probes.iter_mut().zip(&self.waiting[1..]) {
             file.write(values)?;

@@ -33,7 +33,7 @@ impl LowFrequencyMeter {
     }
 
     /// Adds whole frames, interleaved.
-    pub fn hear(&mut self, frames: &[f64]) {
+    pub fn add(&mut self, frames: &[f64]) {
         let pole = self.pole;
         for frame in frames.chunks_exact(self.channels.len().max(1)) {
             for (c, x) in self.channels.iter_mut().zip(frame).filter(|(_, x)| x.is_finite()) {
@@ -65,7 +65,7 @@ mod tests {
         {
             let mut s = LowFrequencyMeter::new(2, rate);
             let frames: Vec<f64> = (0..96_000).flat_map(|n| [sine(ask, n), sine(330.0, n)]).collect();
-            s.hear(&frames);
+            s.add(&frames);
             let found: Vec<usize> = s.found().map(|f| f.0).collect();
             assert_eq!(found, if slow { vec![0] } else { vec![] }, "{name}");
         }

@@ -117,7 +117,7 @@ fn make(
     }
     let mut options = Options { clouds: loaded.clouds.clone(), couplings: Vec::new(), ..options };
     let compiled = loaded.compile(&options).map_err(|found| refused(found.into()))?;
-    let met = coupling::meet(compiled, setups, &mut options, |options| loaded.compile(options));
+    let met = coupling::couple(compiled, setups, &mut options, |options| loaded.compile(options));
     let (softened, setups) = (met.messages(), met.setups(setups));
     let compiled = met.compiled;
     let drawing = Arc::new(Drawing::new(&compiled.scene));
@@ -126,6 +126,6 @@ fn make(
     let said = if warnings.list.is_empty() { String::new() } else { render::text(&warnings, &loaded.model, false) };
     let said = [said, softened.join("\n")].into_iter().filter(|s| !s.is_empty()).collect::<Vec<_>>().join("\n");
     let model = ModelText::of(&loaded.model, changes);
-    let version = Version { scene: Arc::new(compiled.scene), model, options, moved: Vec::new(), anew };
+    let version = Version { scene: Arc::new(compiled.scene), model, options, moved: Vec::new(), restart: anew };
     Ok(Box::new(Made { version, drawing, warnings: said, softened: !softened.is_empty(), setups }))
 }

@@ -130,7 +130,7 @@ impl PageSession {
             match request {
                 Some(asked) => {
                     let now = inputs.now();
-                    leave |= self.session.ask(recorder, &mut inputs.midi, (client, asked), now);
+                    leave |= self.session.request(recorder, &mut inputs.midi, (client, asked), now);
                 }
                 None => self.session.left(recorder, client),
             }

@@ -196,7 +196,7 @@ fn compile(request: &Request, listener: &dyn Listener) -> Result<Compiled, Failu
         listener.findings(&warnings, &loaded.model);
     }
     let (setups, unknown) = setup::setups(&request.devices, &compiled.scene, listener)?;
-    let met = coupling::meet(compiled, &setups, &mut options, |options| loaded.compile(options));
+    let met = coupling::couple(compiled, &setups, &mut options, |options| loaded.compile(options));
     let (softened, played) = (met.messages(), met.setups(&setups));
     let scene = Arc::new(met.compiled.scene);
     Ok(Compiled { options, scene, setups, unknown, played, softened })
@@ -225,7 +225,7 @@ fn engine_thread(live: Live, request: RtRequest, frames: Option<u64>) -> Result<
 impl Parts {
     /// Reports the output that plays the sound.
     fn say_sound(&mut self, channels: usize) {
-        match self.recorder.heard() {
+        match self.recorder.audio_output() {
             Some((device, ms)) => self.recorder.say(false, format!("sound: {device}, {ms:.1} ms latency")),
             None if self.page_session.is_some() && channels > 0 => {
                 self.recorder.say(false, "sound: by the page, which shows its latency".into());

@@ -78,7 +78,7 @@ fn groups<'a>(d: &'a Diag, model: &'a Model) -> Vec<Group<'a>> {
         let view = view(d, model, file);
         let mut snippet = lines(file, &view);
         for (span, label) in d.labels.iter().filter(|l| model.source(l.0).start == file.start) {
-            let Some(range) = clamp(file.within(*span), file.text) else { continue };
+            let Some(range) = clamp(file.to_text_span(*span), file.text) else { continue };
             let a = kind.span(range.start - view.start..range.end - view.start);
             kind = AnnotationKind::Context;
             snippet = snippet.annotation(if label.is_empty() { a } else { a.label(label.as_str()) });
@@ -87,7 +87,7 @@ fn groups<'a>(d: &'a Diag, model: &'a Model) -> Vec<Group<'a>> {
     }
     let patch = d.fix.as_ref().and_then(|f| {
         let file = model.source(f.span);
-        Some((file, clamp(file.within(f.span), file.text)?, f.text.as_str()))
+        Some((file, clamp(file.to_text_span(f.span), file.text)?, f.text.as_str()))
     });
     let patch = patch.filter(|(file, range, _)| line_length(file.text, range.start) <= LONG);
     let Some((file, range, new)) = patch else {
@@ -115,7 +115,7 @@ fn view(d: &Diag, model: &Model, file: Source<'_>) -> Range<usize> {
     let text = file.text;
     let spans = d.labels.iter().map(|l| l.0).chain(d.fix.as_ref().map(|f| f.span));
     let spans = spans.filter(|s| model.source(*s).start == file.start);
-    let ranges: Vec<Range<usize>> = spans.filter_map(|s| clamp(file.within(s), text)).collect();
+    let ranges: Vec<Range<usize>> = spans.filter_map(|s| clamp(file.to_text_span(s), text)).collect();
     let (Some(from), Some(to)) = (ranges.iter().map(|r| r.start).min(), ranges.iter().map(|r| r.end).max()) else {
         return 0..text.len();
     };
@@ -159,7 +159,7 @@ pub fn line_column(text: &str, at: usize) -> (usize, usize) {
 /// Returns a list of `{code, severity, title, file, line, column, end_line, end_column, labels, help, fix}`. Findings
 /// without a place have `null` for lines and columns.
 pub fn json(diags: &Diags, model: &Model) -> Json {
-    let place = |span: Span| match clamp(model.source(span).within(span), model.source(span).text) {
+    let place = |span: Span| match clamp(model.source(span).to_text_span(span), model.source(span).text) {
         Some(r) => {
             let text = model.source(span).text;
             let ((line, column), (end_line, end_column)) = (line_column(text, r.start), line_column(text, r.end));

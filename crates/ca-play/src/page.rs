@@ -132,7 +132,7 @@ impl Pages for Feed {
         self.0.all(|c| c.tell(text.clone()));
     }
 
-    fn tell(&self, page: u64, message: &Message) {
+    fn send(&self, page: u64, message: &Message) {
         self.0.all(|c| {
             if c.number == page {
                 c.tell(text(message));
@@ -140,7 +140,7 @@ impl Pages for Feed {
         });
     }
 
-    fn tell_all(&self, message: &Message) {
+    fn send_all(&self, message: &Message) {
         let text = text(message);
         self.0.all(|c| c.tell(text.clone()));
     }

@@ -101,7 +101,7 @@ fn a_page_is_greeted_asks_and_is_answered() {
     let grab = NumberedRequest { id: Some(json!(7)), request: Ok(Request::Grab { mass: Some(3) }) };
     assert_eq!(asked[0].request, Some(grab));
     let reply = protocol::Message::Reply { id: json!(7), ok: true, text: "held".into(), picked: None };
-    page.feed().tell(asked[0].client, &reply);
+    page.feed().send(asked[0].client, &reply);
     assert_eq!(text(&mut s)["id"], 7);
     for wrong in ["", "7", "[]", "{", "null", "\"x\""] {
         s.send(Message::text(wrong)).unwrap();
@@ -159,7 +159,7 @@ fn a_client_that_does_not_fetch_stands_in_nobodys_way() {
     let picture = vec![0_u8; 1 << 20];
     for n in 0..200 {
         feed.view(&picture);
-        page.feed().tell_all(&said_by(&n.to_string()));
+        page.feed().send_all(&said_by(&n.to_string()));
     }
     for n in 0..200 {
         assert_eq!(text(&mut quick)["text"], n.to_string());
@@ -169,7 +169,7 @@ fn a_client_that_does_not_fetch_stands_in_nobodys_way() {
     let begin = Instant::now();
     while page.feed().count() == 2 && begin.elapsed() < Duration::from_secs(60) {
         // the fast client keeps up even on a busy machine
-        (0..16).for_each(|_| page.feed().tell_all(&news));
+        (0..16).for_each(|_| page.feed().send_all(&news));
         (0..16).for_each(|_| drop(text(&mut quick)));
     }
     assert_eq!(page.feed().count(), 1, "the slow one is closed");

@@ -37,7 +37,7 @@ pub struct Sim {
 impl Sim {
     pub fn new(scene: Arc<ca_core::Scene>) -> Sim {
         let running = Running::new(&scene);
-        let (ports, running) = (running.felt(), Mutex::new(running));
+        let (ports, running) = (running.force_inputs(), Mutex::new(running));
         Sim { scene, ports, running, each: AtomicU64::new(u64::MAX) }
     }
 
@@ -109,7 +109,7 @@ impl Sim {
                 r.player.sense(scene);
                 if let Some(audio) = &mut audio {
                     for (k, to) in audio.row_mut(i).iter_mut().enumerate() {
-                        *to = S::of(r.level.keep(k, r.player.state.output[k]));
+                        *to = S::of(r.level.count(k, r.player.state.output[k]));
                     }
                 }
                 if let Some(probes) = &mut probes {

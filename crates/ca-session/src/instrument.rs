@@ -76,9 +76,9 @@ impl Instrument {
     }
 
     /// Answers a request of a page. Returns true if it ends the program.
-    pub fn ask(&mut self, page: u64, asked: NumberedRequest) -> bool {
+    pub fn request(&mut self, page: u64, asked: NumberedRequest) -> bool {
         let now = self.now();
-        self.session.ask(&mut self.recorder, &mut self.midi, (page, asked), now)
+        self.session.request(&mut self.recorder, &mut self.midi, (page, asked), now)
     }
 
     /// Ends what a closed page held.

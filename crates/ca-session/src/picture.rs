@@ -133,7 +133,7 @@ impl Sink for PageSink {
             if self.pictures.is_multiple_of(ENERGIES) {
                 let seconds = tick as f64 * self.sample;
                 let joules = self.energy.of(d);
-                self.pages.tell_all(&Message::Energy { seconds, motion: joules });
+                self.pages.send_all(&Message::Energy { seconds, motion: joules });
             }
         }
         Ok(())
@@ -154,7 +154,7 @@ impl Sink for PageSink {
     }
 
     fn notice(&mut self, notice: &Notice) -> Result<(), FileError> {
-        self.pages.tell_all(&Message::Said { bad: notice.bad, text: notice.text.clone() });
+        self.pages.send_all(&Message::Said { bad: notice.bad, text: notice.text.clone() });
         Ok(())
     }
 }

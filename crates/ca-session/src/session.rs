@@ -133,7 +133,7 @@ impl Session {
     }
 
     /// Answers a request of a page. Returns true if it ends the program.
-    pub fn ask(
+    pub fn request(
         &mut self,
         recorder: &mut Recorder,
         midi: &mut Midi,
@@ -150,7 +150,7 @@ impl Session {
         // a request without an id is answered only if it is refused
         if id.is_some() || !ok {
             let id = id.unwrap_or(Value::Null);
-            self.pages.tell(client, &Message::Reply { id, ok, text, picked });
+            self.pages.send(client, &Message::Reply { id, ok, text, picked });
         }
         leave
     }
@@ -160,7 +160,7 @@ impl Session {
         if self.holder == Some(client) {
             self.holder = None;
             if let Err(why) = recorder.release() {
-                self.pages.tell_all(&Message::Said { bad: true, text: why.to_string() });
+                self.pages.send_all(&Message::Said { bad: true, text: why.to_string() });
             }
         }
     }
@@ -169,7 +169,7 @@ impl Session {
     pub fn send_state(&mut self, recorder: &mut Recorder, midi: &Midi, shared: &Shared, now: Duration) {
         if now >= self.next_state && self.pages.is_seen() {
             self.next_state = now + STATE_INTERVAL;
-            self.pages.tell_all(&self.state(recorder, midi, shared));
+            self.pages.send_all(&self.state(recorder, midi, shared));
         }
     }
 
@@ -191,7 +191,7 @@ impl Session {
         let made = made.and_then(|made| {
             let Made { version, drawing, warnings, softened, setups } = *made;
             bad = softened;
-            let (scene, anew) = (version.scene.clone(), version.anew);
+            let (scene, anew) = (version.scene.clone(), version.restart);
             recorder.swap(version, &setups)?;
             self.generation += 1;
             self.next_drawing.put(self.generation, drawing.clone());
@@ -202,7 +202,7 @@ impl Session {
         bad |= !ok;
         self.plays &= ok;
         let (what, text) = made.unwrap_or_else(|why| ("the previous version keeps playing", why.to_string()));
-        self.pages.tell_all(&Message::Report { ok, text: text.clone() });
+        self.pages.send_all(&Message::Report { ok, text: text.clone() });
         recorder.say(bad, format!("{}: {what}{}{text}", self.name, if text.is_empty() { "" } else { "\n" }));
     }
 
@@ -288,7 +288,7 @@ impl Session {
                 if name.is_empty() || name.len() > NAME {
                     return Err(format!("`device` must be the name of a sound output, of at most {NAME} bytes").into());
                 }
-                recorder.outputs().ask(name)?;
+                recorder.outputs().request(name)?;
                 done("opening the sound output")
             }
             PageAsks::Record { on } => done(&self.files.record(*on, &self.scene)?),
@@ -352,7 +352,7 @@ impl Session {
             bound: midi.bound().map(bound).collect(),
             sound: self.sound.clone(),
             outputs,
-            latency: recorder.heard().map(|h| h.1),
+            latency: recorder.audio_output().map(|h| h.1),
             underruns: stats.as_ref().map(|s| s.underruns),
             arms: self.allow_arm,
             keeps: self.files.can_save(),

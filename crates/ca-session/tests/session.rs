@@ -65,10 +65,10 @@ impl Pages for FakePages {
     fn greet(&self, scene: &Message) {
         self.put(scene);
     }
-    fn tell(&self, _: u64, message: &Message) {
+    fn send(&self, _: u64, message: &Message) {
         self.put(message);
     }
-    fn tell_all(&self, message: &Message) {
+    fn send_all(&self, message: &Message) {
         self.put(message);
     }
     fn count(&self) -> usize {
@@ -165,7 +165,7 @@ fn instrument() -> (Instrument, FakePages) {
 fn ask(instrument: &mut Instrument, pages: &FakePages, request: Value) -> (bool, String) {
     let mut request = request;
     request["id"] = json!(9);
-    assert!(!instrument.ask(1, NumberedRequest::read(request)));
+    assert!(!instrument.request(1, NumberedRequest::read(request)));
     let reply = pages.last("reply");
     assert_eq!(reply["id"], 9);
     (reply["ok"] == true, reply["text"].as_str().unwrap().into())
@@ -213,7 +213,7 @@ fn a_session_plays_and_answers_without_threads() {
     assert!(ask(&mut i, &pages, json!({"type": "midi", "bytes": [0xb0, 74, 127]})).0);
     i.play(1000);
     assert_eq!(pages.last("state")["params"]["k"], 5000.0);
-    assert!(i.ask(1, NumberedRequest::read(json!({"type": "stop"}))));
+    assert!(i.request(1, NumberedRequest::read(json!({"type": "stop"}))));
 }
 
 #[test]

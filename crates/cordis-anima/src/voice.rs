@@ -127,7 +127,7 @@ impl Voice {
             let Running { player, level, .. } = &mut self.running;
             for (k, channel) in out.iter_mut().enumerate() {
                 channel[i] =
-                    if k < self.scene.counts.channels { level.keep(k, player.state.output[k]) as f32 } else { 0.0 };
+                    if k < self.scene.counts.channels { level.count(k, player.state.output[k]) as f32 } else { 0.0 };
             }
             self.running.player.advance(&self.scene);
         }

@@ -80,7 +80,7 @@ pub fn hammer_piano() {
     // twelve keys that are pressed when their device connects are silent too
     let mut found = Finger::at("hammer_piano", 0.0);
     found.stay(1.5);
-    assert_eq!(found.engine.ports[0].hand.met, u32::MAX);
+    assert_eq!(found.engine.ports[0].hand.arrived, u32::MAX);
     assert!(peak(&found.sound) < 2e-3, "{:.1} dBFS", db(peak(&found.sound)));
 }
 

@@ -65,7 +65,7 @@ fn value(
     let what = format!("`{}` of preset `{}`", e.key, preset.key);
     let as_declared = params::raw_value(declared, &what, &mut Diags::new())?;
     let mut changed = declared.clone();
-    changed.give(e.value.clone(), e.span);
+    changed.set_value(e.value.clone(), e.span);
     let raw = params::raw_value(&changed, &what, diags)?;
     let v = match (raw, as_declared) {
         (Raw::Quantity(q), _) if q.has_unit && !q.dim.same(live.unit.dim) => {

@@ -78,7 +78,7 @@ pub struct Coupling {
     /// mass \[kg\]
     pub m: f64,
     /// stiffness at the device when the links are at their stiffest \[N/m\]
-    pub felt: f64,
+    pub device_stiffness: f64,
 }
 
 /// A compiled model.

@@ -54,11 +54,11 @@ pub struct Tuned {
     /// Module, with the cell of a bank.
     pub part: String,
     /// Target pitch \[Hz\].
-    pub wanted: f64,
+    pub target: f64,
     /// Pitch before \[Hz\].
     pub before: f64,
     /// Pitch now \[Hz\].
-    pub heard: f64,
+    pub reached: f64,
     /// Number that was written.
     pub number: String,
 }
@@ -66,7 +66,7 @@ pub struct Tuned {
 impl Tuned {
     /// Distance from the target pitch \[cents\].
     pub fn off(&self) -> f64 {
-        1200.0 * (self.heard / self.wanted).log2()
+        1200.0 * (self.reached / self.target).log2()
     }
 }
 
@@ -95,9 +95,10 @@ pub fn tune(loaded: &mut Loaded, targets: &[PitchTarget], mode: u32) -> Result<(
         }
     }
     for (t, (variable, _)) in done.iter_mut().zip(&variables) {
-        t.heard = heard(loaded, &t.part, variable, mode)?;
+        t.reached = heard(loaded, &t.part, variable, mode)?;
         if t.off().abs() > NEAR {
-            let what = format!("`{}` cannot be {} Hz together with the others: it is {} Hz", t.part, t.wanted, t.heard);
+            let what =
+                format!("`{}` cannot be {} Hz together with the others: it is {} Hz", t.part, t.target, t.reached);
             return Err(Failure::Failed(format!("{what}; check whether they follow the same parameter")));
         }
     }
@@ -188,7 +189,7 @@ fn one(
             "{what}; modules connected to it fix its pitch, or it is near half the sound rate"
         )));
     }
-    Ok(Tuned { part: name, wanted, before, heard: now, number: written })
+    Ok(Tuned { part: name, target: wanted, before, reached: now, number: written })
 }
 
 /// Pitch of a part: mode number `mode` from below, of the modes that are mostly its.

@@ -23,7 +23,7 @@ pub use manual::{GLIDE, LONGEST, ManualEvent, ManualInput, OwnGesture};
 pub(crate) use mean_force::is_slower;
 pub use port::{Link, Port, Setup, coupled};
 pub use refit::Refit;
-pub use swap::{FixedPart, Swap, carried};
+pub use swap::{FixedPart, Swap, continuing_masses};
 
 use crate::frame::{DeviceFrame, ForceFrame};
 use crate::guard::Order;

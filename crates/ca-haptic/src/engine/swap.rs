@@ -49,7 +49,7 @@ fn devices(scene: &Scene) -> Vec<&(String, u32)> {
 
 /// Returns the places of the MAT with the same name in both scenes: in the states of `old` and of `scene`, ordered by
 /// the latter.
-pub fn carried(old: &Scene, scene: &Scene) -> Vec<[u32; 2]> {
+pub fn continuing_masses(old: &Scene, scene: &Scene) -> Vec<[u32; 2]> {
     let before = places(old);
     let mut carried: Vec<[u32; 2]> = Vec::new();
     for (name, (to, axes)) in places(scene) {
@@ -139,7 +139,7 @@ impl Swap {
         let inputs = scene.inputs.iter().enumerate().filter_map(|(to, i)| Some([same(i)? as u32, to as u32]));
         let inputs = if anew { Vec::new() } else { inputs.collect() };
         state.placed();
-        let carried = if anew { Vec::new() } else { carried(old, &scene) };
+        let carried = if anew { Vec::new() } else { continuing_masses(old, &scene) };
         let [slow, held] = slow(old, &scene, &carried);
         let ports = setups.iter().map(|s| Port::new(&scene, s.clone())).collect();
         let fade = (FADE * scene.rate).round() as u32;

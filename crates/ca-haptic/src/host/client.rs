@@ -79,7 +79,7 @@ impl DeviceClient {
             _node: node,
             _site: site.clone(),
         };
-        client.tell(now_ns())?;
+        client.send_about(now_ns())?;
         Ok(client)
     }
 
@@ -88,7 +88,7 @@ impl DeviceClient {
         &self.about
     }
 
-    fn tell(&mut self, now: u64) -> Result<(), HostError> {
+    fn send_about(&mut self, now: u64) -> Result<(), HostError> {
         self.reported = now;
         self.says
             .send_copy(self.about)
@@ -115,7 +115,7 @@ impl DeviceClient {
     pub fn send(&mut self, frame: &mut DeviceFrame) -> Result<usize, HostError> {
         let now = now_ns();
         if now.saturating_sub(self.reported) >= EVERY_NS {
-            self.tell(now)?;
+            self.send_about(now)?;
         } else {
             // a new reader gets the last message at once
             let _ = self.says.update_connections();
@@ -155,7 +155,7 @@ impl DeviceClient {
     /// Returns the newest force frame with this layout and for this device, if one came since the last call. It is for
     /// display and measurement; use [`DeviceClient::safe_force`] for motors.
     pub fn force(&mut self) -> Option<ForceFrame> {
-        if self.drain() { self.give().copied() } else { None }
+        if self.drain() { self.acknowledge().copied() } else { None }
     }
 
     /// Returns the forces that may reach the motors now \[N\]. They are zero when the last frame is older than its
@@ -163,13 +163,13 @@ impl DeviceClient {
     /// modes.
     pub fn safe_force(&mut self) -> [f64; DOF] {
         self.drain();
-        self.give();
+        self.acknowledge();
         self.watchdog.force(now_ns())
     }
 
     /// Returns the newest frame and notes it as the one that the motors hold from now on. A frame that is read only for
     /// [`DeviceClient::cause`] does not reach the motors and must not be acknowledged.
-    fn give(&mut self) -> Option<&ForceFrame> {
+    fn acknowledge(&mut self) -> Option<&ForceFrame> {
         let last = self.watchdog.last();
         self.given = last.map_or(0, |f| f.seq);
         last

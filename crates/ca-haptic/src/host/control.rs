@@ -141,7 +141,7 @@ impl Call {
     /// Continues as far as possible without blocking. Returns false at the end of the call.
     fn poll(&mut self, answer: &mut dyn FnMut(Request) -> Reply) -> bool {
         if self.answer.is_none() {
-            let Ok(there) = self.ask() else { return false };
+            let Ok(there) = self.read_request() else { return false };
             if let Some(length) = there {
                 let reply = match serde_json::from_slice(&self.asked[..length]) {
                     Ok(request) => answer(request),
@@ -165,7 +165,7 @@ impl Call {
     }
 
     /// Reads available bytes. Returns the length of the request once it is complete.
-    fn ask(&mut self) -> io::Result<Option<usize>> {
+    fn read_request(&mut self) -> io::Result<Option<usize>> {
         let mut block = [0; 4096];
         loop {
             match self.stream.read(&mut block) {

@@ -101,7 +101,7 @@ impl Recorder {
     }
 
     /// Sets the sound device that plays from now on, if any.
-    pub fn hears(&mut self, audio: Option<Watch>) {
+    pub fn set_audio(&mut self, audio: Option<Watch>) {
         self.before.extend(self.audio.take().map(|a| a.summary()));
         self.audio = audio;
     }
@@ -112,7 +112,7 @@ impl Recorder {
     }
 
     /// Returns the description of the sound device, and its latency \[ms\] as far as it is known yet.
-    pub fn heard(&self) -> Option<(String, f64)> {
+    pub fn audio_output(&self) -> Option<(String, f64)> {
         let a = self.audio.as_ref()?.summary();
         Some((format!("{} ({}), {} Hz", a.playback.device, a.playback.host, a.playback.rate), a.latency_ms))
     }
@@ -128,17 +128,17 @@ impl Recorder {
         let mut heard = self.ends.sound.slots();
         while let Ok(record) = self.ends.records.pop() {
             self.look(&record);
-            self.tell(|s| s.record(&record));
+            self.for_each_sink(|s| s.record(&record));
         }
         let mut block = std::mem::take(&mut self.block);
         while heard > 0 {
             let Some(tick) = take(&mut self.ends.sound, &mut block) else { break };
             heard = heard.saturating_sub(block.len() + 2);
-            self.tell(|s| s.sound(tick, &block));
+            self.for_each_sink(|s| s.sound(tick, &block));
         }
         while let Some(tick) = self.ends.views.as_mut().and_then(|v| take(v, &mut block)) {
             let (x, d) = block.split_at(block.len() / 2);
-            self.tell(|s| s.view(tick, x).and_then(|()| s.motion(tick, d)));
+            self.for_each_sink(|s| s.view(tick, x).and_then(|()| s.motion(tick, d)));
         }
         self.block = block;
         while let Ok(timing) = self.ends.timings.pop() {
@@ -155,7 +155,7 @@ impl Recorder {
         // a failing sink adds a message for the others
         while !self.notices.is_empty() {
             for h in std::mem::take(&mut self.notices) {
-                self.tell(|s| s.notice(&h));
+                self.for_each_sink(|s| s.notice(&h));
             }
         }
     }
@@ -171,7 +171,7 @@ impl Recorder {
     }
 
     /// Calls `f` with each sink. A sink that fails is reported once and dropped.
-    fn tell(&mut self, mut f: impl FnMut(&mut dyn Sink) -> Result<(), FileError>) {
+    fn for_each_sink(&mut self, mut f: impl FnMut(&mut dyn Sink) -> Result<(), FileError>) {
         let mut broken = Vec::new();
         self.sinks.retain_mut(|s| f(s.as_mut()).map_err(|e| broken.push(e)).is_ok());
         for e in broken {
@@ -191,11 +191,11 @@ impl Recorder {
             // without devices, no force frame carries the tick
             self.tick = (self.frames - 1) * u64::from(self.scene.rates.ratio);
         }
-        self.frame_times.add(timing.took);
+        self.frame_times.add(timing.compute_ns);
         self.late_times.add(timing.start.late);
-        self.second.frames.add(timing.took);
+        self.second.frames.add(timing.compute_ns);
         self.second.late.add(timing.start.late);
-        self.second.took += timing.took;
+        self.second.took += timing.compute_ns;
         if self.frames.is_multiple_of(self.rate) {
             let frame = self.rate as f64 / (self.scene.rate / f64::from(self.scene.rates.ratio));
             let audio = self.audio.as_ref().map(Watch::summary);
@@ -216,7 +216,7 @@ impl Recorder {
                 ppm: audio.map_or(0.0, |a| a.ppm),
             };
             self.second = Second::default();
-            self.tell(|s| s.snapshot(&snapshot));
+            self.for_each_sink(|s| s.snapshot(&snapshot));
         }
     }
 

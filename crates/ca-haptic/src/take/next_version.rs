@@ -45,7 +45,7 @@ pub struct NextModel {
     /// Live parameters that were changed before, with the values that they keep \[SI\].
     pub moved: Vec<(String, f64)>,
     /// True if no mass continues from its present position.
-    pub anew: bool,
+    pub restart: bool,
     /// Couplings of device ports to their links.
     pub couplings: Vec<Coupling>,
 }
@@ -67,7 +67,7 @@ pub(super) fn write(out: &mut Vec<u8>, tick: u64, version: &Version) {
         .text(&json(&m.changes))
         .text(&m.resolved)
         .text(&json(&clouds))
-        .put(u8::from(version.anew))
+        .put(u8::from(version.restart))
         .text(&json(&m.parts))
         .text(&couplings::write(&version.options.couplings));
 }
@@ -92,7 +92,7 @@ pub(super) fn read(data: &[u8]) -> Option<(u64, NextModel)> {
     let parts = r.text().and_then(|t| serde_json::from_str(&t).ok()).unwrap_or_default();
     let couplings = r.text().map_or(Some(Vec::new()), |t| couplings::read(&t))?;
     let model = ModelText { file, text, changes, resolved, parts };
-    Some((tick, NextModel { model, clouds, start, moved, anew, couplings }))
+    Some((tick, NextModel { model, clouds, start, moved, restart: anew, couplings }))
 }
 
 fn json<T: serde::Serialize>(v: &T) -> String {

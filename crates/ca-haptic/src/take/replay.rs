@@ -267,7 +267,7 @@ impl Replay {
             (self.deviations, self.verdict.tolerance) = (Some(Default::default()), TOLERANCE);
         }
         let (state, _) = version::begin(&scene, &next.moved);
-        let swap = Swap::new(&self.engine.scene, scene, state, &self.setups, (self.verdict.versions, next.anew));
+        let swap = Swap::new(&self.engine.scene, scene, state, &self.setups, (self.verdict.versions, next.restart));
         self.verdict.versions += 1;
         let swap =
             swap.map_err(|why| FileError::content(format!("the take loads another version of its model: {why}")))?;

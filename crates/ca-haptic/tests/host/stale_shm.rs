@@ -15,11 +15,11 @@ fn what_the_dead_leave_is_listed_and_removed() {
     let mut lines = std::io::BufReader::new(child.stdout.take().unwrap()).lines();
     assert!(lines.any(|l| l.unwrap().contains("open")));
     let alive = list(&place.site);
-    assert!(alive.len() == 1 && alive[0].ours && alive[0].bytes() > 0);
+    assert!(alive.len() == 1 && alive[0].current && alive[0].bytes() > 0);
     assert_eq!(alive[0].alive.iter().map(|a| a.0).collect::<Vec<_>>(), [child.id()]);
     // files of a live process are not touched
     let kept = clean(&place.site);
-    assert_eq!((kept.removed.len(), kept.kept.len()), (0, 1));
+    assert_eq!((kept.removed.len(), kept.in_use.len()), (0, 1));
     assert_eq!(list(&place.site)[0].files, alive[0].files);
     child.kill().unwrap();
     child.wait().unwrap();
@@ -49,7 +49,7 @@ fn another_version_is_named_not_met() {
     assert!(e.kind == HostErrorKind::Version && e.what.contains("frame version 9"), "{e}");
     assert!(e.what.contains(&std::process::id().to_string()), "{e}");
     assert_eq!(DeviceClient::open(&place.site, about("key", 1)).err().unwrap().kind, HostErrorKind::Version);
-    assert!(clean(&place.site).kept.iter().any(|g| g.frames == "9"));
+    assert!(clean(&place.site).in_use.iter().any(|g| g.frames == "9"));
     assert!(shm.exists() && file.exists(), "the living keep theirs");
     drop(held);
     until("nobody has it open", || !list(&place.site).iter().any(|g| !g.alive.is_empty()));

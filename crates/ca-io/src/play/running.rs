@@ -42,7 +42,7 @@ impl Running {
     }
 
     /// Returns the inputs with a force: ports of positions.
-    pub fn felt(&self) -> Vec<usize> {
+    pub fn force_inputs(&self) -> Vec<usize> {
         (0..self.forces.len()).filter(|i| !matches!(self.forces[*i], PortForce::None)).collect()
     }
 

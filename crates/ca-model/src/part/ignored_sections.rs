@@ -82,7 +82,7 @@ impl Expander<'_> {
             "E013",
             format!("`{key}` of `{owner}`: a part cannot use `{name}`, a parameter of `{}`", home.file),
         );
-        let part = self.within.last().map_or("", |w| w.1.as_str());
+        let part = self.open_parts.last().map_or("", |w| w.1.as_str());
         let help = format!(
             "a part can use only its own parameters: declare `{name}` in `[part.{part}.param]` and set it in `with`"
         );

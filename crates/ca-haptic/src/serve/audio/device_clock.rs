@@ -90,14 +90,14 @@ impl DeviceClock {
     }
 
     pub(in crate::serve) fn next(&mut self) -> Start {
-        self.hear(now_ns());
+        self.read_calls(now_ns());
         let due = self.due();
         let now = self.waits.until(due as u64);
         self.begin(due, now)
     }
 
     /// Reads the calls of the device.
-    pub(super) fn hear(&mut self, now: u64) {
+    pub(super) fn read_calls(&mut self, now: u64) {
         let before = self.heard;
         while let Ok(call) = self.calls.pop() {
             self.dll.add(call.from, call.at);

@@ -73,7 +73,7 @@ impl Hall {
         let end = self.now + seconds * 1e9;
         while self.now < end {
             let frame = *self.frame.get_or_insert_with(|| {
-                self.follow.hear(self.now as u64);
+                self.follow.read_calls(self.now as u64);
                 let due = self.follow.due();
                 // a frame that need not wait is not late
                 (due, if due > self.now { due + (self.late)(self.frames) } else { self.now })

@@ -30,7 +30,7 @@ impl Recorder {
         let fits = |now: &LiveParam| new.params().iter().any(|p| p.name == now.name && p.unit.dim.same(now.unit.dim));
         version.moved = moved.filter(|(now, _)| fits(now)).map(|(now, _)| (now.name.clone(), now.value)).collect();
         let (state, controls) = version::begin(&scene, &version.moved);
-        let swap = Swap::new(&self.scene, scene, state, setups, (self.versions + 1, version.anew))?;
+        let swap = Swap::new(&self.scene, scene, state, setups, (self.versions + 1, version.restart))?;
         self.command(EngineCommand::Swap(Box::new(swap)))?;
         self.versions += 1;
         self.pending = Some((Arc::new(version), controls));
@@ -52,6 +52,6 @@ impl Recorder {
         let Some((version, controls)) = self.pending.take() else { return };
         self.manual = manual::ManualProgress::new(&version.scene);
         (self.scene, self.controls) = (version.scene.clone(), controls);
-        self.tell(|s| s.swapped(tick, &version));
+        self.for_each_sink(|s| s.swapped(tick, &version));
     }
 }
