@@ -109,7 +109,7 @@ impl Switch {
                 switch.choices = choices(page);
             }
             recorder.outputs().choices = named(page);
-            switch.says(recorder);
+            switch.update_outputs(recorder);
         }
         (switch, outlet)
     }
@@ -147,7 +147,7 @@ impl Switch {
             recorder.outputs().choices = all;
         }
         if let Some(name) = recorder.outputs().pending.take() {
-            self.asked(&name, recorder, changed);
+            self.open_requested(&name, recorder, changed);
         }
         self.look(recorder);
         self.take(recorder, changed);
@@ -165,7 +165,7 @@ impl Switch {
         }
     }
 
-    fn asked(&mut self, name: &str, recorder: &mut Recorder, changed: &mut Changed) {
+    fn open_requested(&mut self, name: &str, recorder: &mut Recorder, changed: &mut Changed) {
         (self.opening, self.instead) = (None, VecDeque::new());
         if name == PAGE && !self.page {
             recorder.outputs().refused = Some("`ca serve` does not have a page; use `ca play`".into());
@@ -177,7 +177,7 @@ impl Switch {
         } else {
             return self.begin(name, Why::Asked);
         }
-        self.says(recorder);
+        self.update_outputs(recorder);
     }
 
     fn begin(&mut self, name: &str, why: Why) {
@@ -242,7 +242,7 @@ impl Switch {
             // a missing device is tried again later
             Err(_) => {}
         }
-        self.says(recorder);
+        self.update_outputs(recorder);
     }
 
     fn by_page(&mut self, recorder: &mut Recorder, changed: &mut Changed) {
@@ -254,7 +254,7 @@ impl Switch {
         self.leave(None);
         self.now = PAGE.into();
         recorder.say(false, "sound: by the page, which shows its latency".into());
-        self.says(recorder);
+        self.update_outputs(recorder);
     }
 
     /// Replaces the output. The old one is closed on another thread, because a server may be slow.
@@ -267,7 +267,7 @@ impl Switch {
     }
 
     /// Updates the output shown by `ca audio` and the page.
-    fn says(&self, recorder: &mut Recorder) {
+    fn update_outputs(&self, recorder: &mut Recorder) {
         let heard = recorder.audio_output().map(|(device, ms)| format!("{device}, {ms:.1} ms latency"));
         let plays = heard.unwrap_or_else(|| if self.now == PAGE { "by the page".into() } else { String::new() });
         let o = recorder.outputs();

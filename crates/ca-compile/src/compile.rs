@@ -3,7 +3,7 @@
 //! The order of the passes is defined only in this file. A pass uses the network, never a later pass. `linear` runs the
 //! same passes up to the finished network.
 
-use crate::certify::{beside, certify};
+use crate::certify::{certify, combine};
 use crate::connect::{coupling, port_checks, wire};
 use crate::emit::gesture_rate::Slow;
 use crate::emit::{ordering, schedule};
@@ -161,7 +161,7 @@ pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Co
     let mut certificate = certify(model, &net, options.effort(), &mut diags);
     if let Some((own, part)) = &group {
         let slow = certify(model, own, options.effort(), &mut diags);
-        certificate = beside(certificate, slow, part.compensated);
+        certificate = combine(certificate, slow, part.compensated);
     }
     if diags.has_errors() {
         diags.sort();

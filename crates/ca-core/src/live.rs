@@ -368,7 +368,7 @@ impl<R: Real> State<R> {
             return false;
         }
         // halfway between two factors is not a factor of either matrix, so the whole patch then changes in one tick
-        let whole = patch.set.iter().any(|(i, _)| *i >= self.ramps.whole);
+        let whole = patch.set.iter().any(|(i, _)| *i >= self.ramps.instant);
         let ticks = if whole { 1 } else { ticks.max(1) };
         for (i, v) in &patch.set {
             self.ramp(*i as usize, R::Outer::of(*v), ticks);

@@ -37,7 +37,7 @@ pub fn picture(film: &Film) -> Result<Option<Picture>, Failure> {
     let told: Vec<String> = fewer.into_iter().chain(slower).collect();
     let told =
         if told.is_empty() { String::new() } else { format!("Reduced to keep the page small: {}.", told.join(", ")) };
-    Ok(Some(Picture { about, bytes, script: film_script(), told }))
+    Ok(Some(Picture { about, bytes, script: film_script(), note: told }))
 }
 
 /// Film of a take. If the model changes during the take, the film shows only the masses of the first version.

@@ -125,7 +125,7 @@ impl PageSession {
         }
         let mut late = false;
         while !late {
-            let Some(PageRequest { client, request }) = self.page.asked().next() else { break };
+            let Some(PageRequest { client, request }) = self.page.requests().next() else { break };
             late = Instant::now() >= end;
             match request {
                 Some(asked) => {

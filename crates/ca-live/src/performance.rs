@@ -147,7 +147,7 @@ pub fn play(request: Request, listener: &Arc<dyn Listener>) -> Result<Report, Fa
     let frames = request.seconds.map(|s| (s * frame_rate).round().max(1.0) as u64);
     let live = Live::new(engine, ends, shared.clone(), clock, every);
     sound.start().map_err(|e| Failure::Failed(e.to_string()))?;
-    let mut parts = Parts { recorder, connections, inputs, sound, page_session, asked: request.asked, shared };
+    let mut parts = Parts { recorder, connections, inputs, sound, page_session, asked: request.requests, shared };
     parts.say_sound(scene.counts.channels);
     let (engine, granted) = engine_thread(live, thread(request.thread, 0), frames)?;
     output.begun();

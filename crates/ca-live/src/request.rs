@@ -130,7 +130,7 @@ pub struct Request {
     /// Computes the energy ledger.
     pub energy: bool,
     /// Requests from the calling program.
-    pub asked: Option<Receiver<Asked>>,
+    pub requests: Option<Receiver<Asked>>,
 }
 
 /// Receives the messages of a performance, from several of its threads.

@@ -48,20 +48,20 @@ struct Waiting {
 pub(crate) struct Client {
     pub(crate) number: u64,
     /// True if the client wants sound.
-    pub(crate) hears: AtomicBool,
+    pub(crate) wants_sound: AtomicBool,
     waiting: Mutex<Waiting>,
 }
 
 impl Client {
     pub(crate) fn new(number: u64) -> Client {
-        Client { number, hears: AtomicBool::new(false), waiting: Mutex::default() }
+        Client { number, wants_sound: AtomicBool::new(false), waiting: Mutex::default() }
     }
 
     fn waiting(&self) -> MutexGuard<'_, Waiting> {
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    pub(crate) fn tell(&self, text: Utf8Bytes) {
+    pub(crate) fn send(&self, text: Utf8Bytes) {
         let mut waiting = self.waiting();
         if waiting.news.len() < NEWS {
             waiting.news.push_back(text);
@@ -75,7 +75,7 @@ impl Client {
     }
 
     pub(crate) fn sound(&self, block: Bytes) {
-        if self.hears.load(Relaxed) {
+        if self.wants_sound.load(Relaxed) {
             let mut waiting = self.waiting();
             if waiting.sound.len() >= BLOCKS {
                 waiting.sound.pop_front();

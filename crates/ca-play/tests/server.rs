@@ -95,7 +95,7 @@ fn a_page_is_greeted_asks_and_is_answered() {
     s.send(Message::text(r#"{"id": 7, "type": "grab", "mass": 3}"#)).unwrap();
     let mut asked = Vec::new();
     until("the request comes", || {
-        asked.extend(page.asked());
+        asked.extend(page.requests());
         !asked.is_empty()
     });
     let grab = NumberedRequest { id: Some(json!(7)), request: Ok(Request::Grab { mass: Some(3) }) };
@@ -116,7 +116,7 @@ fn a_page_is_greeted_asks_and_is_answered() {
     drop(s);
     let mut gone = Vec::new();
     until("it is gone", || {
-        gone.extend(page.asked().filter(|a| a.request.is_none()));
+        gone.extend(page.requests().filter(|a| a.request.is_none()));
         gone.iter().any(|g| g.client == asked[0].client)
     });
     assert!(page.feed().count() < before);
@@ -186,7 +186,7 @@ fn who_floods_is_closed() {
         while sent < 20_000 && s.send(Message::text(message.clone())).is_ok() {
             sent += 1;
             // requests are answered quickly
-            let _ = page.asked().count();
+            let _ = page.requests().count();
         }
         assert!(sent < 20_000, "closed after {sent}");
         until("no client is left", || page.feed().count() == 0);
@@ -223,7 +223,7 @@ fn who_answers_no_ping_lets_go() {
     while !released.contains(&0) && Instant::now() < end {
         // reading answers pings
         let _ = alive.read();
-        let all = page.asked().filter(|a| a.request.as_ref().is_some_and(|r| r.request == Ok(Request::Release)));
+        let all = page.requests().filter(|a| a.request.as_ref().is_some_and(|r| r.request == Ok(Request::Release)));
         released.extend(all.map(|a| a.client));
     }
     assert!(released.contains(&0), "the first client holds what it held: {released:?}");

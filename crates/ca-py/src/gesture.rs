@@ -1,7 +1,7 @@
 //! Gestures: constants, breakpoints and samples by port or parameter name, or files.
 
 use crate::error::{self, file, usage};
-use crate::long_call::{Wanted, apart};
+use crate::long_call::{Wanted, run_detached};
 use crate::measure::table;
 use ca_io::gesture::{self, PortMap, Track};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods as _, ToPyArray as _};
@@ -115,7 +115,7 @@ impl Gesture {
                 gesture::Gesture::open(&path, &ports, rate)
             }
         };
-        let gesture = apart(py, None, read)?.map_err(|e| file(py, &e))?;
+        let gesture = run_detached(py, None, read)?.map_err(|e| file(py, &e))?;
         let Some(port) = port else { return Ok(Gesture { gesture }) };
         let what = format!("`{}` has {} tracks", named.display(), gesture.tracks().len());
         let one = gesture.named(&port);

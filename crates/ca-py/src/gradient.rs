@@ -3,7 +3,7 @@
 use crate::compiled::CompiledModel;
 use crate::error;
 use crate::gesture::Gesture;
-use crate::long_call::apart;
+use crate::long_call::run_detached;
 use crate::measure::table;
 use ca_gradient::{Error, GoesOn};
 use ca_lab::Failure;
@@ -32,7 +32,7 @@ fn waiting<R: Send + 'static>(
     py: Python,
     call: impl FnOnce(GoesOn) -> Result<R, Error> + Send + 'static,
 ) -> PyResult<R> {
-    apart(py, None, move |wanted| call(&mut || wanted.still()))?.map_err(|e| failure(py, e))
+    run_detached(py, None, move |wanted| call(&mut || wanted.still()))?.map_err(|e| failure(py, e))
 }
 
 /// A scene with reverse derivatives.

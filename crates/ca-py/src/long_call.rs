@@ -41,7 +41,7 @@ impl Wanted {
 
 /// Runs `work` on a new thread. A signal or an exception of `progress(done, of)` ends the call early with an error,
 /// `ended` ends it with `None`.
-pub fn unless<R: Send + 'static>(
+pub fn run_unless<R: Send + 'static>(
     py: Python,
     progress: Option<Py<PyAny>>,
     ended: impl Fn() -> bool,
@@ -79,12 +79,12 @@ pub fn unless<R: Send + 'static>(
 }
 
 /// Runs `work` on a new thread. A signal or an exception of `progress(done, of)` ends the call early with an error.
-pub fn apart<R: Send + 'static>(
+pub fn run_detached<R: Send + 'static>(
     py: Python,
     progress: Option<Py<PyAny>>,
     work: impl FnOnce(&Wanted) -> R + Send + 'static,
 ) -> PyResult<R> {
-    let found = unless(py, progress, || false, work)?;
+    let found = run_unless(py, progress, || false, work)?;
     found.ok_or_else(|| crate::error::failure(py, ca_lab::Failure::Stopped))
 }
 

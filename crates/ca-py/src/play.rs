@@ -106,7 +106,7 @@ impl Performance {
         // a memory lock would pin all memory of Python
         request.thread.lock = false;
         let (requests, asked) = channel();
-        request.asked = Some(asked);
+        request.requests = Some(asked);
         let messages = Arc::new(Messages::default());
         let listener = messages.clone();
         let play = move || {

@@ -3,7 +3,7 @@
 use crate::compiled::CompiledModel;
 use crate::error::{self, failure, usage};
 use crate::gesture::Gesture;
-use crate::long_call::{Wanted, apart};
+use crate::long_call::{Wanted, run_detached};
 use crate::measure::{energy, table};
 use ca_core::Ledger;
 use ca_io::FileError;
@@ -81,7 +81,8 @@ pub fn render<S: Sample + Element + 'static>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'_, PyDict>> {
     let of = model.clone();
-    let heard = apart(py, progress, move |wanted| heard::<S>(&of, seconds, gesture.as_ref().map(Py::get), wanted));
+    let heard =
+        run_detached(py, progress, move |wanted| heard::<S>(&of, seconds, gesture.as_ref().map(Py::get), wanted));
     let heard = heard?.map_err(|e| match e {
         NotRendered::Gesture(e) => error::gesture(py, &e),
         NotRendered::TooLong(n) => {

@@ -167,7 +167,7 @@ impl Sim {
             if r.player.diverged {
                 "unstable"
             } else {
-                Outcome::heard(&r.level, r.player.state.ports.refused, true).status
+                Outcome::judge(&r.level, r.player.state.ports.refused, true).status
             }
         })
     }

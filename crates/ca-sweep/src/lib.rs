@@ -161,7 +161,7 @@ impl Sweep {
     }
 
     /// Specification of the sweep.
-    pub fn ask(&self) -> &SweepSpec {
+    pub fn spec(&self) -> &SweepSpec {
         &self.ask
     }
 

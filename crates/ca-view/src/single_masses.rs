@@ -27,7 +27,7 @@ pub fn place(graph: &Graph, p: &mut Places) {
         .iter()
         .filter(|i| !i.space)
         .flat_map(crate::graph::Item::nodes)
-        .filter(|n| p.stand[*n].is_none())
+        .filter(|n| p.placed[*n].is_none())
         .map(|n| n as u32)
         .collect();
     if free.is_empty() {
@@ -35,13 +35,13 @@ pub fn place(graph: &Graph, p: &mut Places) {
     }
     let around = neighbours(graph, &free);
     let grain = 0.006 * p.width;
-    let cells = p.stand.iter().flatten().map(|s| (cell(&p.frames, s, grain, [0.0; 3]), 0)).collect();
+    let cells = p.placed.iter().flatten().map(|s| (cell(&p.frames, s, grain, [0.0; 3]), 0)).collect();
     let mut taken = Taken { cells, grain, width: p.width };
-    let tied: Vec<u32> = p.tied.keys().copied().filter(|n| p.stand[*n as usize].is_none()).collect();
+    let tied: Vec<u32> = p.tied.keys().copied().filter(|n| p.placed[*n as usize].is_none()).collect();
     for n in tied {
         if let Some(mut stand) = p.tie_one(graph, n) {
             taken.move_aside(&p.frames, &mut stand);
-            p.stand[n as usize] = Some(stand);
+            p.placed[n as usize] = Some(stand);
         }
     }
     let held = |around: &[(u32, bool)]| around.iter().filter(|(_, contact)| !contact).count();
@@ -58,11 +58,11 @@ pub fn place(graph: &Graph, p: &mut Places) {
     free.iter().enumerate().for_each(|(i, n)| of[*n as usize] = i);
     let mut waiting: BTreeSet<(Placement, usize)> = BTreeSet::new();
     for i in 0..free.len() {
-        if p.stand[free[i] as usize].is_none() && around[i].iter().any(|(n, _)| p.stand[*n as usize].is_some()) {
+        if p.placed[free[i] as usize].is_none() && around[i].iter().any(|(n, _)| p.placed[*n as usize].is_some()) {
             waiting.insert((order(i), i));
         }
     }
-    let left = (0..free.len()).filter(|i| p.stand[free[*i] as usize].is_none());
+    let left = (0..free.len()).filter(|i| p.placed[free[*i] as usize].is_none());
     let mut left: BTreeSet<(Placement, usize)> = left.map(|i| (order(i), i)).collect();
     let mut alone = 0;
     loop {
@@ -85,14 +85,14 @@ pub fn place(graph: &Graph, p: &mut Places) {
             .collect();
         for (i, mut stand) in round.iter().zip(stands) {
             taken.move_aside(&p.frames, &mut stand);
-            p.stand[free[*i] as usize] = Some(stand);
+            p.placed[free[*i] as usize] = Some(stand);
             waiting.remove(&(order(*i), *i));
             left.remove(&(order(*i), *i));
         }
         for i in round {
             for (n, _) in &around[i] {
                 let next = of[*n as usize];
-                if next != usize::MAX && p.stand[*n as usize].is_none() {
+                if next != usize::MAX && p.placed[*n as usize].is_none() {
                     waiting.insert((order(next), next));
                 }
             }
@@ -121,7 +121,7 @@ fn neighbours(graph: &Graph, free: &[u32]) -> Vec<Vec<(u32, bool)>> {
 /// Places a mass beside its neighbours, if any of them is placed.
 fn beside(graph: &Graph, p: &Places, node: usize, around: &[(u32, bool)], order: Placement) -> Option<Placed> {
     let w = p.width;
-    let standing = || around.iter().filter_map(|(n, _)| p.stand[*n as usize]);
+    let standing = || around.iter().filter_map(|(n, _)| p.placed[*n as usize]);
     let frame = standing().next()?.frame;
     let (mut sum, mut low, mut high, mut n) = ([0.0; 3], [f64::INFINITY; 3], [f64::NEG_INFINITY; 3], 0.0);
     for s in standing().filter(|s| s.frame == frame) {

@@ -45,7 +45,7 @@ pub fn laws() -> Vec<(&'static Kind, &'static Law)> {
 ///
 /// # Panics
 /// If there are fewer than six methods besides the explicit one.
-pub fn ways() -> Vec<(&'static Kind, &'static str)> {
+pub fn methods() -> Vec<(&'static Kind, &'static str)> {
     let words = |k: &Kind| match k.param("method").map(|i| k.params[i].ty) {
         Some(Type::Choice(words)) => words,
         _ => &["ca"],

@@ -359,8 +359,8 @@ fn neighbours_are_all_pairs_that_are_near() {
     let near: Vec<[u32; 2]> =
         pairs.filter(|[i, j]| norm(minus(points[*i as usize], points[*j as usize])) <= 0.4).collect();
     assert!(near.len() > 100);
-    assert_eq!(cloud.within(0.4, near.len()).as_ref(), Some(&near));
-    assert_eq!(cloud.within(0.4, near.len() - 1), None);
+    assert_eq!(cloud.pairs_within(0.4, near.len()).as_ref(), Some(&near));
+    assert_eq!(cloud.pairs_within(0.4, near.len() - 1), None);
 }
 
 /// Displaces a mesh in its lowest mode along `axis`. Returns the stiffness, the deviation from the mode, and the scene.

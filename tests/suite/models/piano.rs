@@ -3,7 +3,7 @@
 //! The page is measured with a finger that follows a list of positions, through the engine and the guard of a TGR:
 //! force at the key, sound, and energy flow. `UPDATE=1 cargo test $ALL --test suite -- hammer_piano` rewrites it.
 
-use super::rendering::{Rendering, blows, by_hand, load, play};
+use super::rendering::{Rendering, by_hand, count_contacts, load, play};
 use crate::acoustics::{centroid, cents, db, partial, peak, rms, t60};
 use ca_compile::{Options, compile};
 use ca_core::Scene;
@@ -40,7 +40,7 @@ pub fn hammer_piano() {
     // one contact per stroke of the gesture
     let strokes = [3, 1, 2, 1, 3, 2, 1, 3, 1, 2, 1, 2];
     for (i, n) in strokes.into_iter().enumerate() {
-        assert_eq!(blows(&h.probe[2 * i], h.rate), n, "key {i}");
+        assert_eq!(count_contacts(&h.probe[2 * i], h.rate), n, "key {i}");
     }
     // una corda leaves the second string unstruck
     assert!(peak(h.probed(0, 3.6, 4.0)) > 0.0 && peak(h.probed(1, 0.1, 0.4)) > 0.0);
@@ -54,7 +54,7 @@ pub fn hammer_piano() {
         let want = 440.0 * 2f64.powf((f64::from(i) - 9.0) / 12.0);
         let alone = one_key(&h.model, &format!("key[{i}].key"), &[&strikes[2 * i as usize]], 0.3, 2.0, 1.6);
         let found = partial(alone.at(0, 0.3, 1.5), alone.rate, want, 10.0).0;
-        assert_eq!(blows(&alone.probe[0], h.rate), 1, "key {i}");
+        assert_eq!(count_contacts(&alone.probe[0], h.rate), 1, "key {i}");
         assert!(cents(found, want).abs() < 2.0, "key {i}: {found:.2} Hz, not {want:.2} Hz");
     }
     if !long {

@@ -133,7 +133,14 @@ impl Rendering {
     }
 
     /// Asserts that partials of the sound are within `within` cents of their frequencies.
-    pub fn stands(&self, c: usize, t: [f64; 2], partials: impl IntoIterator<Item = f64>, reach: f64, within: f64) {
+    pub fn assert_partials(
+        &self,
+        c: usize,
+        t: [f64; 2],
+        partials: impl IntoIterator<Item = f64>,
+        reach: f64,
+        within: f64,
+    ) {
         for f in partials {
             let found = partial(self.at(c, t[0], t[1]), self.rate, f, reach).0;
             let off = cents(found, f);
@@ -143,7 +150,7 @@ impl Rendering {
 }
 
 /// A gesture of these ports alone [s, SI]. Other ports of the model's own gesture stay at its first value.
-pub fn alone(scene: &Scene, ports: &[(&str, &[(f64, f64)])]) -> Gesture {
+pub fn ports_gesture(scene: &Scene, ports: &[(&str, &[(f64, f64)])]) -> Gesture {
     let moved = |name: &str| ports.iter().find(|p| p.0 == name).map(|p| p.1.to_vec());
     let still =
         scene.about.gestures.iter().filter(|g| moved(&g.0).is_none()).map(|g| (g.0.as_str(), vec![(0.0, g.1[0][1])]));
@@ -154,12 +161,12 @@ pub fn alone(scene: &Scene, ports: &[(&str, &[(f64, f64)])]) -> Gesture {
 /// Plays the model for `seconds` with these ports alone.
 pub fn by_hand(model: &Model, probes: &[&str], ports: &[(&str, &[(f64, f64)])], seconds: f64) -> Rendering {
     let scene = scene(model, probes);
-    let gesture = alone(&scene, ports);
+    let gesture = ports_gesture(&scene, ports);
     perform(model.clone(), &scene, Some(&gesture), seconds)
 }
 
 /// Number of blows in a force: how often it begins after 2 ms of zero.
-pub fn blows(force: &[f64], rate: f64) -> usize {
+pub fn count_contacts(force: &[f64], rate: f64) -> usize {
     let pause = (0.002 * rate) as usize;
     let mut last = None;
     let mut count = 0;

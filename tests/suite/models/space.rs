@@ -2,7 +2,7 @@
 
 use super::closed_forms::eigenvalues;
 use super::plates::share;
-use super::rendering::{Rendering, blows, by_hand, load, perform, play, scene};
+use super::rendering::{Rendering, by_hand, count_contacts, load, perform, play, scene};
 use crate::acoustics::{cents, db, mode, partial, peak, rms};
 use ca_core::{Location, Scene};
 use ca_io::gesture::{Gesture, Track};
@@ -64,7 +64,7 @@ fn played(name: &str) -> Rendering {
     let first = (0..motion.ticks()).find(|n| keep.iter().any(|f| f[*n] != 0.0)).expect("a blow");
     let loudest = peak(&h.sound[0]);
     assert!(first > 200 && peak(&h.sound[0][..first]) < 1e-9 * loudest, "{name}: a sound of nothing");
-    let count: usize = keep.iter().map(|f| blows(f, h.rate)).sum();
+    let count: usize = keep.iter().map(|f| count_contacts(f, h.rate)).sum();
     assert!((60..5000).contains(&count), "{name}: {count} blows");
     let level = |t0: f64, t1: f64| db(rms(h.at(0, t0, t1)));
     assert!(bent < 0.016, "{name}: an edge bends by {bent}");
@@ -171,7 +171,7 @@ pub fn chimes() {
     let knocks: Vec<String> = tubes.iter().map(|t| format!("knock_{t}")).collect();
     let probes: Vec<&str> = knocks.iter().map(String::as_str).collect();
     let h = play("chimes", &probes);
-    let struck: Vec<usize> = (0..5).filter(|i| blows(&h.probe[*i], h.rate) > 0).collect();
+    let struck: Vec<usize> = (0..5).filter(|i| count_contacts(&h.probe[*i], h.rate) > 0).collect();
     assert!(struck.len() >= 3, "the wind reaches {struck:?}");
     for i in struck {
         // at its pitch, in the second after its last blow
@@ -201,7 +201,7 @@ pub fn jack() {
     let land = &h.probe[21..];
     let any: Vec<f64> = (0..motion.ticks()).map(|n| land.iter().map(|f| f[n]).sum()).collect();
     let struck = land.iter().filter(|f| f.iter().any(|f| *f != 0.0)).count();
-    assert!(struck >= 4 && blows(&any, h.rate) >= 20, "{struck} tips, {} blows", blows(&any, h.rate));
+    assert!(struck >= 4 && count_contacts(&any, h.rate) >= 20, "{struck} tips, {} blows", count_contacts(&any, h.rate));
     // it falls from 9 cm and ends on the skin with its weight alone
     let first = any.iter().position(|f| *f != 0.0).unwrap() as f64 / h.rate;
     assert!((0.13..0.14).contains(&first), "{first}");

@@ -17,7 +17,7 @@ fn no_cell_of_any_map_contradicts_theory() {
         assert!(wrong.is_empty(), "{}: {wrong:?}", map.name);
         assert!(field.judged() >= 40, "{}: theory says something of {} cells only", map.name, field.judged());
         // the map covers both sides of each boundary in theory
-        let said = |grows: bool| field.cells.iter().filter(|c| c.said == Some(grows)).count();
+        let said = |grows: bool| field.cells.iter().filter(|c| c.theory == Some(grows)).count();
         if (map.lines)().is_empty() {
             continue;
         }

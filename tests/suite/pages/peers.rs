@@ -25,17 +25,17 @@ fn flat_c_plays_what_the_engine_plays() {
         let all = cases();
         let case = all.iter().find(|c| c.net.name == name).expect(name);
         let mut engine = Engine::new(&case.net);
-        let heard = engine.hear(case.compared).unwrap();
+        let heard = engine.play(case.compared).unwrap();
         let peer = |net| {
             let mut peer = Peer::start(&[&flat], &builder.table(net).unwrap()).unwrap();
             assert!(peer.time(BLOCK).unwrap() > 0.0);
-            peer.hear(case.compared).unwrap().into_iter().map(|x| x - case.net.rest()).collect::<Vec<_>>()
+            peer.play(case.compared).unwrap().into_iter().map(|x| x - case.net.rest()).collect::<Vec<_>>()
         };
         let started = engine.started(&case.net);
         within(name, apart(&heard, &peer(&started)), case.tolerance);
         // a network with one mass different by a thousandth is detected
         let mut other = started.clone();
-        other.mats[case.net.heard[0]].m *= 1.001;
+        other.mats[case.net.outputs[0]].m *= 1.001;
         assert!(apart(&heard, &peer(&other)) > case.tolerance, "{name}: nobody would see it");
     }
 }

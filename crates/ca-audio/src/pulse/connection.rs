@@ -34,7 +34,7 @@ pub(super) struct Connection {
     sequence: u32,
     message: Vec<u8>,
     /// Requested but not yet sent \[bytes\].
-    pub(super) owed: usize,
+    pub(super) pending_bytes: usize,
 }
 
 pub(super) enum ServerMessage {
@@ -73,15 +73,16 @@ impl Connection {
         socket.set_read_timeout(Some(patience))?;
         socket.set_write_timeout(Some(patience))?;
         let version = protocol::MAX_VERSION;
-        let mut line = Connection { socket, version, sequence: 0, message: Vec::with_capacity(1 << 16), owed: 0 };
+        let mut line =
+            Connection { socket, version, sequence: 0, message: Vec::with_capacity(1 << 16), pending_bytes: 0 };
         let mut cookie = pulseaudio::cookie_path_from_env().and_then(|p| std::fs::read(p).ok()).unwrap_or_default();
         cookie.resize(COOKIE, 0);
         let auth = AuthParams { version, supports_shm: false, supports_memfd: false, cookie };
-        let AuthReply { version: theirs, .. } = line.ask(&Command::Auth(auth))?;
+        let AuthReply { version: theirs, .. } = line.request(&Command::Auth(auth))?;
         line.version = version.min(theirs);
         let mut props = Props::new();
         props.set(Prop::ApplicationName, c"ca");
-        let _: protocol::SetClientNameReply = line.ask(&Command::SetClientName(props))?;
+        let _: protocol::SetClientNameReply = line.request(&Command::SetClientName(props))?;
         Ok(line)
     }
 
@@ -108,7 +109,7 @@ impl Connection {
         self.socket.write_all(bytes)
     }
 
-    pub(super) fn ask<R: CommandReply>(&mut self, command: &Command) -> Result<R> {
+    pub(super) fn request<R: CommandReply>(&mut self, command: &Command) -> Result<R> {
         let at = self.order(command)?;
         self.answer(at)
     }
@@ -132,7 +133,7 @@ impl Connection {
         TagStructReader::new(&mut rest, self.version).read().map_err(wrong)
     }
 
-    /// Waits for the next message. A request is added to [`Connection::owed`].
+    /// Waits for the next message. A request is added to [`Connection::pending_bytes`].
     pub(super) fn next(&mut self) -> Result<ServerMessage> {
         loop {
             let mut head = [0; protocol::DESCRIPTOR_SIZE];
@@ -159,7 +160,7 @@ impl Connection {
                     return Err(wrong("it requested too many samples at once"));
                 }
                 (_, Command::Request(r)) => {
-                    self.owed = self.owed.saturating_add(r.length as usize);
+                    self.pending_bytes = self.pending_bytes.saturating_add(r.length as usize);
                     ServerMessage::Other
                 }
                 (_, Command::Error(e)) => ServerMessage::Refused(format!("{e:?}")),

@@ -135,7 +135,7 @@ fn channels(sink: &SinkInfo, scene: &Scene) -> std::result::Result<usize, AudioE
 /// Returns the default sink; `None` if there is none.
 fn default_sink(mut line: Connection) -> (Connection, Option<SinkInfo>) {
     let name = Some(protocol::DEFAULT_SINK.to_owned());
-    let sink = line.ask(&Command::GetSinkInfo(GetSinkInfo { index: None, name })).ok();
+    let sink = line.request(&Command::GetSinkInfo(GetSinkInfo { index: None, name })).ok();
     (line, sink)
 }
 
@@ -164,18 +164,18 @@ fn stream(mut line: Connection, sink: u32, hz: u32, map: ChannelMap, buffer: u32
         },
         ..PlaybackStreamParams::default()
     };
-    let made: CreatePlaybackStreamReply = line.ask(&Command::CreatePlaybackStream(params))?;
+    let made: CreatePlaybackStreamReply = line.request(&Command::CreatePlaybackStream(params))?;
     if made.requested_bytes.max(made.buffer_attr.minimum_request_length) > LARGEST {
         return Err(wrong("it requested too many samples at once"));
     }
     // now at the rate of the stream, if the sink has switched
     let info = Command::GetSinkInfo(GetSinkInfo { index: Some(made.sink_index), name: None });
-    let sink = line.ask(&info)?;
+    let sink = line.request(&info)?;
     let mut silence = vec![0; protocol::DESCRIPTOR_SIZE + made.requested_bytes as usize];
     head(&mut silence, made.channel);
     line.send(&silence)?;
     line.order(&Command::CorkPlaybackStream(CorkStreamParams { channel: made.channel, cork: false }))?;
-    let latency = line.ask(&latency(made.channel))?;
+    let latency = line.request(&latency(made.channel))?;
     Ok(Stream { line, made, sink, latency })
 }
 
@@ -242,7 +242,7 @@ impl Speaker {
     /// Runs until the connection ends, and returns the reason.
     fn run(mut self) -> String {
         loop {
-            if let Err(e) = self.give() {
+            if let Err(e) = self.write_samples() {
                 return format!("lost connection to the server ({e})");
             }
             match self.line.next() {
@@ -258,11 +258,11 @@ impl Speaker {
     }
 
     /// Sends the samples requested.
-    fn give(&mut self) -> Result<()> {
+    fn write_samples(&mut self) -> Result<()> {
         let frame = 4 * self.wide;
         let at = now_ns();
-        while self.line.owed >= frame {
-            let n = (self.line.owed / frame).min(MOST);
+        while self.line.pending_bytes >= frame {
+            let n = (self.line.pending_bytes / frame).min(MOST);
             let sound = &mut self.sound[..n * self.wide];
             self.player.fill(sound, self.wide, at);
             self.message.clear();
@@ -270,7 +270,7 @@ impl Speaker {
             self.message.extend(sound.iter().flat_map(|x| x.to_le_bytes()));
             head(&mut self.message, self.channel);
             self.line.send(&self.message)?;
-            self.line.owed -= n * frame;
+            self.line.pending_bytes -= n * frame;
             (self.given, self.last) = (self.given + n, n);
         }
         if self.given >= self.rate {

@@ -69,7 +69,7 @@ pub(super) fn share(text: &str) -> Result<f64, String> {
 pub fn run(args: &AccuracyArgs) -> Outcome {
     if let Some(path) = &args.output {
         page::is_page(path)?;
-        outputs::apart(&[("-o", path)], &[("the model", Path::new(&args.source.model))])?;
+        outputs::check_distinct(&[("-o", path)], &[("the model", Path::new(&args.source.model))])?;
     }
     let loaded = load::load(&args.source)?;
     let probes = if args.probe.is_empty() { ca_accuracy::heard(&loaded.model) } else { args.probe.clone() };

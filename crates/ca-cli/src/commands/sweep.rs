@@ -187,7 +187,7 @@ fn dry(plan: &SweepPlan) -> Outcome {
     let (row, _) = sweep.run(0, &mut || true)?;
     let mut out = std::io::stdout().lock();
     writeln!(out, "{}  {} runs in {} chunks", plan.folder.display(), sweep.runs(), sweep.runs().div_ceil(plan.chunk))?;
-    for (axis, value) in sweep.ask().axes.iter().zip(&row.values) {
+    for (axis, value) in sweep.spec().axes.iter().zip(&row.values) {
         writeln!(out, "  {} = {} in the first run", axis.name, axis.shown(value))?;
     }
     let time = |runs: f64| term::time(row.run_time * runs);

@@ -45,7 +45,7 @@ pub fn certify(model: &Model, net: &Pruned, effort: Effort, diags: &mut Diags) -
 
 /// Combines the certificates of the sound side and of the groups at the gesture rate. Unless `compensated`, the border
 /// is exact, and each side is as stable as alone with the other side fixed (docs/numerics.md §5.4).
-pub fn beside(own: Certificate, slow: Certificate, compensated: bool) -> Certificate {
+pub fn combine(own: Certificate, slow: Certificate, compensated: bool) -> Certificate {
     let nearer = slow.bound > own.bound;
     let closer = slow.margin() < own.margin();
     let largest = match (own.largest, slow.largest) {

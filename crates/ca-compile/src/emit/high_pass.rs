@@ -27,11 +27,11 @@ fn cutoff(net: &Pruned, o: &OutNode) -> Option<f64> {
 
 /// Returns whether an output has a filter.
 fn is_passed(net: &Pruned, o: &OutNode) -> bool {
-    o.hear == Hear::Acceleration || cutoff(net, o).is_some()
+    o.quantity == Hear::Acceleration || cutoff(net, o).is_some()
 }
 
 fn moves(o: &OutNode) -> bool {
-    matches!(o.hear, Hear::Speed | Hear::Acceleration)
+    matches!(o.quantity, Hear::Speed | Hear::Acceleration)
 }
 
 /// Returns the outputs in the order of [`OutputArrays::outputs`](ca_core::internal::op::layout::OutputArrays::outputs):
@@ -61,7 +61,7 @@ pub fn blockers(model: &Model, net: &Pruned, diags: &mut Diags) -> Vec<DcBlocker
     let mut reported = BTreeSet::new();
     let mut all = Vec::new();
     for o in still_first(net.outs.iter().filter(|o| is_passed(net, o)).collect()) {
-        let Some(f) = cutoff(net, o).filter(|_| o.hear != Hear::Acceleration) else {
+        let Some(f) = cutoff(net, o).filter(|_| o.quantity != Hear::Acceleration) else {
             all.push(DcBlocker { r: 0.0, g: 1.0 });
             continue;
         };

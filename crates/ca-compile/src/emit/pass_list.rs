@@ -19,7 +19,7 @@ pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
         (!layout.ports.enx.is_empty(), Pass::Enx, layout.ports.enx.len()),
         (
             !layout.ports.tgr.is_empty(),
-            Pass::DevicesIn(layout.way(), layout.ports.crossing.latency > 0),
+            Pass::DevicesIn(layout.border_method(), layout.ports.crossing.latency > 0),
             layout.ports.tgr.len(),
         ),
         (!layout.ports.ahead.is_empty(), Pass::Ahead, layout.ports.ahead.len()),
@@ -92,10 +92,10 @@ pub fn forces(layout: &Layout, mut links: Vec<Op>, late: usize, weight: usize, i
         list.push(Op::pass(Pass::Mute, keys));
     }
     if keys > 0 && (feedback || kept) {
-        list.push(Op::pass(Pass::DevicesOut(layout.way()), keys));
+        list.push(Op::pass(Pass::DevicesOut(layout.border_method()), keys));
     }
     if keys > 0 && kept {
-        list.push(Op::pass(Pass::LedgerOfBorder(layout.way()), keys));
+        list.push(Op::pass(Pass::LedgerOfBorder(layout.border_method()), keys));
     }
     if aside {
         list.push(Op::pass(Pass::Mute, keys));
@@ -211,7 +211,7 @@ pub fn merged(moves: Vec<Op>) -> Vec<Op> {
 }
 
 /// Gives slots that do not move the class of a neighbour: an unneeded integration costs less than two stretches.
-pub fn spread(classes: &mut [Option<Class>]) {
+pub fn fill_classes(classes: &mut [Option<Class>]) {
     for i in 1..classes.len() {
         classes[i] = classes[i].or(classes[i - 1].filter(|c| *c != Class::Held));
     }

@@ -69,7 +69,7 @@ pub fn schedule(
     let n_mat = masses.x.len();
     let mut classes = builder.classes(order, n_mat);
     fuse::mark(&builder, options, &mut classes, &mut batches);
-    pass_list::spread(&mut classes);
+    pass_list::fill_classes(&mut classes);
     let mut batches = builder.joined(options, batches);
     // Slots are final from here on.
     let moved = settled.is_some().then(|| listed.moved(&builder));
@@ -390,5 +390,5 @@ fn loaded(net: &Pruned, layout: &Layout, x: &[f64], v: &[f64], coef: &[f64], (li
 fn probes(net: &Pruned) -> (Vec<String>, Vec<u32>) {
     let mut all: Vec<&OutNode> = net.outs.iter().filter(|o| o.item.is_none()).collect();
     all.dedup_by_key(|o| o.channel);
-    all.into_iter().map(|o| (o.name.clone(), o.asked)).unzip()
+    all.into_iter().map(|o| (o.name.clone(), o.request)).unzip()
 }

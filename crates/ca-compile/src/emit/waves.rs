@@ -17,7 +17,7 @@ impl LayoutBuilder<'_> {
         for line in &self.net.lines {
             let Some(tuned) = &line.tuned else { continue };
             let base = all.junctions.len();
-            let z = line.asked.z / self.net.tick_dt;
+            let z = line.spec.z / self.net.tick_dt;
             for m in line.junctions() {
                 all.junctions.push(Junction { mat: self.slot[m as usize], z, memory: take(3) });
             }

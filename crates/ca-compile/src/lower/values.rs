@@ -3,7 +3,7 @@
 //! A bare number is in the units of the model, a quantity in its written unit. Both are checked against the dimension
 //! of their place. A `[param]` without a unit takes the dimension of the place where it is used.
 
-use crate::findings::{bad_quantity, instead, quoted, range_help, type_name, unit_span, wanted, wrong_unit};
+use crate::findings::{bad_quantity, instead, quoted, range_help, type_name, unit_in_sentence, unit_span, wrong_unit};
 use crate::lower::parsed_param::{ParsedParam, Raw};
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -65,7 +65,8 @@ impl Values<'_> {
             Ok(q) if !q.has_unit && (unit.dim.same(Unit::NONE.dim) || q.value == 0.0) => Some(q.value),
             Ok(q) if !q.has_unit => {
                 let d = Diag::error("E008", format!("{what} has no unit: `{}`", text.trim()));
-                let d = d.at(e.span, format!("a number in quotes needs its unit, here {}", wanted(unit.symbol)));
+                let d =
+                    d.at(e.span, format!("a number in quotes needs its unit, here {}", unit_in_sentence(unit.symbol)));
                 let new = format!("\"{} {}\"", text.trim(), unit.symbol);
                 self.diags.push(d.help("write the unit, or leave out the quotes").fix(e.span, new));
                 None
@@ -159,8 +160,10 @@ impl Values<'_> {
             Raw::Quantity(q) if q.has_unit => {
                 let is = quantity::unit_of(q.dim);
                 let d = wrong_unit(what, unit.symbol, &is, e.span).at(self.named[i].value_span, "declared here");
-                self.diags
-                    .push(d.help(format!("give `{name}` in {}, or use another parameter here", wanted(unit.symbol))));
+                self.diags.push(d.help(format!(
+                    "give `{name}` in {}, or use another parameter here",
+                    unit_in_sentence(unit.symbol)
+                )));
                 return None;
             }
             _ => self.bare(unit.dim),

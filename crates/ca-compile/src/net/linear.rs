@@ -119,7 +119,7 @@ pub fn network(net: &Pruned, purpose: Purpose) -> Network {
     let (mut ports, mut derivatives, mut force_outputs): (Vec<Port>, Vec<Port>, Vec<String>) = Default::default();
     // Last port and channel: a probe may have the name of an output.
     let mut last: Option<(&str, u32)> = None;
-    for OutNode { name, tap, hear, axis, share, channel, .. } in &net.outs {
+    for OutNode { name, tap, quantity: hear, axis, share, channel, .. } in &net.outs {
         let (axis, share, channel) = (*axis, *share, *channel);
         let still = *hear == Hear::Position;
         // Once per output, for any number of modules and axes.
@@ -311,7 +311,7 @@ pub fn rows(net: &Wired, l: &LiaNode, b: &Bound, numbers: &Numbers, points: Poin
 
 /// Returns the extension of a port at load \[m\]: 0 if no end is displaced and no length is written.
 fn stretch(net: &Wired, l: &LiaNode, ends: [End; 2], measure: Measure, first: bool) -> f64 {
-    let rest = net.apart(ends);
+    let rest = net.rest_vector(ends);
     let (from, to) = (moved(net, ends[0]), moved(net, ends[1]));
     let by: [f64; 3] = core::array::from_fn(|k| to[k] - from[k]);
     let written = if first { l.l0 } else { None };
@@ -401,7 +401,7 @@ fn moved(net: &Wired, e: End) -> [f64; 3] {
 
 /// Returns the direction and length from the first to the second end at load.
 fn unit(net: &Wired, ends: [End; 2], soften: f64) -> ([f64; 3], f64) {
-    let (rest, from, to) = (net.apart(ends), moved(net, ends[0]), moved(net, ends[1]));
+    let (rest, from, to) = (net.rest_vector(ends), moved(net, ends[0]), moved(net, ends[1]));
     let v: [f64; 3] = core::array::from_fn(|k| rest[k] + to[k] - from[k]);
     let length = libm::sqrt(v.iter().map(|x| x * x).sum::<f64>() + soften * soften).max(f64::MIN_POSITIVE);
     (v.map(|x| x / length), length)

@@ -275,7 +275,7 @@ impl Wired {
     }
 
     /// Returns the vector from the first to the second end at rest.
-    pub fn apart(&self, [a, b]: [End; 2]) -> [f64; 3] {
+    pub fn rest_vector(&self, [a, b]: [End; 2]) -> [f64; 3] {
         let (a, b) = (self.rest(a), self.rest(b));
         core::array::from_fn(|k| b[k] - a[k])
     }

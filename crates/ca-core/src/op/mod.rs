@@ -24,7 +24,7 @@ pub(crate) mod wide;
 pub use account::Energies;
 pub use law::{Cheaper, Law, LawEntry, LawFns, Laws, LoadFns, ParamBinding, SolveStage, Together};
 use layout::Layout;
-pub use layout::{MeasureKind, Ports, Way};
+pub use layout::{BorderMethod, MeasureKind, Ports};
 pub use links::law::{family, loaded, started};
 pub use wide::Vectors;
 
@@ -109,7 +109,7 @@ pub enum Pass {
     /// position ports
     Enx,
     /// device ports: how their position enters, and whether late
-    DevicesIn(Way, bool),
+    DevicesIn(BorderMethod, bool),
     /// ports that run a tick late
     Ahead,
     /// positions of modal masses
@@ -155,9 +155,9 @@ pub enum Pass {
     /// without force feedback: keeps the forces on devices for the ledger only
     Mute,
     /// forces on device ports
-    DevicesOut(Way),
+    DevicesOut(BorderMethod),
     /// energy ledger of the border
-    LedgerOfBorder(Way),
+    LedgerOfBorder(BorderMethod),
     /// stores what the ledger reads in the next tick
     LedgerOfForces,
     /// groups at the gesture rate

@@ -25,7 +25,7 @@ pub fn enx<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 
 /// Delays ports that run a tick late. The position just read becomes the next one, so that links know the coming
 /// motion. At the first tick the position before follows from the motion of the port.
-pub fn ahead<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+pub fn delay_ports<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let first = s.tick == 0;
     for (m, way) in layout.ports.ahead[..op.n].iter().zip(&mut s.ports.under_way) {
         let m = *m as usize;
@@ -119,7 +119,7 @@ pub fn project<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 }
 
 /// Distributes the force on moving points to their cells, with the weights of the position, so that no energy is made.
-pub fn spread<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+pub fn distribute_forces<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for (k, p) in layout.places.moving_points[..op.n].iter().enumerate() {
         let c = s.links.cells[k];
         let f = s.f[p.mat as usize];

@@ -257,13 +257,14 @@ fn slow_group<R: Real>(g: &SlowGroup, laws: &Laws<R>) -> Result<SlowGroup<R>, Un
 }
 
 fn state<R: Real>(s: &State, layout: &Layout<R>) -> State<R> {
-    let ledger = s.ledger.as_ref().map(|l| Box::new(Ledger { kick: reals(&l.kick), ..empty_ledger(layout) }));
+    let ledger =
+        s.ledger.as_ref().map(|l| Box::new(Ledger { start_force: reals(&l.start_force), ..empty_ledger(layout) }));
     let slow = s.slow.as_ref().zip(layout.rates.slow.as_ref()).map(|(slow, group)| {
         let SlowState { state: own, ports, unknown, free } = &**slow;
         let own = state(own, &group.layout);
         Box::new(SlowState { state: own, ports: ports.clone(), unknown: unknown.clone(), free: free.clone() })
     });
-    let Ramps { index, whole, .. } = &s.ramps;
+    let Ramps { index, instant: whole, .. } = &s.ramps;
     State {
         scene: s.scene,
         x: reals(&s.x),

@@ -88,6 +88,6 @@ fn state<R: Real<Outer = R>>(s: &mut State<R>, visit: &mut impl FnMut(&mut R)) {
     }
     s.links.mem.iter_mut().for_each(&mut *visit);
     s.links.cells.iter_mut().flat_map(|c| &mut c.weight).for_each(&mut *visit);
-    s.f.iter_mut().chain(s.ledger.iter_mut().flat_map(|l| &mut l.kick)).for_each(visit);
+    s.f.iter_mut().chain(s.ledger.iter_mut().flat_map(|l| &mut l.start_force)).for_each(visit);
     s.output.fill(R::Outer::ZERO);
 }

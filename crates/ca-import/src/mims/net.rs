@@ -34,7 +34,7 @@ pub(super) fn build<'a>(typed: &[(&Line<'a>, &'static Type)], diags: &mut Diags)
         diags,
         params: BTreeMap::new(),
         mats: BTreeMap::new(),
-        others: BTreeMap::new(),
+        other_labels: BTreeMap::new(),
     };
     let mut n_parts = 0;
     let mut seen: BTreeMap<&'a str, Span> = BTreeMap::new();
@@ -48,7 +48,7 @@ pub(super) fn build<'a>(typed: &[(&Line<'a>, &'static Type)], diags: &mut Diags)
                 }
                 r.mats.insert(line.label.text, n_parts);
             }
-            _ => _ = r.others.insert(line.label.text, line.label.span),
+            _ => _ = r.other_labels.insert(line.label.text, line.label.span),
         }
         n_parts += usize::from(is_part);
     }

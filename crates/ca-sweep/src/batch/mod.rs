@@ -293,7 +293,7 @@ impl Shared<'_> {
             return None;
         }
         for (slot, level) in some.iter_mut().zip(&levels) {
-            *slot.to = (Outcome::heard(level, 0, width > 0), peak(level));
+            *slot.to = (Outcome::judge(level, 0, width > 0), peak(level));
         }
         Some(())
     }

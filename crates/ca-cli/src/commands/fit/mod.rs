@@ -28,7 +28,7 @@ pub fn run(args: &FitArgs) -> Outcome {
     let page = args.report.iter().map(|p| ("--report", &**p));
     let written: Vec<_> = args.to_file.write.iter().map(|p| ("--write", &**p)).chain(page).collect();
     let read = render::inputs("", &args.gesture).into_iter().chain([("the recording", &*args.to)]);
-    outputs::apart(&written, &read.collect::<Vec<_>>())?;
+    outputs::check_distinct(&written, &read.collect::<Vec<_>>())?;
     let source = Source { set: args.set.clone(), ..Source::of(&args.model) };
     let loaded = load::load(&source)?;
     let writes = args.to_file.in_place || args.to_file.write.is_some();

@@ -47,7 +47,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
     let probes = probes(args, &output)?;
     let written = [("-o", &*output)].into_iter().chain(probes.iter().map(|p| ("--probe", &*p.file)));
     let written: Vec<_> = written.chain(args.error_target.files()).collect();
-    outputs::apart(&written, &inputs(&args.source.model, &args.playing.gesture))?;
+    outputs::check_distinct(&written, &inputs(&args.source.model, &args.playing.gesture))?;
     for (name, value) in args.error_target.changes(&loaded, args.source.rate, args.quiet || args.json)? {
         ca_lab::load::set_typed(&mut loaded, &name, &value)?;
     }
@@ -102,7 +102,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
     let energy = match &played.energy {
         Some(ledger) => {
             let diverged = played.diverged_at.is_some();
-            Some(play::Audit { ledger: ledger.clone(), ticks: played.energy_ticks, whole: true, diverged })
+            Some(play::Audit { ledger: ledger.clone(), ticks: played.energy_ticks, complete: true, diverged })
         }
         None => play::audit(audited, gesture.as_ref(), played.frames),
     };

@@ -37,7 +37,7 @@ pub fn run(args: &LogArgs) -> Outcome {
 
 /// Refuses to overwrite the take, or without `force` any existing file.
 fn free(path: &Path, from: &Path, force: bool) -> Result<(), Failure> {
-    outputs::apart(&[("-o", path)], &[("the take", from)])?;
+    outputs::check_distinct(&[("-o", path)], &[("the take", from)])?;
     if path.is_file() && !force {
         return Err(Failure::Failed(format!("`{}` exists; use `--force` to overwrite it", path.display())));
     }

@@ -21,7 +21,7 @@ use std::io::Write;
 pub fn run(args: &ReplayArgs) -> Outcome {
     if let Some(path) = &args.output {
         ca_live::check_wav_path(path)?;
-        outputs::apart(&[("-o", path)], &[("the take", &args.file)])?;
+        outputs::check_distinct(&[("-o", path)], &[("the take", &args.file)])?;
     }
     let mut take = Take::open(&args.file)?;
     // the ledger does not change the bits of the sound, as the comparison shows

@@ -48,14 +48,14 @@ fn attempt(sandbox: &Sandbox, i: &Instrument, hand: &[String]) -> Option<Vec<Str
     }
     let largest = felt["largest"].as_array().expect("a list").iter().filter_map(serde_json::Value::as_f64);
     let largest = largest.fold(0.0, f64::max);
-    if largest < i.stroke.felt {
-        wrong.push(format!("the hand feels {largest:.4} N, not {} N", i.stroke.felt));
+    if largest < i.stroke.min_force {
+        wrong.push(format!("the hand feels {largest:.4} N, not {} N", i.stroke.min_force));
     }
     let sound = hound::WavReader::open(sandbox.path(&sound)).expect("a sound");
     let peak = sound.into_samples::<f32>().map(|s| f64::from(s.expect("a sample").abs())).fold(0.0, f64::max);
     let level = 20.0 * peak.max(1e-9).log10();
-    if !(i.stroke.heard..=0.0).contains(&level) {
-        wrong.push(format!("it peaks at {level:.1} dBFS, not at {} or more", i.stroke.heard));
+    if !(i.stroke.min_peak..=0.0).contains(&level) {
+        wrong.push(format!("it peaks at {level:.1} dBFS, not at {} or more", i.stroke.min_peak));
     }
     eprintln!("{}: {level:.1} dBFS, {largest:.3} N", i.model);
     Some(wrong)
@@ -113,12 +113,14 @@ fn hand<'a>(scene: &'a Scene, stroke: &Stroke) -> Option<(&'a str, String)> {
         if name != device {
             continue;
         }
-        let way = match (stroke.ways.iter().find(|w| w.0 == *dof), scene.about.gestures.iter().find(|g| g.0 == i.name))
-        {
-            (Some((_, own)), _) => own.to_vec(),
-            (None, Some((_, points))) => points.iter().map(|[t, x]| [t * stroke.slower, x / i.gains.alpha]).collect(),
-            (None, None) => vec![[0.0, i.rest / i.gains.alpha]],
-        };
+        let way =
+            match (stroke.motions.iter().find(|w| w.0 == *dof), scene.about.gestures.iter().find(|g| g.0 == i.name)) {
+                (Some((_, own)), _) => own.to_vec(),
+                (None, Some((_, points))) => {
+                    points.iter().map(|[t, x]| [t * stroke.slower, x / i.gains.alpha]).collect()
+                }
+                (None, None) => vec![[0.0, i.rest / i.gains.alpha]],
+            };
         ways.insert(*dof, way);
     }
     let mut csv = String::from("time");

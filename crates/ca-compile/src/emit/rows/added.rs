@@ -51,12 +51,12 @@ impl Added {
             ends.for_each(|end| mark(&mut whole, builder.at(end), 3));
         }
         let mut all = Added { start, by, behind, whole };
-        all.others(builder);
+        all.other_forces(builder);
         all
     }
 
     /// Adds moving points, weight, ports, and the slots whose sum is read.
-    fn others(&mut self, builder: &LayoutBuilder) {
+    fn other_forces(&mut self, builder: &LayoutBuilder) {
         let net = builder.net;
         for (push, slot) in net.pushes.iter().filter_map(|p| Some((p, builder.alive(p.end, p.axis)?))) {
             let slot = slot as usize;

@@ -145,7 +145,7 @@ pub fn fold(
     for row in &rows {
         now[row.fold.first as usize..][..row.slots()].fill(classes[row.from]);
     }
-    pass_list::spread(&mut now);
+    pass_list::fill_classes(&mut now);
     *classes = now;
     to
 }

@@ -75,7 +75,7 @@ impl LayoutBuilder<'_> {
             Measure::Line(_) => None,
             Measure::Along(n) => Some([n[0], n[1], n[2], 0.0]),
             Measure::Radial => {
-                let [x, y, z] = self.net.apart(ends);
+                let [x, y, z] = self.net.rest_vector(ends);
                 Some([x, y, z, soften * soften])
             }
         }

@@ -1,7 +1,7 @@
 //! Makes the points of a gesture: a line, a sine, noise, pulses, another gesture, a sum.
 
 use super::{Curves, DAY, MOST, Points};
-use crate::findings::{unit_span, wanted, wrong_unit};
+use crate::findings::{unit_in_sentence, unit_span, wrong_unit};
 use alloc::format;
 use alloc::vec::Vec;
 use ca_core::{ABOVE_ZERO, ANY, Dim, Unit};
@@ -259,8 +259,8 @@ impl CurveBuilder<'_, '_, '_> {
             });
             return None;
         };
-        if self.c.within.contains(name) || self.c.within.len() >= DEEP {
-            let itself = self.c.within.contains(name);
+        if self.c.following.contains(name) || self.c.following.len() >= DEEP {
+            let itself = self.c.following.contains(name);
             let how = if itself {
                 "follows itself".into()
             } else {
@@ -284,7 +284,7 @@ impl CurveBuilder<'_, '_, '_> {
                 {
                     let (what, is) = (format!("`gain` of {}", self.what), quantity::unit_of(q.dim));
                     let d = wrong_unit(&what, &quantity::unit_of(ratio), &is, unit_span(&e, t));
-                    let [a, b] = [own, theirs].map(|u| wanted(u.symbol));
+                    let [a, b] = [own, theirs].map(|u| unit_in_sentence(u.symbol));
                     let help = format!(
                         "`gain` converts the unit of `{name}` ({b}) to the unit of this gesture ({a}); a plain number is \
                          in SI units"
@@ -301,7 +301,7 @@ impl CurveBuilder<'_, '_, '_> {
             let points = made.as_ref()?.iter().map(|[t, v]| [t + delay, offset + gain * v]).collect();
             return Some(points);
         }
-        self.c.within.push(name.clone());
+        self.c.following.push(name.clone());
         let what = format!("gesture `{name}`");
         (self.c.unit, self.c.alg) = (theirs, if theirs.dim.same(own.dim) { alg } else { None });
         let before = self.c.v.diags.list.len();
@@ -309,7 +309,7 @@ impl CurveBuilder<'_, '_, '_> {
         // Errors of the followed gesture are reported at its own place.
         self.c.v.diags.list.truncate(before);
         (self.c.unit, self.c.alg) = (own, alg);
-        self.c.within.pop();
+        self.c.following.pop();
         self.c.made.insert(name.clone(), points.clone());
         Some(points?.into_iter().map(|[t, v]| [t + delay, offset + gain * v]).collect())
     }

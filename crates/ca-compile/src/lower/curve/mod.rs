@@ -42,7 +42,7 @@ pub struct Curves<'a, 'v> {
     /// Tick of the reference rate, if bare values are in `alg` units; times are always in seconds.
     pub alg: Option<f64>,
     /// Gestures being followed.
-    pub within: Vec<String>,
+    pub following: Vec<String>,
     /// Gestures already made.
     pub made: &'a mut BTreeMap<String, Option<Points>>,
 }

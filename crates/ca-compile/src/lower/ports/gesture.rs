@@ -44,7 +44,7 @@ pub fn gestures(model: &Model, net: &mut Resolved, alg: Option<f64>, named: &[Pa
         }
         let what = format!("gesture `{}`", e.key);
         let (alg, within) = (alg.filter(|_| limits.is_none()), Vec::from([e.key.clone()]));
-        let curves = Curves { v: &mut v, net, all: &all, unit, units: &units, alg, within, made: &mut made };
+        let curves = Curves { v: &mut v, net, all: &all, unit, units: &units, alg, following: within, made: &mut made };
         let points = { curves }.curve(e, &what);
         let mut used = BTreeSet::new();
         refer(&e.value, &mut |name| _ = used.insert(name.to_string()));

@@ -154,7 +154,7 @@ pub struct Crossing {
 /// Rule by which device ports cross the border: their [`Shape`], or tick by tick if a frame has one tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
-pub enum Way {
+pub enum BorderMethod {
     /// one tick per frame
     Synchronous,
     /// [`Shape::Linear`]
@@ -255,11 +255,11 @@ pub struct Layout<R: Real = f64> {
 
 impl<R: Real> Layout<R> {
     /// Returns how device ports cross the border.
-    pub fn way(&self) -> Way {
+    pub fn border_method(&self) -> BorderMethod {
         match (self.rates.frame, self.ports.crossing.shape) {
-            (1, _) => Way::Synchronous,
-            (_, Shape::Linear) => Way::Linear,
-            (_, Shape::Hold) => Way::Hold,
+            (1, _) => BorderMethod::Synchronous,
+            (_, Shape::Linear) => BorderMethod::Linear,
+            (_, Shape::Hold) => BorderMethod::Hold,
         }
     }
 

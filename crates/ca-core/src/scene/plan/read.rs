@@ -195,7 +195,7 @@ fn loaded(record: LoadedRecord, layout: &Layout) -> Result<State, Wrong> {
 /// Makes a state at load without its group.
 fn flat(record: StateRecord, layout: &Layout) -> Result<State, Wrong> {
     verify::state(&record, layout)?;
-    let kick = record.kick.map(|kick| Box::new(Ledger { kick: kick.into_owned(), ..empty_ledger(layout) }));
+    let kick = record.kick.map(|kick| Box::new(Ledger { start_force: kick.into_owned(), ..empty_ledger(layout) }));
     let [x, d, f, coef, lengths, tap] =
         [&record.x, &record.d, &record.f, &record.coef, &record.lengths, &record.tap].map(|all| all[..].into());
     Ok(State {

@@ -189,7 +189,7 @@ fn flat(state: &State) -> StateRecord<'_> {
         tick: _,
     } = state;
     let [x, d, f, coef, lengths, tap] = [x, d, f, coef, lengths, tap].map(|all| Cow::Borrowed(&all[..]));
-    let Ramps { index, whole, .. } = ramps;
+    let Ramps { index, instant: whole, .. } = ramps;
     StateRecord {
         x,
         d,
@@ -213,7 +213,7 @@ fn flat(state: &State) -> StateRecord<'_> {
         live: index.into(),
         whole: *whole,
         written: [slots, coefs].map(|order| Cow::Borrowed(&order[..])),
-        kick: ledger.as_deref().map(|ledger| (&ledger.kick).into()),
+        kick: ledger.as_deref().map(|ledger| (&ledger.start_force).into()),
     }
 }
 

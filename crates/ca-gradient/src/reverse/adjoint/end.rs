@@ -33,7 +33,7 @@ impl Adjoint<'_> {
         for l in self.listed.iter().chain(&self.rows) {
             for i in 0..l.of.n {
                 let [by_e, by_w] = l.products.each_ref().map(|sums| sums.get(i).copied().unwrap_or(0.0));
-                if let Some(ahead) = l.ahead.get(i) {
+                if let Some(ahead) = l.next_products.get(i) {
                     let [k, z, theta] = [0, 1, 2].map(|k| l.of.coef + k * l.of.n + i);
                     let more = ahead - by_w;
                     adjoint[number(coef[k])] += by_e + own[theta] * more;

@@ -95,11 +95,12 @@ impl<'a> Adjoint<'a> {
         let wanted = |of: Rows| {
             let elongations = e0[of.first..][..of.n].iter().any(|v| is_needed(*v));
             let coefficients: Vec<bool> = (0..of.basis.0.len()).map(|k| needs(&of, k)).collect();
-            Links::wanted(of, &coefficients, elongations)
+            Links::for_changes(of, &coefficients, elongations)
         };
         let listed = |(k, basis): &(usize, Basis)| wanted(Rows::listed(scene, &scene.passes.forces[*k], basis));
-        let solved =
-            |k: &usize| wanted(Rows::listed(scene, &scene.passes.forces[*k], &Basis::implicit())).map(Links::ahead);
+        let solved = |k: &usize| {
+            wanted(Rows::listed(scene, &scene.passes.forces[*k], &Basis::implicit())).map(Links::for_implicit)
+        };
         let of_row = |(k, basis): &(usize, Basis)| Rows::integrated(&scene.passes.moves[*k], basis);
         let n = scene.layout.counts.n_mat;
         let own = [0, 1, 2].map(|k| coef[k * n..][..n].iter().any(|v| is_needed(*v)));
