@@ -14,14 +14,14 @@ const BAD: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
 
 /// Results at an entry point.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Door {
+pub struct EntryPoint {
     /// Number of attempts.
     pub tried: usize,
     /// Attempts in which a non-finite number passed.
     pub through: Vec<String>,
 }
 
-impl Door {
+impl EntryPoint {
     fn tries(&mut self, held: bool, what: impl FnOnce() -> String) {
         self.tried += 1;
         if !held {
@@ -31,8 +31,8 @@ impl Door {
 }
 
 /// Tests every number of every kind, in the example of the kind: an error names the value, and there is no scene.
-pub fn parameters() -> Door {
-    let (mut door, catalog) = (Door::default(), catalog());
+pub fn parameters() -> EntryPoint {
+    let (mut entry_point, catalog) = (EntryPoint::default(), catalog());
     let number = |ty: &Type| {
         matches!(
             ty,
@@ -54,12 +54,12 @@ pub fn parameters() -> Door {
                     let set = model.set(&name, &bad.to_string());
                     let reported = finish(&model, found.clone(), &catalog, &Options::default()).err();
                     let refused = reported.is_some_and(|d| d.list.iter().any(|d| d.code == "E009" || d.code == "E006"));
-                    door.tries(set && refused, || format!("{name} = {bad} of {}", kind.code));
+                    entry_point.tries(set && refused, || format!("{name} = {bad} of {}", kind.code));
                 }
             }
         }
     }
-    door
+    entry_point
 }
 
 /// Returns the examples of the catalog that compile unchanged.
@@ -73,8 +73,8 @@ fn examples() -> Vec<(&'static str, Scene)> {
 }
 
 /// Tests every input of every example: all numbers stay finite, and refused values are counted.
-pub fn ports() -> Door {
-    let mut door = Door::default();
+pub fn ports() -> EntryPoint {
+    let mut entry_point = EntryPoint::default();
     for (code, scene) in examples() {
         for (port, input) in scene.inputs.iter().enumerate() {
             for bad in BAD {
@@ -87,11 +87,11 @@ pub fn ports() -> Door {
                     let all: [&[f64]; 6] = [&s.x, &s.d, &s.f, &s.output, &s.links.tap, &s.links.mem];
                     finite &= all.iter().all(|v| v.iter().all(|v| v.is_finite()));
                 }
-                door.tries(finite && s.ports.refused > 0, || format!("{bad} at {} of {code}", input.name));
+                entry_point.tries(finite && s.ports.refused > 0, || format!("{bad} at {} of {code}", input.name));
             }
         }
     }
-    door
+    entry_point
 }
 
 /// A bar with a live parameter.
@@ -100,28 +100,28 @@ const LIVE: &str = "[param]\nfelt = { value = 0, unit = \"N s/m\", live = true, 
                     k = 1000, z = \"felt\" }\n[SOX]\nout = { from = \"bar\" }\n";
 
 /// Tests changes during a play: refused by name, and by the state for a patch made by hand.
-pub fn changes() -> Door {
-    let mut door = Door::default();
+pub fn changes() -> EntryPoint {
+    let mut entry_point = EntryPoint::default();
     let scene = crate::scene(LIVE);
     let mut controls = Controls::new(&scene.live, scene.rates.sample_dt);
     let good = controls.set("felt", 0.5).expect("a good value");
     for bad in BAD {
-        door.tries(controls.set("felt", bad).is_err(), || format!("felt = {bad}"));
+        entry_point.tries(controls.set("felt", bad).is_err(), || format!("felt = {bad}"));
         let (mut s, mut patch) = (scene.state(), good.clone());
         patch.set.iter_mut().for_each(|p| p.1 = bad);
         let before = s.clone();
-        door.tries(!s.apply(&patch, 16) && s == before, || format!("a patch of {bad}"));
+        entry_point.tries(!s.apply(&patch, 16) && s == before, || format!("a patch of {bad}"));
     }
-    door
+    entry_point
 }
 
-type Spoil = fn(&mut DeviceFrame, f64);
+type Corruption = fn(&mut DeviceFrame, f64);
 
 /// Tests frames of a device with forces on: all forces and samples are finite, and after a series of non-finite
 /// positions there is no force.
-pub fn frames() -> Door {
-    let mut door = Door::default();
-    let spoils: [(&str, Spoil); 3] = [
+pub fn frames() -> EntryPoint {
+    let mut entry_point = EntryPoint::default();
+    let spoils: [(&str, Corruption); 3] = [
         ("position", |f, bad| f.pos[0] = bad),
         ("speed", |f, bad| (f.vel_mask, f.vel[0]) = (1, bad)),
         ("measured force", |f, bad| f.force_measured[0] = bad as f32),
@@ -141,8 +141,8 @@ pub fn frames() -> Door {
                 held &= last.is_finite() && rig.engine.state.output.iter().all(|v| v.is_finite());
             }
             held &= rig.engine.state.is_bounded(1e3) && (what != "position" || last == 0.0);
-            door.tries(held, || format!("{bad} as {what}"));
+            entry_point.tries(held, || format!("{bad} as {what}"));
         }
     }
-    door
+    entry_point
 }

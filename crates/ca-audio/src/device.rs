@@ -3,7 +3,7 @@
 //! A device must play the scene as it is, or it is refused; nothing is resampled here. The callback only takes samples
 //! from a ring and reads the clock. The recorder reports errors of the device.
 
-use super::{Output as Any, Playing};
+use super::{OpenOutput, Output as Any};
 use crate::AudioError;
 use ca_core::Scene;
 use ca_haptic::rt::now_ns;
@@ -23,7 +23,7 @@ pub(super) fn open(
     wanted: &str,
     buffer: Option<u32>,
     scene: &Scene,
-) -> Result<(Playing, DeviceClock, Watch), AudioError> {
+) -> Result<(OpenOutput, DeviceClock, Watch), AudioError> {
     let (host, device) = find(wanted)?;
     let name = device.to_string();
     let (config, buffer) = fit(&device, scene, buffer)?;
@@ -59,7 +59,7 @@ pub(super) fn open(
         )
         .map_err(failed)?;
     let output = Any::Device(Output { stream });
-    Ok((Playing { output, counts, words, name, host: host.name(), events: None }, follow, watch))
+    Ok((OpenOutput { output, counts, words, name, host: host.name(), events: None }, follow, watch))
 }
 
 pub(super) struct Output {

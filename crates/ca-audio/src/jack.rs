@@ -5,7 +5,7 @@
 //! neither allocates nor locks. The MIDI port is not connected automatically, because the device behind it may also be
 //! read directly.
 
-use super::{Output as Any, Playing};
+use super::{OpenOutput, Output as Any};
 use crate::AudioError;
 use crate::midi_events::{EventReader, EventWriter, ring};
 use ca_core::Scene;
@@ -41,7 +41,7 @@ pub(super) fn open(
     scene: &Scene,
     buffer: Option<u32>,
     midi: bool,
-) -> Result<(Playing, DeviceClock, Watch), AudioError> {
+) -> Result<(OpenOutput, DeviceClock, Watch), AudioError> {
     let none = |_| {
         let how =
             "no JACK server answers; start one (`jackd -d alsa -r 48000 -p 64`) or set JACK_DEFAULT_SERVER to its name";
@@ -81,7 +81,7 @@ pub(super) fn open(
         words: tell,
     };
     let output = Any::Jack(Box::new(output));
-    Ok((Playing { output, counts, words, name: "JACK".into(), host: "JACK", events }, follow, watch))
+    Ok((OpenOutput { output, counts, words, name: "JACK".into(), host: "JACK", events }, follow, watch))
 }
 
 /// Opens a MIDI port, with both ends of the ring for its events.

@@ -26,7 +26,7 @@ const GAINS: f64 = 1e-3;
 const NESTED: [f64; 3] = [0.5, 0.65, 0.8];
 
 /// Makes the loss of the sound up to a sample.
-pub(super) type Within<'a> = &'a dyn Fn(usize) -> Box<dyn Loss>;
+pub(super) type LossUntil<'a> = &'a dyn Fn(usize) -> Box<dyn Loss>;
 
 /// Deviations at a point, and whether the search has settled there.
 struct Look {
@@ -47,7 +47,7 @@ impl Work<'_> {
     pub fn settled(
         &self,
         player: &mut Player,
-        (within, until): (Within, usize),
+        (within, until): (LossUntil, usize),
         mut point: Point,
         slopes: &mut Option<Slopes>,
     ) -> Result<(Point, Known), Failure> {
@@ -122,7 +122,7 @@ impl Work<'_> {
     /// Returns the deviations of the whole window, widened if nested windows differ by more than expected.
     fn checked(
         &self,
-        within: Within,
+        within: LossUntil,
         until: usize,
         point: &Point,
         slopes: Option<&Slopes>,

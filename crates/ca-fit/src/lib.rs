@@ -95,7 +95,7 @@ pub struct Distance {
 
 /// Distances over the time after the fitted part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Beyond {
+pub struct Prediction {
     /// Its length \[s\].
     pub seconds: f64,
     /// Distance of the model.
@@ -106,7 +106,7 @@ pub struct Beyond {
     pub count: usize,
 }
 
-impl Beyond {
+impl Prediction {
     /// Describes the sinusoids in words.
     pub fn named(&self) -> String {
         format!("{} damped sinusoid{}", self.count, if self.count == 1 { "" } else { "s" })
@@ -151,7 +151,7 @@ pub struct Fit {
     /// Distance at the end.
     pub after: Distance,
     /// Distances over the time after the fitted part, if there is enough of it.
-    pub beyond: Option<Beyond>,
+    pub beyond: Option<Prediction>,
     shown: Shown,
     words: &'static Words,
 }

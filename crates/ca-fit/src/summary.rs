@@ -9,7 +9,7 @@ use super::stages::{Found, Work};
 use super::target::{Samples, Target};
 use super::verdict::Known;
 use super::verdict::{Doubt, StopReason, explained};
-use super::{Beyond, Distance, Fit, Fitted, Pitch, Shown, Stage, sinusoids};
+use super::{Distance, Fit, Fitted, Pitch, Prediction, Shown, Stage, sinusoids};
 use ca_lab::Failure;
 
 impl Work<'_> {
@@ -105,7 +105,7 @@ impl Work<'_> {
     }
 
     /// Returns how well the model, and damped sinusoids, predict the time after the fitted part.
-    fn beyond(&self, point: &Point, level: Free) -> Option<Beyond> {
+    fn beyond(&self, point: &Point, level: Free) -> Option<Prediction> {
         let Target { rate, onset, fitted, ref samples, .. } = self.target;
         let there = samples.first().map_or(0, Vec::len);
         if !self.is_beyond() {
@@ -120,7 +120,7 @@ impl Work<'_> {
             samples: Wave::of(&self.target, fitted, there, Some(wave.gain), false).decibel(heard, wave),
         };
         let one = Free { gain: 1.0, delay: 0.0 };
-        Some(Beyond {
+        Some(Prediction {
             seconds: (there - fitted) as f64 / rate,
             model: of(&point.sound, level, point.free),
             sinusoids: of(&other, one, one),

@@ -48,14 +48,14 @@ const STIFFEST: f64 = 10.0;
 const HEAVIER: f64 = 4.0;
 /// Largest mass between coupling and links, as a part of the device's mass.
 const LIGHT: f64 = 0.1;
-/// Stiffness that stands for sticking friction and strong dampers, as a multiple of [`Held::unchanged`].
+/// Stiffness that stands for sticking friction and strong dampers, as a multiple of [`StiffnessLimits::unchanged`].
 const RIGID: f64 = 1000.0;
 /// Slopes count only below this multiple of the device's largest force: above it, the device cannot stop the hand.
 const REACHED: f64 = 2.0;
 
 /// Stiffness limits of a device.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Held {
+pub struct StiffnessLimits {
     /// Stiffest sum of springs on which it is passive, if it uses each force one frame later \[N/m\].
     pub passive: f64,
     /// The same, if it uses each force at once \[N/m\].
@@ -67,9 +67,9 @@ pub struct Held {
     pub softened_to: f64,
 }
 
-impl Held {
+impl StiffnessLimits {
     /// Computes the limits of a device with this profile in this scene.
-    pub fn new(scene: &Scene, profile: &Profile) -> Held {
+    pub fn new(scene: &Scene, profile: &Profile) -> StiffnessLimits {
         let rate = scene.rate / f64::from(scene.rates.ratio);
         // a slower device holds each force longer
         let longer = (rate / profile.rate).max(1.0);
@@ -81,7 +81,7 @@ impl Held {
         let softened = if is_slower(profile, 1.0 / rate) { later(2.0) } else { passive };
         let most = |k: f64| profile.stiffness.map_or(k, |own| own.min(k));
         let (kept, given) = (most(KEPT * passive), most(SURE * softened));
-        Held { passive, at_once: d.stiffest(b), unchanged: kept, softened_to: given }
+        StiffnessLimits { passive, at_once: d.stiffest(b), unchanged: kept, softened_to: given }
     }
 }
 
@@ -213,7 +213,7 @@ pub fn needed(scene: &Scene, setups: &[Setup]) -> Needed {
 
 fn of_device(scene: &Scene, setup: &Setup, needed: &mut Needed) {
     let p = &setup.profile;
-    let Held { unchanged: kept, softened_to: given, .. } = Held::new(scene, p);
+    let StiffnessLimits { unchanged: kept, softened_to: given, .. } = StiffnessLimits::new(scene, p);
     // an unknown device may be without force until it describes itself, but its couplings are chosen before that
     let gives = p.force > 0.0 || p.is_unknown();
     if !(p.guard.coupling && gives && given > 0.0 && given.is_finite()) {
@@ -291,7 +291,7 @@ pub fn beyond(scene: &Scene, setup: &Setup) -> Option<(String, f64)> {
         return None;
     }
     let profile = &setup.profile;
-    let most = Held::new(scene, profile).unchanged * (1.0 + 1e-9);
+    let most = StiffnessLimits::new(scene, profile).unchanged * (1.0 + 1e-9);
     let known = coupled(scene, &setup.device);
     let soft = |name: &str| known.iter().find(|c| c.0 == name).map(|c| c.1);
     let mine = |t: &usize| {
@@ -308,7 +308,7 @@ pub fn beyond(scene: &Scene, setup: &Setup) -> Option<(String, f64)> {
 }
 
 /// A compiled scene, with the couplings that its devices need.
-pub struct Met {
+pub struct CoupledScene {
     /// The scene, with the findings of the model as it was written.
     pub compiled: Compiled,
     /// Keys that are softened.
@@ -317,7 +317,7 @@ pub struct Met {
     pub too_stiff: Vec<TooStiff>,
 }
 
-impl Met {
+impl CoupledScene {
     /// Returns a line for each of these keys.
     pub fn messages(&self) -> Vec<String> {
         let hard = |t: &TooStiff| {
@@ -331,7 +331,7 @@ impl Met {
     }
 }
 
-impl Met {
+impl CoupledScene {
     /// Returns these setups; a device gives no force if no coupling fits one of its keys.
     pub fn setups(&self, setups: &[Setup]) -> Vec<Setup> {
         let mut setups = setups.to_vec();
@@ -352,10 +352,10 @@ pub fn couple<E>(
     setups: &[Setup],
     options: &mut Options,
     again: impl FnOnce(&Options) -> Result<Compiled, E>,
-) -> Met {
+) -> CoupledScene {
     let Needed { softened, mut too_stiff } = needed(&compiled.scene, setups);
     if softened.is_empty() {
-        return Met { compiled, softened, too_stiff };
+        return CoupledScene { compiled, softened, too_stiff };
     }
     options.couplings = softened.iter().map(|s| s.coupling.clone()).collect();
     let stable = |c: &Compiled| {
@@ -363,9 +363,9 @@ pub fn couple<E>(
     };
     if let Some(coupled) = again(options).ok().filter(stable) {
         let compiled = Compiled { findings: compiled.findings, ..coupled };
-        return Met { compiled, softened, too_stiff };
+        return CoupledScene { compiled, softened, too_stiff };
     }
     options.couplings.clear();
     too_stiff.extend(softened.into_iter().map(|s| TooStiff { device: s.device, port: s.coupling.port }));
-    Met { compiled, softened: Vec::new(), too_stiff }
+    CoupledScene { compiled, softened: Vec::new(), too_stiff }
 }

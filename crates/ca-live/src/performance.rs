@@ -5,7 +5,7 @@ use crate::inputs::Inputs;
 use crate::output::Output;
 use crate::page::{self, PageSession};
 use crate::report::Report;
-use crate::request::{Asked, Listener, Pace, Request, ThreadOptions};
+use crate::request::{ControlRequest, Listener, Pace, Request, ThreadOptions};
 use crate::{setup, sound};
 use ca_audio::Switch;
 use ca_compile::Options;
@@ -60,7 +60,7 @@ struct Parts {
     inputs: Inputs,
     sound: Switch,
     page_session: Option<PageSession>,
-    asked: Option<Receiver<Asked>>,
+    asked: Option<Receiver<ControlRequest>>,
     shared: Arc<Shared>,
 }
 

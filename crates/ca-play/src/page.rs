@@ -169,7 +169,7 @@ impl Hub {
         locked(&self.clients).iter().for_each(|c| f(c));
     }
 
-    fn serve(self: &Arc<Hub>, mut stream: TcpStream, waits: Waits) {
+    fn serve(self: &Arc<Hub>, mut stream: TcpStream, waits: PendingGuard) {
         let _ = stream.set_write_timeout(Some(http::STUCK));
         let head = match self.place.read(&mut stream) {
             None => return,
@@ -180,7 +180,7 @@ impl Hub {
             Some(head) => head,
         };
         drop(waits);
-        let _counted = Counted(self.clone());
+        let _counted = CountGuard(self.clone());
         if self.connections.fetch_add(1, Relaxed) >= MOST {
             let _ = http::refuse(&mut stream, 503);
             return;
@@ -243,18 +243,18 @@ impl Hub {
 }
 
 /// Counts a connection with the token until its thread ends.
-struct Counted(Arc<Hub>);
+struct CountGuard(Arc<Hub>);
 
-impl Drop for Counted {
+impl Drop for CountGuard {
     fn drop(&mut self) {
         self.0.connections.fetch_sub(1, Relaxed);
     }
 }
 
 /// Occupies the slot of a connection without the token until its thread ends.
-struct Waits(Arc<Hub>, u64);
+struct PendingGuard(Arc<Hub>, u64);
 
-impl Drop for Waits {
+impl Drop for PendingGuard {
     fn drop(&mut self) {
         self.0.pending.remove(self.1);
     }
@@ -272,7 +272,7 @@ fn accept(hub: &Arc<Hub>, listener: &TcpListener) {
             continue;
         };
         hub.pending.add(number, other);
-        let waits = Waits(hub.clone(), number);
+        let waits = PendingGuard(hub.clone(), number);
         // closes the connection if no thread is available
         let _ = Builder::new().name("ca client".into()).spawn(move || {
             let hub = waits.0.clone();

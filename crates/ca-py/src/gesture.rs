@@ -1,7 +1,7 @@
 //! Gestures: constants, breakpoints and samples by port or parameter name, or files.
 
 use crate::error::{self, file, usage};
-use crate::long_call::{Wanted, run_detached};
+use crate::long_call::{CallProgress, run_detached};
 use crate::measure::table;
 use ca_io::gesture::{self, PortMap, Track};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods as _, ToPyArray as _};
@@ -108,7 +108,7 @@ impl Gesture {
         rate: Option<f64>,
     ) -> PyResult<Gesture> {
         let named = path.clone();
-        let read = move |_: &Wanted| {
+        let read = move |_: &CallProgress| {
             if ca_lab::load::has_extension(&path, "mcap") {
                 ca_haptic::take::gesture(&path, &ca_lab::catalog())
             } else {

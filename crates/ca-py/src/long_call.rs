@@ -1,7 +1,7 @@
 //! Long calls: a new thread computes, while the calling thread checks for signals and reports progress.
 //!
 //! Eigenvalues, compilation and a render of a fit cannot be interrupted, so Ctrl-C ends the call at once without
-//! waiting for them. The computing thread ends at its next check of [`Wanted`] or when its work is done, and its result
+//! waiting for them. The computing thread ends at its next check of [`CallProgress`] or when its work is done, and its result
 //! is dropped. It never holds the interpreter lock.
 
 use pyo3::prelude::*;
@@ -19,13 +19,13 @@ const STACK: usize = 8 << 20;
 
 /// State shared between a call and its computing thread: progress, and a request to stop.
 #[derive(Default)]
-pub struct Wanted {
+pub struct CallProgress {
     dropped: AtomicBool,
     done: AtomicU64,
     of: AtomicU64,
 }
 
-impl Wanted {
+impl CallProgress {
     /// Reports progress; returns false if the work should stop.
     pub fn goes_on(&self, done: u64, of: u64) -> bool {
         self.of.store(of, Relaxed);
@@ -45,9 +45,9 @@ pub fn run_unless<R: Send + 'static>(
     py: Python,
     progress: Option<Py<PyAny>>,
     ended: impl Fn() -> bool,
-    work: impl FnOnce(&Wanted) -> R + Send + 'static,
+    work: impl FnOnce(&CallProgress) -> R + Send + 'static,
 ) -> PyResult<Option<R>> {
-    let wanted = Arc::new(Wanted::default());
+    let wanted = Arc::new(CallProgress::default());
     let (found, mut ready) = sync_channel(1);
     let computed = wanted.clone();
     let run = move || drop(found.send(work(&computed)));
@@ -82,7 +82,7 @@ pub fn run_unless<R: Send + 'static>(
 pub fn run_detached<R: Send + 'static>(
     py: Python,
     progress: Option<Py<PyAny>>,
-    work: impl FnOnce(&Wanted) -> R + Send + 'static,
+    work: impl FnOnce(&CallProgress) -> R + Send + 'static,
 ) -> PyResult<R> {
     let found = run_unless(py, progress, || false, work)?;
     found.ok_or_else(|| crate::error::failure(py, ca_lab::Failure::Stopped))
@@ -102,15 +102,15 @@ pub fn until(py: Python, limit: Duration, done: impl Fn() -> bool) -> PyResult<b
 }
 
 /// Checks for signals from time to time, for work on the calling thread.
-pub struct Look {
+pub struct SignalCheck {
     last: Instant,
     /// Error raised by a signal.
     pub error: Option<PyErr>,
 }
 
-impl Look {
-    pub fn new() -> Look {
-        Look { last: Instant::now(), error: None }
+impl SignalCheck {
+    pub fn new() -> SignalCheck {
+        SignalCheck { last: Instant::now(), error: None }
     }
 
     /// Returns false if a signal ends the work.

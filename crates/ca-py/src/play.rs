@@ -5,7 +5,7 @@ use crate::{error, model};
 use ca_haptic::control::{Given, Reply, Request};
 use ca_haptic::serve::Shared;
 use ca_lab::Failure;
-use ca_live::{Asked, Listener};
+use ca_live::{ControlRequest, Listener};
 use ca_model::diag::Diags;
 use ca_model::{Model, render};
 use ca_take::Original;
@@ -85,7 +85,7 @@ impl Listener for Messages {
 #[pyclass(module = "cordis_anima._core", frozen)]
 pub struct Performance {
     messages: Arc<Messages>,
-    requests: Mutex<Sender<Asked>>,
+    requests: Mutex<Sender<ControlRequest>>,
     thread: Mutex<Option<JoinHandle<()>>>,
 }
 

@@ -3,7 +3,7 @@
 use crate::compiled::CompiledModel;
 use crate::error::{self, failure, usage};
 use crate::gesture::Gesture;
-use crate::long_call::{Wanted, run_detached};
+use crate::long_call::{CallProgress, run_detached};
 use crate::measure::{energy, table};
 use ca_core::Ledger;
 use ca_io::FileError;
@@ -42,7 +42,7 @@ fn heard<S: Sample>(
     of: &CompiledModel,
     seconds: Option<f64>,
     gesture: Option<&Gesture>,
-    wanted: &Wanted,
+    wanted: &CallProgress,
 ) -> Result<Rendered<S>, NotRendered> {
     let (scene, gesture) = (&*of.scene, gesture.map(|g| &g.gesture));
     let performance = Performance::new(scene, gesture).map_err(NotRendered::Gesture)?;

@@ -5,7 +5,7 @@
 //! device. Threads that share one wait for each other's blocks.
 
 use crate::error::{failure, usage};
-use crate::long_call::Look;
+use crate::long_call::SignalCheck;
 use ca_io::running::Running;
 use ca_lab::Failure;
 use ca_lab::outcome::Outcome;
@@ -96,7 +96,7 @@ impl Sim {
         let mut forces = forces.as_mut().filter(|f| !f.is_empty()).map(|f| f.as_array_mut());
         let mut probes = probes.as_mut().filter(|p| !p.is_empty()).map(|p| p.as_array_mut());
         let every = (UPDATES / (scene.counts.n_mat + scene.counts.n_lia + 1)).clamp(1, 4096);
-        let mut look = Look::new();
+        let mut look = SignalCheck::new();
         self.played(py, n, |r| {
             for i in 0..n {
                 if i % every == every - 1 && !look.goes_on() {

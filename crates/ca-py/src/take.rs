@@ -1,7 +1,7 @@
 //! Takes: device motion, forces and sound.
 
 use crate::error::{failure, file};
-use crate::long_call::{Wanted, run_detached};
+use crate::long_call::{CallProgress, run_detached};
 use crate::measure::table;
 use crate::model::Model;
 use ca_haptic::frame::{Cause, DOF, Mode};
@@ -72,7 +72,7 @@ struct Columns {
 }
 
 /// Reads all events, or until the call is interrupted.
-fn events(take: &take::Take, wanted: &Wanted) -> Result<Columns, FileError> {
+fn events(take: &take::Take, wanted: &CallProgress) -> Result<Columns, FileError> {
     let mut all = Columns::default();
     for s in &take.header.setups {
         all.hands.push(Hand { dof: (s.profile.dof as usize).min(DOF), ..Hand::default() });
@@ -229,7 +229,7 @@ impl Take {
     /// Replays it. Returns what was compared, and the first difference.
     fn replay<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let take = self.take.clone();
-        let run = move |wanted: &Wanted| {
+        let run = move |wanted: &CallProgress| {
             let stopped = || FileError::new(FileErrorKind::Io, "stopped");
             let mut replay = Replay::new(&take, &catalog())?;
             replay.run(&take, &mut |_| (), &mut |_| if wanted.still() { Ok(()) } else { Err(stopped()) })

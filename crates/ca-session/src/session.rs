@@ -6,7 +6,7 @@
 use crate::answer::answer;
 use crate::edit::Edit;
 use crate::greeting::greeting;
-use crate::host::{Files, Language, Made, Maker};
+use crate::host::{CompiledVersion, Files, Language, VersionCompiler};
 use crate::midi::Midi;
 use crate::pages::Pages;
 use crate::picture::{NextDrawing, PageSink, Stats};
@@ -39,7 +39,7 @@ pub struct Parts {
     /// Language of the model.
     pub language: Box<dyn Language>,
     /// Compiles edits.
-    pub maker: Box<dyn Maker>,
+    pub maker: Box<dyn VersionCompiler>,
     /// Writes files.
     pub files: Box<dyn Files>,
     /// Name of the model.
@@ -189,7 +189,7 @@ impl Session {
         let Some(made) = self.edit.poll(setups) else { return };
         let mut bad = made.is_err();
         let made = made.and_then(|made| {
-            let Made { version, drawing, warnings, softened, setups } = *made;
+            let CompiledVersion { version, drawing, warnings, softened, setups } = *made;
             bad = softened;
             let (scene, anew) = (version.scene.clone(), version.restart);
             recorder.swap(version, &setups)?;

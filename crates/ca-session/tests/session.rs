@@ -5,7 +5,7 @@ use ca_haptic::engine::Setup;
 use ca_haptic::serve::Recorder;
 use ca_haptic::version::Version;
 use ca_session::protocol::{Message, NumberedRequest};
-use ca_session::{Files, Instrument, Language, Made, Maker, Making, Pages, Parts, Refused};
+use ca_session::{CompileState, CompiledVersion, Files, Instrument, Language, Pages, Parts, Refused, VersionCompiler};
 use ca_view::Drawing;
 use serde_json::{Value, json};
 use std::cell::RefCell;
@@ -102,15 +102,15 @@ impl Language for Numbers {
 
 /// Compiles immediately.
 #[derive(Default)]
-struct Compiler(Option<Result<Box<Made>, Refused>>);
+struct Compiler(Option<Result<Box<CompiledVersion>, Refused>>);
 
-impl Maker for Compiler {
+impl VersionCompiler for Compiler {
     fn check(&mut self, _: &str, _: &str) -> Result<(), Refused> {
         Ok(())
     }
     fn start(&mut self, changes: &[(String, String)], anew: bool, _: &[Setup]) -> Result<(), Refused> {
         self.0 = Some(scene(changes).map(|scene| {
-            Box::new(Made {
+            Box::new(CompiledVersion {
                 drawing: Arc::new(Drawing::new(&scene)),
                 version: Version::new(scene, anew),
                 warnings: String::new(),
@@ -120,8 +120,8 @@ impl Maker for Compiler {
         }));
         Ok(())
     }
-    fn poll(&mut self) -> Making {
-        self.0.take().map_or(Making::Idle, Making::Done)
+    fn poll(&mut self) -> CompileState {
+        self.0.take().map_or(CompileState::Idle, CompileState::Done)
     }
     fn is_new(&mut self) -> bool {
         false

@@ -15,7 +15,7 @@
 use ca_core::equivalence::Gains;
 use ca_core::{Scene, Unit};
 use ca_haptic::calibration::Calibration;
-use ca_haptic::coupling::{self, Held, Needed, Presented};
+use ca_haptic::coupling::{self, Needed, Presented, StiffnessLimits};
 use ca_haptic::engine::Setup;
 use ca_haptic::equivalence;
 use ca_haptic::profile::Profile;
@@ -62,7 +62,7 @@ pub struct DeviceDemands<'a> {
     /// One row per key.
     pub rows: Vec<LimitRow<'a>>,
     /// Limits of the device.
-    pub held: Held,
+    pub held: StiffnessLimits,
     /// Gesture rate of the model \[Hz\].
     pub rate: f64,
     /// Names of the compared devices of the model.
@@ -93,7 +93,7 @@ impl<'a> DeviceDemands<'a> {
         DeviceDemands {
             profile,
             rows,
-            held: Held::new(scene, profile),
+            held: StiffnessLimits::new(scene, profile),
             rate,
             devices,
             feedback: scene.ports.crossing.feedback,

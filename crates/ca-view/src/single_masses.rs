@@ -36,11 +36,11 @@ pub fn place(graph: &Graph, p: &mut Places) {
     let around = neighbours(graph, &free);
     let grain = 0.006 * p.width;
     let cells = p.placed.iter().flatten().map(|s| (cell(&p.frames, s, grain, [0.0; 3]), 0)).collect();
-    let mut taken = Taken { cells, grain, width: p.width };
+    let mut occupied = OccupiedCells { cells, grain, width: p.width };
     let tied: Vec<u32> = p.tied.keys().copied().filter(|n| p.placed[*n as usize].is_none()).collect();
     for n in tied {
         if let Some(mut stand) = p.tie_one(graph, n) {
-            taken.move_aside(&p.frames, &mut stand);
+            occupied.move_aside(&p.frames, &mut stand);
             p.placed[n as usize] = Some(stand);
         }
     }
@@ -84,7 +84,7 @@ pub fn place(graph: &Graph, p: &mut Places) {
             })
             .collect();
         for (i, mut stand) in round.iter().zip(stands) {
-            taken.move_aside(&p.frames, &mut stand);
+            occupied.move_aside(&p.frames, &mut stand);
             p.placed[free[*i] as usize] = Some(stand);
             waiting.remove(&(order(*i), *i));
             left.remove(&(order(*i), *i));
@@ -173,14 +173,14 @@ fn cell(frames: &[Frame], s: &Placed, grain: f64, moved: [f64; 3]) -> [i64; 4] {
     [s.frame.min(1) as i64, a, b, c]
 }
 
-struct Taken {
+struct OccupiedCells {
     /// Occupied cells, with the number of masses that were moved move_aside from each.
     cells: HashMap<[i64; 4], u32>,
     grain: f64,
     width: f64,
 }
 
-impl Taken {
+impl OccupiedCells {
     /// Returns true if another mass stands within a quarter of a cell.
     fn has(&self, frames: &[Frame], s: &Placed) -> bool {
         let corner = |i: u32| [0, 1, 2].map(|k| if i >> k & 1 == 0 { -0.25 } else { 0.25 });

@@ -10,7 +10,7 @@
 
 mod connection;
 
-use super::{Output, Playing};
+use super::{OpenOutput, Output};
 use crate::AudioError;
 use ca_core::Scene;
 use ca_haptic::rt::{self, RtRequest, now_ns};
@@ -63,7 +63,7 @@ pub(super) fn open(
     scene: &Scene,
     buffer: Option<u32>,
     request: RtRequest,
-) -> std::result::Result<(Playing, DeviceClock, Watch), AudioError> {
+) -> std::result::Result<(OpenOutput, DeviceClock, Watch), AudioError> {
     let buffer = buffer.unwrap_or(BUFFER);
     let absent = |why: &str| {
         let how = "start one, e.g. `pulseaudio --start`, or set PULSE_SERVER to its address";
@@ -102,7 +102,7 @@ pub(super) fn open(
     let (counts, (tell, words)) = (watch.counts.clone(), channel());
     let pulse = speak(line, made.channel, player, (counts.clone(), tell), wide, hz as usize, request);
     let output = Output::Pulse(pulse.map_err(refused)?);
-    Ok((Playing { output, counts, words, name: NAME.into(), host: NAME, events: None }, follow, watch))
+    Ok((OpenOutput { output, counts, words, name: NAME.into(), host: NAME, events: None }, follow, watch))
 }
 
 #[cfg(feature = "devices")]

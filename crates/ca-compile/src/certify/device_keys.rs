@@ -13,7 +13,7 @@ use ca_core::internal::kind::PortRole;
 use ca_core::internal::scene::certificate::Key;
 
 /// Stiffness and viscosity of the links of one item at a key.
-struct Held {
+struct LinkAtKey {
     item: u32,
     k: f64,
     z: f64,
@@ -26,7 +26,7 @@ pub fn keys(net: &Pruned, bounds: &[Bound]) -> Vec<Key> {
     if !net.mats.iter().any(key) {
         return Vec::new();
     }
-    let mut held: Vec<Vec<Held>> = net.mats.iter().map(|_| Vec::new()).collect();
+    let mut held: Vec<Vec<LinkAtKey>> = net.mats.iter().map(|_| Vec::new()).collect();
     for (l, b) in net.lias.iter().zip(bounds) {
         let (k, z) = (b.k.max(0.0), b.z.max(0.0) * net.tick_dt);
         let sticks = method(net, l) == "set-valued";
@@ -35,13 +35,13 @@ pub fn keys(net: &Pruned, bounds: &[Bound]) -> Vec<Key> {
             let links = &mut held[m as usize];
             match links.last_mut().filter(|h| h.item == l.item) {
                 Some(h) => (h.k, h.z) = (h.k + k, h.z + z),
-                None => links.push(Held { item: l.item, k, z, sticks }),
+                None => links.push(LinkAtKey { item: l.item, k, z, sticks }),
             }
         }
     }
     let mut keys = Vec::new();
     for (m, links) in net.mats.iter().zip(held) {
-        let sum = |of: fn(&Held) -> f64| links.iter().map(of).sum::<f64>();
+        let sum = |of: fn(&LinkAtKey) -> f64| links.iter().map(of).sum::<f64>();
         let (k, z, sticks) = (sum(|h| h.k), sum(|h| h.z), links.iter().any(|h| h.sticks));
         if (k > 0.0 || z > 0.0 || sticks) && key(m) {
             let links = links.into_iter().map(|h| (net.items[h.item as usize].name.to_string(), h.k)).collect();

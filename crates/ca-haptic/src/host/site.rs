@@ -44,7 +44,7 @@ pub struct Site {
 
 /// Number of killed processes whose files [`Site::sweep`] found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Swept {
+pub struct SweepResult {
     /// Processes whose files were removed.
     pub removed: u32,
     /// Processes whose files could not be removed now.
@@ -164,8 +164,8 @@ impl Site {
     }
 
     /// Removes what killed processes left behind, without the time limit of [`Site::sweep`].
-    pub(super) fn swept(&self) -> Swept {
-        let mut swept = Swept::default();
+    pub(super) fn swept(&self) -> SweepResult {
+        let mut swept = SweepResult::default();
         let _ = self.nodes(|state| {
             if let NodeState::Dead(node) = state {
                 match node.try_remove_stale_resources() {

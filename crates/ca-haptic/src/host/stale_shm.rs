@@ -41,7 +41,7 @@ impl Group {
 
 /// Result of [`clean`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Cleaned {
+pub struct CleanResult {
     /// Path and size \[bytes\] of each removed file.
     pub removed: Vec<(PathBuf, u64)>,
     /// Path of each file that could not be removed, and the reason.
@@ -115,8 +115,8 @@ fn users(files: &BTreeSet<PathBuf>) -> BTreeMap<PathBuf, Vec<(u32, String)>> {
 }
 
 /// Removes the files that no process uses.
-pub fn clean(site: &Site) -> Cleaned {
-    let mut cleaned = Cleaned::default();
+pub fn clean(site: &Site) -> CleanResult {
+    let mut cleaned = CleanResult::default();
     let before: Vec<_> = list(site).into_iter().flat_map(|g| g.files).collect();
     // iceoryx2 can remove dead files in a group that is in use
     site.sweep();

@@ -6,7 +6,7 @@
 
 use super::error::{HostError, HostErrorKind};
 use super::shm::files;
-use super::site::{Site, Swept};
+use super::site::{Site, SweepResult};
 use super::{file_ownership, free_memory};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
@@ -40,7 +40,7 @@ impl Site {
     /// Removes what killed processes left behind, so that their services are free again. Call it once to ten times a
     /// second, on a thread that is not real-time: it takes some milliseconds, or a fraction of one if there is nothing
     /// to remove.
-    pub fn sweep(&self) -> Swept {
+    pub fn sweep(&self) -> SweepResult {
         // the next sweep tries again, and opening a service reports the reason
         with_timeout(self, 0, SWEEP, |site| Ok(site.swept())).unwrap_or_default()
     }

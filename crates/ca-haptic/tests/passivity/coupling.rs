@@ -1,7 +1,7 @@
 //! Walls beyond the limit of a device, softened by a virtual coupling.
 
 use super::*;
-use ca_haptic::coupling::{Held, needed};
+use ca_haptic::coupling::{StiffnessLimits, needed};
 use ca_haptic::engine::Swap;
 use ca_haptic::frame::Cause;
 
@@ -49,7 +49,7 @@ fn what_is_felt_is_what_the_device_holds() {
     for k in [2.8e3, 5.5e3, 2e4, 1e6] {
         let text = wall(k, 0.0);
         let first = scene(&text);
-        let held = Held::new(&first, &p);
+        let held = StiffnessLimits::new(&first, &p);
         assert!(
             (held.passive - 3000.0).abs() < 1e-6
                 && (held.unchanged - 2700.0).abs() < 1e-6
@@ -76,7 +76,7 @@ fn what_is_felt_is_what_the_device_holds() {
 #[test]
 fn a_slower_device_gives_a_softened_key_less() {
     let p = Profile { rate: 1e3, ..e02(true) };
-    let held = Held::new(&scene(&wall(8e3, 0.0)), &p);
+    let held = StiffnessLimits::new(&scene(&wall(8e3, 0.0)), &p);
     // 2 N s/m over two frames of 1 ms; softened, half of it over three
     assert!((held.passive - 1000.0).abs() < 1e-6 && (held.softened_to - 1000.0 / 3.0).abs() < 1e-6, "{held:?}");
 }

@@ -13,7 +13,7 @@ use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{outputs, page, term};
 use ca_compile::Options;
-use ca_fit::{Beyond, Distance, Fit, FitOptions, Range, Stage, StopReason, Words, fit, report};
+use ca_fit::{Distance, Fit, FitOptions, Prediction, Range, Stage, StopReason, Words, fit, report};
 use ca_io::recording::Recording;
 use ca_model::Value;
 use ca_model::quantity::{Plain, six};
@@ -153,7 +153,7 @@ fn value(loaded: &Loaded, target: &str, found: &Fit) -> Json {
                 "deviation": f.deviation, "at_end": f.at_end })
         })
         .collect();
-    let beyond = |b: &Beyond| {
+    let beyond = |b: &Prediction| {
         json!({ "seconds": b.seconds, "model": distance(&b.model), "sinusoids": distance(&b.sinusoids),
             "count": b.count })
     };

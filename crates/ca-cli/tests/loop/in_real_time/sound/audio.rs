@@ -85,9 +85,9 @@ impl Drop for Jack {
 }
 
 /// A JACK client that copies the received samples.
-struct Ears(jack::Port<jack::AudioIn>, jack::RingBufferWriter);
+struct AudioCapture(jack::Port<jack::AudioIn>, jack::RingBufferWriter);
 
-impl jack::ProcessHandler for Ears {
+impl jack::ProcessHandler for AudioCapture {
     fn process(&mut self, _: &jack::Client, scope: &jack::ProcessScope) -> jack::Control {
         for x in self.0.as_slice(scope) {
             self.1.write_buffer(&x.to_le_bytes());
@@ -105,7 +105,7 @@ fn ears() {
     let ours = port.name().unwrap();
     // ten seconds
     let (mut heard, writer) = jack::RingBuffer::new(4 * 480_000).unwrap().into_reader_writer();
-    let client = client.activate_async((), Ears(port, writer)).unwrap();
+    let client = client.activate_async((), AudioCapture(port, writer)).unwrap();
     let mut file = job.ready();
     let mut block = vec![0; 1 << 16];
     let mut listens = false;
@@ -132,9 +132,9 @@ fn ears() {
 }
 
 /// A keyboard client that sends a note between other MIDI messages.
-struct Hands(jack::Port<jack::MidiOut>, Arc<AtomicBool>);
+struct MidiSender(jack::Port<jack::MidiOut>, Arc<AtomicBool>);
 
-impl jack::ProcessHandler for Hands {
+impl jack::ProcessHandler for MidiSender {
     fn process(&mut self, _: &jack::Client, scope: &jack::ProcessScope) -> jack::Control {
         let mut out = self.0.writer(scope);
         if self.1.swap(false, Relaxed) {
@@ -155,7 +155,7 @@ fn hands() {
     let port = client.register_port("out", jack::MidiOut).unwrap();
     let ours = port.name().unwrap();
     let now = Arc::new(AtomicBool::new(false));
-    let client = client.activate_async((), Hands(port, now.clone())).unwrap();
+    let client = client.activate_async((), MidiSender(port, now.clone())).unwrap();
     job.ready();
     let mut played = false;
     while !job.is_over() {
