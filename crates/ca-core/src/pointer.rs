@@ -6,7 +6,7 @@
 //!
 //! A linear scene stays stable (docs/numerics.md §8). With the dimensionless κ = k·C and ν = z·C the largest
 //! eigenvalue, whose limit is 4, is at most [`Certificate::bound`] + κ + 2ν (Weyl's inequality); after a factorisation
-//! [`Certificate::room`] is the margin. The coupling takes at most half of the margin. With a share q of it the ends of
+//! [`Certificate::headroom`] is the margin. The coupling takes at most half of the margin. With a share q of it the ends of
 //! a contact or friction are at most 1/(1 − q) times as mobile, so q also keeps them within the rules of the
 //! certificate. The mass follows the pointer at 1000 Hz at most, critically damped. κ and ν are stored without unit, so
 //! that the coupling weakens when a live parameter makes the mass lighter.

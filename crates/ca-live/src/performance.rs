@@ -65,7 +65,7 @@ struct Parts {
 }
 
 /// Plays in real time until the length is reached or the performance is stopped. The `shared` of [`Listener::begins`],
-/// `ca stop`, the page and [`Request::asked`] can stop it.
+/// `ca stop`, the page and [`Request::requests`] can stop it.
 ///
 /// # Errors
 /// Returns [`Failure::Found`] if the model has errors, [`Failure::Usage`] if the request does not fit the model, and
