@@ -30,7 +30,7 @@ fn place(page: &Page) -> (String, String) {
 }
 
 /// Sends bytes and returns the answer of the server until it closes.
-fn said(page: &Page, bytes: &[u8]) -> String {
+fn sent(page: &Page, bytes: &[u8]) -> String {
     let mut stream = TcpStream::connect(place(page).0).unwrap();
     stream.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
     let _ = stream.write_all(bytes);
@@ -69,7 +69,7 @@ fn until(what: &str, mut is: impl FnMut() -> bool) {
 fn the_page_is_served_to_who_knows_the_token() {
     let page = page();
     let (host, path) = place(&page);
-    let got = said(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
+    let got = sent(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
     assert!(got.starts_with("HTTP/1.1 200") && got.contains("<!doctype html>"), "{got}");
     assert!(got.contains("Content-Security-Policy: default-src 'none'"), "{got}");
     for (path, host) in [
@@ -79,12 +79,12 @@ fn the_page_is_served_to_who_knows_the_token() {
         (format!("{path}%2e%2e/Cargo.toml"), host.clone()),
         (path.clone(), "evil.example".into()),
     ] {
-        let got = said(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
+        let got = sent(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
         assert!(got.starts_with("HTTP/1.1 40"), "{path} of {host}: {got}");
         assert!(!got.contains('<'), "no word more: {got}");
     }
     let long = format!("GET {path} HTTP/1.1\r\nHost: {host}\r\nX: {}\r\n\r\n", "a".repeat(9000));
-    assert!(said(&page, long.as_bytes()).starts_with("HTTP/1.1 4"), "a head without end");
+    assert!(sent(&page, long.as_bytes()).starts_with("HTTP/1.1 4"), "a head without end");
 }
 
 #[test]
@@ -236,7 +236,7 @@ fn who_answers_no_ping_lets_go() {
 fn connections_have_an_end() {
     let page = page();
     let (host, path) = place(&page);
-    let ask = || said(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
+    let ask = || sent(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
     let open: Vec<_> = (0..32).map(|_| socket(&page)).collect();
     until("one more is refused", || ask().starts_with("HTTP/1.1 503"));
     drop(open);
@@ -269,7 +269,7 @@ fn silent_connections_of_another_user_keep_nobody_out() {
         BufReader::new(other.stdout.take().unwrap()).read_line(&mut open).unwrap();
         assert_eq!(open, "open\n", "{many} connections");
         for n in 0..60 {
-            let got = said(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
+            let got = sent(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
             assert!(got.starts_with("HTTP/1.1 200"), "request {n} beside {many}: {got}");
         }
         // bash ends with its standard input
@@ -301,10 +301,10 @@ proptest! {
             let _ = s.get_mut().shutdown(std::net::Shutdown::Write);
             while s.read().is_ok() {}
         } else {
-            said(&page, &bytes);
+            sent(&page, &bytes);
         }
         let (host, path) = place(&page);
-        let got = said(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
+        let got = sent(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
         prop_assert!(got.starts_with("HTTP/1.1 200"), "{}", got);
     }
 }

@@ -77,7 +77,7 @@ pub fn place(graph: &Graph, p: &mut Places) {
         let stands: Vec<Placed> = round
             .iter()
             .map(|i| {
-                beside(graph, p, free[*i] as usize, &around[*i], order(*i)).unwrap_or_else(|| {
+                beside_neighbours(graph, p, free[*i] as usize, &around[*i], order(*i)).unwrap_or_else(|| {
                     alone += 1;
                     by_itself(graph, p, free[*i] as usize, alone - 1)
                 })
@@ -119,7 +119,13 @@ fn neighbours(graph: &Graph, free: &[u32]) -> Vec<Vec<(u32, bool)>> {
 }
 
 /// Places a mass beside its neighbours, if any of them is placed.
-fn beside(graph: &Graph, p: &Places, node: usize, around: &[(u32, bool)], order: Placement) -> Option<Placed> {
+fn beside_neighbours(
+    graph: &Graph,
+    p: &Places,
+    node: usize,
+    around: &[(u32, bool)],
+    order: Placement,
+) -> Option<Placed> {
     let w = p.width;
     let standing = || around.iter().filter_map(|(n, _)| p.placed[*n as usize]);
     let frame = standing().next()?.frame;

@@ -69,7 +69,8 @@ pub(super) fn open(
         let how = "start one, e.g. `pulseaudio --start`, or set PULSE_SERVER to its address";
         AudioError::Failed(format!("no PulseAudio server answers{why}; {how}"))
     };
-    let opened = within(PATIENCE, || Connection::open(PATIENCE).map(default_sink)).ok_or_else(|| absent(" in time"))?;
+    let opened =
+        with_timeout(PATIENCE, || Connection::open(PATIENCE).map(default_sink)).ok_or_else(|| absent(" in time"))?;
     let (line, sink) = opened.map_err(|_| absent(""))?;
     let refused = |e: Error| AudioError::Unfit(format!("{NAME} cannot play this model: {e}"));
     let Some(sink) = sink.filter(|s| s.name.as_bytes() != DUMMY) else {
@@ -82,7 +83,7 @@ pub(super) fn open(
         return Err(AudioError::Unfit(why));
     }
     let map = ChannelMap::new((&sink.channel_map).into_iter().take(wide));
-    let made = within(WAKING, move || stream(line, sink.index, hz as u32, map, buffer));
+    let made = with_timeout(WAKING, move || stream(line, sink.index, hz as u32, map, buffer));
     let made = made.unwrap_or_else(|| Err(Error::other("the server does not answer in time")));
     let Stream { line, made, sink, latency } = made.map_err(refused)?;
     let plays = sink.sample_spec.sample_rate;
@@ -107,12 +108,12 @@ pub(super) fn open(
 
 #[cfg(feature = "devices")]
 pub(super) fn is_there() -> bool {
-    within(PATIENCE, || Connection::open(PATIENCE).is_ok()) == Some(true)
+    with_timeout(PATIENCE, || Connection::open(PATIENCE).is_ok()) == Some(true)
 }
 
 /// Runs `ask` on a new thread and abandons it after `patience`: a hanging server, or one that never stops talking, may
 /// block any call.
-fn within<T: Send + 'static>(patience: Duration, ask: impl FnOnce() -> T + Send + 'static) -> Option<T> {
+fn with_timeout<T: Send + 'static>(patience: Duration, ask: impl FnOnce() -> T + Send + 'static) -> Option<T> {
     let (tell, told) = channel();
     let asked = thread::Builder::new().name("ca pulse".into()).spawn(move || {
         let _ = tell.send(ask());

@@ -250,7 +250,7 @@ fn reach(net: &Pruned, part: &SlowPart, edge: BTreeSet<u32>, say: &mut Findings)
     seen.into_iter().filter(counts).collect()
 }
 
-fn within(why: &str, distance: u32) -> String {
+fn distance_text(why: &str, distance: u32) -> String {
     let links = if distance == 1 { "1 link".into() } else { format!("{distance} links") };
     format!("{why}, but responds to a group at the gesture rate within a frame, {links} from it")
 }
@@ -303,14 +303,14 @@ impl Findings<'_> {
     }
 
     fn reached(&mut self, item: u32, why: &str, distance: u32) {
-        self.unknown(item, within(why, distance));
+        self.unknown(item, distance_text(why, distance));
     }
 
     /// Reports a held key, whose jumps differ from the straight line that the forecast assumes.
     fn held_key(&mut self, item: u32, why: &str, distance: u32) {
         if self.said.insert(item) {
             let at = self.model.items[self.net.items[item as usize].model].name_span;
-            let d = Diag::error("E034", within(why, distance)).at(at, "not known when the frame begins");
+            let d = Diag::error("E034", distance_text(why, distance)).at(at, "not known when the frame begins");
             self.diags.push(d.help("leave out `border` in `[rate]`, or give the group `rate = \"sound\"`"));
         }
     }

@@ -95,7 +95,7 @@ pub fn tune(loaded: &mut Loaded, targets: &[PitchTarget], mode: u32) -> Result<(
         }
     }
     for (t, (variable, _)) in done.iter_mut().zip(&variables) {
-        t.reached = heard(loaded, &t.part, variable, mode)?;
+        t.reached = sounding_pitch(loaded, &t.part, variable, mode)?;
         if t.off().abs() > NEAR {
             let what =
                 format!("`{}` cannot be {} Hz together with the others: it is {} Hz", t.part, t.target, t.reached);
@@ -155,7 +155,7 @@ fn one(
     let Some(Number { value: mut v, has_unit }) = number::read(text, &variable.place) else {
         return Err(Failure::Failed(format!("`{name}` cannot be tuned: `{}` is not a number", variable.place)));
     };
-    let before = heard(loaded, &name, variable, mode)?;
+    let before = sounding_pitch(loaded, &name, variable, mode)?;
     let (mut slope, mut now, mut written) = (variable.slope, before, format!("{v:?}"));
     for step in 0..STEPS {
         let off = (wanted / now).log2();
@@ -175,7 +175,7 @@ fn one(
         }
         written = number::write(text, &variable.place, next, variable.unit, DIGITS).ok_or_else(outside)?;
         *loaded = load::reread(loaded, &text.to_string());
-        let f = heard(loaded, &name, variable, mode)?;
+        let f = sounding_pitch(loaded, &name, variable, mode)?;
         let (moved, turned) = ((f / now).log2(), (next / v).log2());
         if turned.abs() > 1e-9 && (0.05..5.0).contains(&(moved / turned)) {
             slope = moved / turned;
@@ -193,7 +193,7 @@ fn one(
 }
 
 /// Pitch of a part: mode number `mode` from below, of the modes that are mostly its.
-fn heard(loaded: &Loaded, name: &str, variable: &Variable, mode: u32) -> Result<f64, Failure> {
+fn sounding_pitch(loaded: &Loaded, name: &str, variable: &Variable, mode: u32) -> Result<f64, Failure> {
     let options = Options { clouds: loaded.clouds.clone(), ..Options::default() };
     let network = ca_compile::linear(&loaded.model, &catalog(), &options)
         .map_err(|diags| Failure::Found(Box::new(Found { diags, model: loaded.model.clone() })))?;

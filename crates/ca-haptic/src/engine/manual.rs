@@ -231,11 +231,11 @@ impl ManualState {
         let ticks = (over * self.rate).max(1.0) as u32;
         let step = (to - state.input[input]) / f64::from(ticks);
         let glide = Glide { input, to, step, left: ticks };
-        let room = self.glides.len() < self.glides.capacity();
+        let has_capacity = self.glides.len() < self.glides.capacity();
         match self.glides.iter_mut().find(|g| g.input == input) {
             Some(g) => *g = glide,
             // one for each port, so it always fits
-            None if room => self.glides.push(glide),
+            None if has_capacity => self.glides.push(glide),
             None => {}
         }
     }

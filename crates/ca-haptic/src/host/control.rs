@@ -195,7 +195,7 @@ impl Call {
 pub fn ask(site: &Site, request: &Request, patience: Duration) -> Result<Reply, HostError> {
     let mut text = serde_json::to_vec(request).map_err(|e| HostError::system("a request cannot be written", e))?;
     text.push(b'\n');
-    let answer = asked(site, &text, patience).map_err(|e| match e.kind() {
+    let answer = exchange(site, &text, patience).map_err(|e| match e.kind() {
         ErrorKind::NotFound
         | ErrorKind::ConnectionRefused
         | ErrorKind::ConnectionReset
@@ -216,7 +216,7 @@ pub fn ask(site: &Site, request: &Request, patience: Duration) -> Result<Reply, 
     })
 }
 
-fn asked(site: &Site, text: &[u8], patience: Duration) -> io::Result<Vec<u8>> {
+fn exchange(site: &Site, text: &[u8], patience: Duration) -> io::Result<Vec<u8>> {
     let begin = Instant::now();
     // the system refuses a timeout of zero
     let left = || patience.checked_sub(begin.elapsed()).filter(|d| !d.is_zero()).ok_or(ErrorKind::TimedOut);

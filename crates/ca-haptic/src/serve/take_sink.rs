@@ -93,7 +93,7 @@ mod tests {
             for n in frames {
                 let mut frame = DeviceFrame::new("key", 1);
                 (frame.session, frame.seq, frame.pos[0]) = (1, n, 1e-3 * (n as f64 * 0.01).sin());
-                gateway.frames.push((0, frame)).expect("room");
+                gateway.frames.push((0, frame)).expect("capacity");
                 live.frame();
                 while gateway.forces.pop().is_ok() {}
             }
@@ -154,8 +154,8 @@ mod tests {
         let shared = Arc::new(Shared::default());
         let still = Arc::new(Mutex::new(()));
         let slow = Slow(TakeWriter::create(&path, &header, &scene).expect("a file"), still.clone());
-        let room = BufferLimits { seconds: 1.0, ..BufferLimits::of(&scene) };
-        let (line, take) = AsyncSink::start("take", slow, room, RtRequest::default()).expect("a thread");
+        let limits = BufferLimits { seconds: 1.0, ..BufferLimits::of(&scene) };
+        let (line, take) = AsyncSink::start("take", slow, limits, RtRequest::default()).expect("a thread");
         let mut recorder = Recorder::new(recorder_ends, shared.clone(), scene, &engine.ports, vec![Box::new(line)]);
         let mut live = Live::new(engine, ends, shared, Clock::Device { patience: 0 }, RecordIntervals::default());
         // plays 3 s, of which 1 s may wait

@@ -131,8 +131,8 @@ impl<'a> Reader<'a, '_> {
                     .at(line.args[1].span, "the same module again"),
             );
         }
-        let room = line.args.iter().skip(ty.ends).take(ty.numbers.len());
-        let read: Vec<Option<Arg>> = room.map(|t| self.arg(t)).collect();
+        let numbers = line.args.iter().skip(ty.ends).take(ty.numbers.len());
+        let read: Vec<Option<Arg>> = numbers.map(|t| self.arg(t)).collect();
         for ((name, arg), token) in ty.numbers.iter().zip(&read).zip(line.args.iter().skip(ty.ends)) {
             if let Some(arg) = *arg {
                 self.in_range(line, ty, name, arg, token);

@@ -45,7 +45,7 @@ fn modes(sandbox: &Sandbox, file: &str) -> Vec<serde_json::Value> {
 }
 
 /// Frequency of the lowest mode that is much stronger at this port than at any other.
-fn heard(sandbox: &Sandbox, file: &str, port: &str) -> f64 {
+fn pitch_of(sandbox: &Sandbox, file: &str, port: &str) -> f64 {
     let list = modes(sandbox, file);
     let at = |m: &serde_json::Value, p: &str| m["ports"][p].as_f64().unwrap().abs();
     let top = list.iter().map(|m| at(m, port)).fold(0.0, f64::max);
@@ -88,20 +88,20 @@ fn parts_are_tuned_and_the_rest_of_the_file_stays() {
     for (k, port) in ["a", "b", "c"].iter().enumerate() {
         let t = &j["tuned"][k];
         assert!(t["off_cents"].as_f64().unwrap().abs() < 1e-5, "{t}");
-        let before = heard(&sandbox, "parts.ca.toml", port);
+        let before = pitch_of(&sandbox, "parts.ca.toml", port);
         assert!(cents(before, t["before_hz"].as_f64().unwrap()) < 1e-6, "{t}, {before}");
     }
     sandbox.ca(&[&args[..], &["--write", "tuned.ca.toml"]].concat()).is(0);
     let want = [110.5 * (20.0f64 / 1200.0).exp2(), 442.0 * (-8.0f64 / 12.0).exp2(), 300.0];
     for (want, port) in want.iter().zip(["a", "b", "c"]) {
-        assert!(cents(heard(&sandbox, "tuned.ca.toml", port), *want) < 0.01, "{port}");
+        assert!(cents(pitch_of(&sandbox, "tuned.ca.toml", port), *want) < 0.01, "{port}");
     }
     let text = fs::read_to_string(sandbox.path("tuned.ca.toml")).unwrap();
     for kept in ["# mine\n", "# of the third\n", "# by frequency\n", "mid = { n = 20, k = \"", "k = \"tension\""] {
         assert!(text.contains(kept), "{kept}\n{text}");
     }
     sandbox.ca(&["tune", "tuned.ca.toml", "top=300 Hz", "--in-place"]).is(0);
-    assert!(cents(heard(&sandbox, "tuned.ca.toml", "c"), 300.0) < 0.01);
+    assert!(cents(pitch_of(&sandbox, "tuned.ca.toml", "c"), 300.0) < 0.01);
 }
 
 #[test]
@@ -110,7 +110,7 @@ fn a_bank_takes_a_scale() {
     sandbox.put("parts.ca.toml", PARTS);
     sandbox.ca(&["tune", "parts.ca.toml", "bell", "--scale", "just", "--root", "A4", "--in-place"]).is(0);
     for (port, want) in [("d", 440.0), ("e", 495.0), ("f", 550.0)] {
-        assert!(cents(heard(&sandbox, "parts.ca.toml", port), want) < 0.01, "{port}");
+        assert!(cents(pitch_of(&sandbox, "parts.ca.toml", port), want) < 0.01, "{port}");
     }
 }
 

@@ -1,7 +1,7 @@
 //! Verifies live parameters: what a change reads and writes ([`Controls`](crate::live::Controls)).
 
 use super::super::known::Known;
-use super::{Verified, Wrong, each, ensure, within};
+use super::{Verified, Wrong, each, ensure, in_bounds};
 use crate::kind::Role;
 use crate::live::{LiveImplicit, LiveItem, LiveModule, LiveTable, Loader};
 use crate::method::implicit::Inertia;
@@ -47,9 +47,9 @@ fn implicit(a: &LiveImplicit, live: usize) -> Verified {
     ensure(super::arrays::pattern(pattern), "the live pattern of implicit links is not a factor")?;
     let rows = mobility.len();
     let entry = entries.iter().all(|(row, _)| (*row as usize) < rows);
-    let link = links.iter().all(|(_, [first, n])| within(*first as usize, *n as usize, entries.len()));
+    let link = links.iter().all(|(_, [first, n])| in_bounds(*first as usize, *n as usize, entries.len()));
     ensure(rows == pattern.size() && entry && link, "the live factor of implicit links differs in its rows")?;
-    if within(a.first as usize, a.made.numbers(), live) {
+    if in_bounds(a.first as usize, a.made.numbers(), live) {
         Ok(())
     } else {
         Err(Wrong("a live factor is beyond the coefficients"))
