@@ -54,7 +54,7 @@ fn main() {
     let made: Vec<(&Instrument, Figures, Vec<u8>, Vec<u8>)> = on_all_cores(|i| {
         let p = Plays::new(i);
         let r = p.play(BUILT);
-        (i, figures(&p), picture(&r.sound, r.rate), sound(r.heard(0.0, f64::INFINITY), r.rate))
+        (i, figures(&p), picture(&r.sound, r.rate), sound(r.loudest_channel(0.0, f64::INFINITY), r.rate))
     });
     // one by one, so that nothing else runs
     let times: Vec<(&str, String)> = made

@@ -9,7 +9,7 @@ use ca_benches::{at_most, by_hand, catalog, machine, publish, string};
 use ca_compile::{Options, compile};
 use ca_core::{Scene, process};
 use ca_model::read::read;
-use counting::{Taken, taken};
+use counting::{AllocCounts, taken};
 use std::fmt::Write as _;
 
 #[path = "../tests/alloc/counting.rs"]
@@ -54,7 +54,7 @@ Reasons for values beyond the limits, from samples of the processor (`perf recor
 /// Processor time of a stage, and its use of the allocator.
 struct Stage {
     ms: f64,
-    taken: Taken,
+    taken: AllocCounts,
 }
 
 fn stage<T>(f: impl FnOnce() -> T) -> (T, Stage) {

@@ -49,10 +49,10 @@ fn bench_options() -> Result<BenchOptions, String> {
 }
 
 /// Column, program with its arguments, and its input.
-type Plan = (usize, Result<Vec<PathBuf>, Without>, PathBuf);
+type PeerBuild = (usize, Result<Vec<PathBuf>, Without>, PathBuf);
 
 /// Returns all peers that can play a network.
-fn plans(case: &Case, net: &Net, builder: &Builder) -> Result<Vec<Plan>, std::io::Error> {
+fn plans(case: &Case, net: &Net, builder: &Builder) -> Result<Vec<PeerBuild>, std::io::Error> {
     let table = builder.table(net)?;
     let one = |path: PathBuf| vec![path];
     let mut all = Vec::new();
@@ -89,7 +89,7 @@ fn measure(case: &Case, builder: &Builder, rounds: usize) -> Result<Row, String>
     if engine.modules() != case.net.lines() {
         return Err(format!("{name}: the engine computes {} modules of {}", engine.modules(), case.net.lines()));
     }
-    let heard = engine.hear(case.compared).map_err(|e| e.to_string())?;
+    let heard = engine.play(case.compared).map_err(|e| e.to_string())?;
     let net = engine.started(&case.net);
     let mut all = Vec::new();
     for (column, program, what) in plans(case, &net, builder).map_err(|e| e.to_string())? {
@@ -105,11 +105,11 @@ fn measure(case: &Case, builder: &Builder, rounds: usize) -> Result<Row, String>
             }
         };
         let mut peer = start(&command, &what).map_err(|e| format!("{name}, {}: {e}", PEERS[column]))?;
-        let theirs = peer.hear(case.compared).map_err(|e| format!("{name}, {}: {e}", PEERS[column]))?;
+        let theirs = peer.play(case.compared).map_err(|e| format!("{name}, {}: {e}", PEERS[column]))?;
         let theirs: Vec<f64> = theirs.into_iter().map(|x| x - case.net.rest()).collect();
         let ours = match case.stencil.filter(|_| column >= 7) {
             Some((shape, n)) => Engine::new(&nets::alike(shape == "mesh", n, column == 7))
-                .hear(case.compared)
+                .play(case.compared)
                 .map_err(|e| e.to_string())?,
             None => heard.clone(),
         };
@@ -188,7 +188,7 @@ fn run() -> Result<(), String> {
     // `cargo test --benches` only checks that it runs
     if !std::env::args().any(|a| a == "--bench") {
         for case in cases() {
-            Engine::new(&case.net).hear(BLOCK).map_err(|e| e.to_string())?;
+            Engine::new(&case.net).play(BLOCK).map_err(|e| e.to_string())?;
         }
         return Ok(());
     }

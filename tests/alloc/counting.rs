@@ -49,7 +49,7 @@ static ALLOCATOR: Counting = Counting;
 /// Allocator use of one call, on this thread.
 #[derive(Clone, Copy)]
 #[allow(dead_code, reason = "the tests ask for less than the bench")]
-pub struct Taken {
+pub struct AllocCounts {
     /// Number of allocator calls, freeing included.
     pub calls: u64,
     /// Peak of allocated bytes.
@@ -59,12 +59,12 @@ pub struct Taken {
 }
 
 /// Runs `f` and returns its result and its allocator use.
-pub fn taken<T>(f: impl FnOnce() -> T) -> (T, Taken) {
+pub fn taken<T>(f: impl FnOnce() -> T) -> (T, AllocCounts) {
     let (calls, live) = (CALLS.with(Cell::get), LIVE.with(Cell::get));
     PEAK.with(|p| p.set(live));
     let done = f();
     let more = |now: i64| (now - live).max(0) as u64;
-    let taken = Taken {
+    let taken = AllocCounts {
         calls: CALLS.with(Cell::get) - calls,
         peak: more(PEAK.with(Cell::get)),
         kept: more(LIVE.with(Cell::get)),

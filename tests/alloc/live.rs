@@ -95,7 +95,7 @@ impl Found {
                 Record::Energy { .. } | Record::Hash { .. } => self.regular += 1,
                 Record::Marked { .. } | Record::Waiting { .. } => {}
                 Record::Retired { retired: Retired::State(_), .. } => self.reloads += 1,
-                Record::Retired { .. } | Record::Order { .. } | Record::Touched { .. } | Record::Swapped { .. } => {
+                Record::Retired { .. } | Record::Order { .. } | Record::Manual { .. } | Record::Swapped { .. } => {
                     self.commands += 1;
                 }
             }

@@ -9,8 +9,8 @@ mod counting;
 mod engine;
 mod large;
 mod live;
+mod manual_input;
 mod rings;
-mod touch;
 
 use ca_benches::rattle;
 use ca_compile::{KernelClass, Options, compile};

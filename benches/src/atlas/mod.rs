@@ -10,9 +10,9 @@ mod contact;
 mod device;
 mod friction;
 mod linear;
+pub mod non_finite;
 pub mod orders;
 pub mod page;
-pub mod poison;
 pub mod survival;
 pub mod svg;
 mod wave;
@@ -133,13 +133,13 @@ pub struct Cell {
     /// Result of the engine.
     pub grows: bool,
     /// Result of theory, if it is the same in the whole band around the cell.
-    pub said: Option<bool>,
+    pub theory: Option<bool>,
 }
 
 impl Cell {
     /// Returns true if the engine contradicts theory.
     pub fn contradicts(&self) -> bool {
-        self.said.is_some_and(|said| said != self.grows)
+        self.theory.is_some_and(|said| said != self.grows)
     }
 }
 
@@ -153,7 +153,7 @@ pub struct Field {
 
 impl Map {
     /// Returns the result of theory at this place, if it is the same in the whole band around it.
-    pub fn said(&self, part: [f64; 2]) -> Option<bool> {
+    pub fn theory_at(&self, part: [f64; 2]) -> Option<bool> {
         let near = |dx: f64, dy: f64| {
             let place = [part[0] + dx * self.band, part[1] + dy * self.band].map(|p| p.clamp(0.0, 1.0));
             (self.theory)(self.axes[0].at(place[0]), self.axes[1].at(place[1]))
@@ -169,7 +169,7 @@ impl Map {
         let cell = |i: usize| {
             let part = [((i % across) as f64 + 0.5) / across as f64, ((i / across) as f64 + 0.5) / up as f64];
             let at = [self.axes[0].at(part[0]), self.axes[1].at(part[1])];
-            Cell { at, grows: (self.measured)(at[0], at[1]), said: self.said(part) }
+            Cell { at, grows: (self.measured)(at[0], at[1]), theory: self.theory_at(part) }
         };
         Field { across, cells: (0..across * up).map(cell).collect() }
     }
@@ -183,7 +183,7 @@ impl Field {
 
     /// Returns the number of cells for which theory has a result.
     pub fn judged(&self) -> usize {
-        self.cells.iter().filter(|c| c.said.is_some()).count()
+        self.cells.iter().filter(|c| c.theory.is_some()).count()
     }
 }
 

@@ -1,7 +1,7 @@
 //! Page `docs/measured/atlas.md`: the format of maps and tables, which a test compares with the page.
 
+use super::non_finite::{self, EntryPoint};
 use super::orders;
-use super::poison::{self, Door};
 use super::survival::{CASES, Case, METHODS};
 use super::{Field, Map};
 use crate::table::head;
@@ -52,22 +52,26 @@ pub fn row(case: &Case, length: usize) -> String {
 }
 
 /// Formats a row of the table of entry points.
-pub fn door(name: &str, what: &str, door: &Door) -> String {
-    format!("| {name} | {what} | {} | {} |", door.tried, door.through.len())
+pub fn entry_point(name: &str, what: &str, entry_point: &EntryPoint) -> String {
+    format!("| {name} | {what} | {} | {} |", entry_point.tried, entry_point.through.len())
 }
 
 /// Test of an entry point.
-pub type Try = fn() -> Door;
+pub type Trial = fn() -> EntryPoint;
 
 /// All entry points: name, expected behaviour, and test.
-pub const DOORS: [(&str, &str, Try); 4] = [
-    ("parameters of a model, each number of each kind", "an error that names the value; no scene", poison::parameters),
-    ("ports, each input of each example", "held (positions) or taken as 0 (forces), and counted", poison::ports),
-    ("live parameters, by name and as a patch", "refused, nothing changed", poison::changes),
+pub const DOORS: [(&str, &str, Trial); 4] = [
+    (
+        "parameters of a model, each number of each kind",
+        "an error that names the value; no scene",
+        non_finite::parameters,
+    ),
+    ("ports, each input of each example", "held (positions) or taken as 0 (forces), and counted", non_finite::ports),
+    ("live parameters, by name and as a patch", "refused, nothing changed", non_finite::changes),
     (
         "frames of a device, with forces on",
         "no force and no sound that is not finite; where positions stay bad, no force",
-        poison::frames,
+        non_finite::frames,
     ),
 ];
 
@@ -103,7 +107,7 @@ pub fn page(maps: &str) -> String {
     t += "\n## What is not finite\n\nNaN, +∞ and −∞ at every door of the engine.\n\n";
     t += &head(&["where", "what happens", "tried", "came through"]);
     for (name, what, try_it) in DOORS {
-        let _ = writeln!(t, "{}", door(name, what, &try_it()));
+        let _ = writeln!(t, "{}", entry_point(name, what, &try_it()));
     }
     t
 }

@@ -205,7 +205,7 @@ impl Case {
             Case::Ratio(r, _) => energy(text, ticks, &[1.0, r], 0.0),
             Case::Undamped => energy(text, ticks, &[], 1e-3),
             Case::Scale(_, l) => {
-                let (plain, here) = (heard(&scaled(1.0, 1.0), ticks, 1.0), heard(text, ticks, l));
+                let (plain, here) = (scaled_output(&scaled(1.0, 1.0), ticks, 1.0), scaled_output(text, ticks, l));
                 let peak = plain.iter().fold(0.0f64, |m, v| m.max(v.abs()));
                 Outcome::Differs(plain.iter().zip(&here).fold(0.0f64, |m, (a, b)| m.max((a - b).abs())) / peak)
             }
@@ -227,7 +227,7 @@ fn ready(text: &str, energy: bool) -> (Scene, State) {
 }
 
 /// Returns the output divided by `l`.
-pub fn heard(text: &str, ticks: u64, l: f64) -> Vec<f64> {
+pub fn scaled_output(text: &str, ticks: u64, l: f64) -> Vec<f64> {
     let (scene, mut s) = ready(text, false);
     let step = |_| {
         tick(&scene, &mut s);

@@ -10,7 +10,7 @@
 //!
 //! The bench is `benches/costs.rs`; [`page`] makes its page.
 
-mod hand;
+mod device_costs;
 pub mod page;
 mod scenes;
 
@@ -18,7 +18,7 @@ use crate::{compiled, model};
 use ca_compile::KernelClass;
 use ca_core::internal::state::give_to;
 use ca_core::{Identity, Scene, State, tick};
-pub use hand::Rig;
+pub use device_costs::Rig;
 use std::hint::black_box;
 
 /// A run, by ticks of a scene or by gesture frames of a device.
@@ -92,7 +92,7 @@ pub struct CostRow {
 /// Returns all rows, in the order of the page.
 pub fn rows() -> Vec<CostRow> {
     let mut all = scenes::rows();
-    all.extend(hand::rows());
+    all.extend(device_costs::rows());
     all
 }
 
@@ -214,7 +214,7 @@ impl CostRow {
                 }
             }
             (Without::Always, Some(_)) => {}
-            (Without::Device(stage, asked), None) => return hand::nothing(*stage, *asked),
+            (Without::Device(stage, asked), None) => return device_costs::nothing(*stage, *asked),
             _ => return Err("what is played is not what is asked about".into()),
         }
         Ok(())

@@ -5,7 +5,7 @@
 
 use super::{BUILT, Cut, Plays, Render};
 use crate::acoustics::{db, peak, slope};
-use ca_io::ending::{FADE, QUIET};
+use ca_io::level_and_fade::{FADE, QUIET};
 
 /// Figures of a row that do not depend on the speed of the machine.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use crate::acoustics::peak;
 
 const NEVER_MORE: f64 = f64::INFINITY;
 /// Stroke for a key that goes down 9.2 mm.
-const KEY: Stroke = Stroke { felt: 0.5, ..Stroke::DEFAULT };
+const KEY: Stroke = Stroke { min_force: 0.5, ..Stroke::DEFAULT };
 
 /// C4 of `hammer_piano` alone, with its key at 0.05 m/s.
 const SILENT: Take = BUILT
@@ -55,28 +55,28 @@ pub static ALL: &[Instrument] = &[
         stroke: KEY,
         claims: &[
             Claim {
-                says: "a press of 0.05 m/s is silent",
+                sentence: "a press of 0.05 m/s is silent",
                 shows: "force of the hammer on the string: {} N",
                 measure: |p| peak(&p.probe("key[0].strike", SILENT.whole())),
-                keeps: [0.0, 0.0],
+                range: [0.0, 0.0],
             },
             Claim {
-                says: "spectral centroid of C4 324 Hz at 0.08 m/s, 641 Hz at 0.58",
+                sentence: "spectral centroid of C4 324 Hz at 0.08 m/s, 641 Hz at 0.58",
                 shows: "centroid at 0.58 m/s over the centroid at 0.08: {}",
                 measure: |p| p.colour(LOUD.at(0.08, 0.58)) / p.colour(SOFT.at(0.1, 0.58)),
-                keeps: [1.5, NEVER_MORE],
+                range: [1.5, NEVER_MORE],
             },
             Claim {
-                says: "Let go, a note is down by 40 dB within 0.3 s",
+                sentence: "Let go, a note is down by 40 dB within 0.3 s",
                 shows: "level before the key of C4 is let go, above the level 0.3 s after: {} dB",
                 measure: |p| p.level(LOUD.at(0.55, 0.6)) - p.level(LOUD.at(0.95, 1.0)),
-                keeps: [40.0, NEVER_MORE],
+                range: [40.0, NEVER_MORE],
             },
             Claim {
-                says: "leaves the second strings unstruck",
+                sentence: "leaves the second strings unstruck",
                 shows: "force on the second string of C4 in the soft chord: {} N",
                 measure: |p| peak(&p.probe("key[0].strike2", BUILT.at(3.6, 4.2))),
-                keeps: [0.0, 0.0],
+                range: [0.0, 0.0],
             },
         ],
         remark: "Hammer, damper and shared pin act as in a piano; partial 7, near whose node the hammer strikes, is \
@@ -91,16 +91,16 @@ pub static ALL: &[Instrument] = &[
         stroke: KEY,
         claims: &[
             Claim {
-                says: "or MIDI notes C3 to B4",
+                sentence: "or MIDI notes C3 to B4",
                 shows: "E4 of the chord: {} cents",
                 measure: |p| p.cents(329.6276, BUILT.at(5.6, 6.6)),
-                keeps: [-4.0, 4.0],
+                range: [-4.0, 4.0],
             },
             Claim {
-                says: "plays all keys from the lowest, ever louder",
+                sentence: "plays all keys from the lowest, ever louder",
                 shows: "the last note above the first: {} dB",
                 measure: |p| p.peak(BUILT.at(4.7, 4.9)) - p.peak(BUILT.at(0.1, 0.3)),
-                keeps: [3.0, NEVER_MORE],
+                range: [3.0, NEVER_MORE],
             },
         ],
         remark: "In tune over two octaves; without a soundboard it is drier than `hammer_piano`, and partial 7 is as weak.",
@@ -115,28 +115,28 @@ pub static ALL: &[Instrument] = &[
         stroke: KEY,
         claims: &[
             Claim {
-                says: "0.55 N at 7.5 mm",
+                sentence: "0.55 N at 7.5 mm",
                 shows: "from 7.2 to 7.7 mm of a press at 20 mm/s: {} N",
                 measure: |p| weighs(p, 7.2e-3, 7.7e-3),
-                keeps: [0.45, 0.65],
+                range: [0.45, 0.65],
             },
             Claim {
-                says: "the let-off, 1.05 N at 8.8 mm",
+                sentence: "the let-off, 1.05 N at 8.8 mm",
                 shows: "from 8.7 to 8.75 mm of it: {} N",
                 measure: |p| weighs(p, 8.7e-3, 8.75e-3),
-                keeps: [0.9, 1.15],
+                range: [0.9, 1.15],
             },
             Claim {
-                says: "so slowly that no hammer arrives",
+                sentence: "so slowly that no hammer arrives",
                 shows: "force of the hammer on C4 then: {} N",
                 measure: |p| peak(&p.probe("key[0].strike", BUILT.at(5.0, 5.65))),
-                keeps: [0.0, 0.0],
+                range: [0.0, 0.0],
             },
             Claim {
-                says: "five times from half release",
+                sentence: "five times from half release",
                 shows: "number of times the hammer then strikes: {}",
                 measure: |p| p.contacts("key[0].strike", BUILT.at(5.65, 6.6)),
-                keeps: [5.0, 5.0],
+                range: [5.0, 5.0],
             },
         ],
         remark: "Weight, let-off and repetition can be felt, in newtons; the sound is of bare strings, without a soundboard.",

@@ -64,13 +64,13 @@ pub struct Pitch {
 #[derive(Clone, Copy, Debug)]
 pub struct Claim {
     /// Sentence, or a part of it, as in the header.
-    pub says: &'static str,
+    pub sentence: &'static str,
     /// Description of the figure, with `{}` in its place.
     pub shows: &'static str,
     /// Returns the figure.
     pub measure: fn(&Plays) -> f64,
     /// Least and largest figure that support the claim.
-    pub keeps: [f64; 2],
+    pub range: [f64; 2],
 }
 
 /// A bundled instrument with its claims.

@@ -75,14 +75,14 @@ pub fn row(i: &Instrument, f: &Figures, times: &str) -> String {
 }
 
 fn claim(c: &Claim, figure: f64) -> String {
-    let [least, most] = c.keeps.map(three);
-    let keeps = match c.keeps {
+    let [least, most] = c.range.map(three);
+    let keeps = match c.range {
         [a, b] if a == b => format!("must be {least}"),
         [_, b] if b == f64::INFINITY => format!("at least {least}"),
         [a, _] if a == f64::NEG_INFINITY => format!("at most {most}"),
         _ => format!("{least} to {most}"),
     };
-    format!("- “{}”: {} ({keeps})\n", one_line(c.says), c.shows.replace("{}", &three(figure)))
+    format!("- “{}”: {} ({keeps})\n", one_line(c.sentence), c.shows.replace("{}", &three(figure)))
 }
 
 /// Makes the page: `times` returns the cell of real time of an instrument, `machine` describes the machine of the

@@ -40,7 +40,7 @@ const HEAVY: Take = BUILT
 
 /// Returns the period \[s\] with the largest autocorrelation in the second half of a stroke, and that correlation.
 fn repeats(p: &super::Plays, take: Take) -> (f64, f64) {
-    let (x, rate) = p.heard(take.at(1.2, 2.0));
+    let (x, rate) = p.loudest_channel(take.at(1.2, 2.0));
     crate::acoustics::period(&x, rate, 1.0 / 400.0, 1.0 / 200.0)
 }
 
@@ -59,28 +59,28 @@ pub static ALL: &[Instrument] = &[
         // the hair moves back and forth
         claims: &[
             Claim {
-                says: "at 0.2 m/s 1.2 N gives 309 Hz",
+                sentence: "at 0.2 m/s 1.2 N gives 309 Hz",
                 shows: "inverse of the period with the highest autocorrelation: {} Hz",
                 measure: |p| 1.0 / repeats(p, FIRM).0,
-                keeps: [307.0, 311.0],
+                range: [307.0, 311.0],
             },
             Claim {
-                says: "3 N adds a strong ninth harmonic at 2.7 kHz",
+                sentence: "3 N adds a strong ninth harmonic at 2.7 kHz",
                 shows: "partial there above the first: {} dB",
                 measure: |p| p.partial(2717.0, STRONG.at(1.0, 2.0)) - p.partial(302.0, STRONG.at(1.0, 2.0)),
-                keeps: [-6.0, 6.0],
+                range: [-6.0, 6.0],
             },
             Claim {
-                says: "5 N is raucous, without a pitch",
+                sentence: "5 N is raucous, without a pitch",
                 shows: "autocorrelation after the best period, 1 if the sound repeats: {}",
                 measure: |p| repeats(p, HEAVY).1,
-                keeps: [0.0, 0.5],
+                range: [0.0, 0.5],
             },
             Claim {
-                says: "below about 1 N nothing starts",
+                sentence: "below about 1 N nothing starts",
                 shows: "level at 1.2 N above that at 0.8 N: {} dB",
                 measure: |p| p.level(FIRM.at(1.0, 2.0)) - p.level(LIGHT.at(1.0, 2.0)),
-                keeps: [20.0, NEVER_MORE],
+                range: [20.0, NEVER_MORE],
             },
         ],
         remark: "One mode locks to the bow, and the force selects the mode; the sheet has tension and no bending \
@@ -93,22 +93,22 @@ pub static ALL: &[Instrument] = &[
         decay: BUILT.at(1.5, 6.0),
         claims: &[
             Claim {
-                says: "the share of the sound above 900 Hz grows by half in the 0.15 s after the blow",
+                sentence: "the share of the sound above 900 Hz grows by half in the 0.15 s after the blow",
                 shows: "that share 0.12 to 0.2 s after the blow over the share in its first 80 ms: {}",
                 measure: |p| high(p, 1.64) / high(p, 1.52),
-                keeps: [1.4, 1.8],
+                range: [1.4, 1.8],
             },
             Claim {
-                says: "a strong stroke becomes brighter",
+                sentence: "a strong stroke becomes brighter",
                 shows: "that share then over the share at the same time after the soft stroke: {}",
                 measure: |p| high(p, 1.64) / high(p, 0.25),
-                keeps: [1.5, NEVER_MORE],
+                range: [1.5, NEVER_MORE],
             },
             Claim {
-                says: "strikes softly, then strongly, and damps",
+                sentence: "strikes softly, then strongly, and damps",
                 shows: "fall of the level by the palm: {} dB",
                 measure: |p| p.level(BUILT.at(6.8, 7.0)) - p.level(BUILT.at(7.5, 7.7)),
-                keeps: [15.0, NEVER_MORE],
+                range: [15.0, NEVER_MORE],
             },
         ],
         remark: "Strong strokes become a little brighter after the blow, with little above 2 kHz; `tam_tam` becomes brighter still.",
@@ -121,22 +121,22 @@ pub static ALL: &[Instrument] = &[
         decay: BUILT.at(2.25, 4.0),
         claims: &[
             Claim {
-                says: "the pitch stays",
+                sentence: "the pitch stays",
                 shows: "from the first stroke to the last: {} cents",
                 measure: |p| p.cents(147.0, BUILT.at(2.3, 2.9)) - p.cents(147.0, BUILT.at(0.2, 0.7)),
-                keeps: [-2.0, 2.0],
+                range: [-2.0, 2.0],
             },
             Claim {
-                says: "centroid 680 Hz at the centre",
+                sentence: "centroid 680 Hz at the centre",
                 shows: "of the first stroke: {} Hz",
                 measure: |p| p.colour(BUILT.at(0.08, 0.48)),
-                keeps: [640.0, 720.0],
+                range: [640.0, 720.0],
             },
             Claim {
-                says: "1 kHz near the rim",
+                sentence: "1 kHz near the rim",
                 shows: "of the stroke before the last: {} Hz",
                 measure: |p| p.colour(BUILT.at(1.83, 2.2)),
-                keeps: [980.0, 1100.0],
+                range: [980.0, 1100.0],
             },
         ],
         remark: "Pitch exact, brighter towards the rim; 37 by 33 masses have no modes above 3.2 kHz, so the click of a hard stick is missing.",
@@ -149,25 +149,25 @@ pub static ALL: &[Instrument] = &[
         decay: BUILT.at(2.3, 4.2),
         claims: &[
             Claim {
-                says: "strikes three times, each harder",
+                sentence: "strikes three times, each harder",
                 shows: "least rise from one stroke to the next: {} dB",
                 measure: |p| {
                     let blow = |t: f64| p.peak(BUILT.at(t, t + 0.3));
                     (blow(1.2) - blow(0.1)).min(blow(2.3) - blow(1.2))
                 },
-                keeps: [1.0, NEVER_MORE],
+                range: [1.0, NEVER_MORE],
             },
             Claim {
-                says: "damps the last by 22 dB in 0.6 s",
+                sentence: "damps the last by 22 dB in 0.6 s",
                 shows: "fall of the level: {} dB",
                 measure: |p| p.level(BUILT.at(4.1, 4.2)) - p.level(BUILT.at(4.75, 4.85)),
-                keeps: [20.0, 26.0],
+                range: [20.0, 26.0],
             },
             Claim {
-                says: "Half of the power is above 3 kHz",
+                sentence: "Half of the power is above 3 kHz",
                 shows: "share of it, of the whole sound: {}",
                 measure: |p| p.above(3000.0, BUILT.at(0.0, 5.0)),
-                keeps: [0.4, 0.65],
+                range: [0.4, 0.65],
             },
         ],
         remark: "Dense and bright; louder is only a little brighter, and a sheet under tension lacks the dispersion of \
@@ -182,16 +182,16 @@ pub static ALL: &[Instrument] = &[
         decay: BUILT.at(5.0, 5.8),
         claims: &[
             Claim {
-                says: "With the wires up each stroke has a noisy tail",
+                sentence: "With the wires up each stroke has a noisy tail",
                 shows: "power above 1 kHz from 20 to 120 ms after the stroke, above the power with the wires down: {} dB",
                 measure: |p| p.band(1e3, 2e4, BUILT.at(0.23, 0.33)) - p.band(1e3, 2e4, BUILT.at(3.33, 3.43)),
-                keeps: [10.0, NEVER_MORE],
+                range: [10.0, NEVER_MORE],
             },
             Claim {
-                says: "with them down it is a tom",
+                sentence: "with them down it is a tom",
                 shows: "part of the power above 1 kHz in the 0.2 s after 20 ms, with the wires down: {}",
                 measure: |p| p.above(1e3, BUILT.at(3.33, 3.53)),
-                keeps: [0.0, 0.1],
+                range: [0.0, 0.1],
             },
         ],
         remark: "The wires rattle and stop within 0.4 s; the centroid of a stroke at the edge is only some 50 Hz \
@@ -208,37 +208,37 @@ pub static ALL: &[Instrument] = &[
         stroke: Stroke { seconds: 1.5, ..Stroke::DEFAULT },
         claims: &[
             Claim {
-                says: "8798 modules in all",
+                sentence: "8798 modules in all",
                 shows: "MAT and LIA that are computed: {}",
                 measure: |p| p.play(BUILT).modules.iter().sum::<usize>() as f64,
-                keeps: [8798.0, 8798.0],
+                range: [8798.0, 8798.0],
             },
             Claim {
-                says: "the centroid of the first 0.2 s is at 370 Hz after the soft stroke",
+                sentence: "the centroid of the first 0.2 s is at 370 Hz after the soft stroke",
                 shows: "after the soft stroke: {} Hz",
                 measure: |p| p.colour(BUILT.at(0.12, 0.34)),
-                keeps: [340.0, 400.0],
+                range: [340.0, 400.0],
             },
             Claim {
-                says: "at 1.6 kHz after the hard one",
+                sentence: "at 1.6 kHz after the hard one",
                 shows: "after the hard one: {} Hz",
                 measure: |p| p.colour(BUILT.at(3.4, 3.62)),
-                keeps: [1500.0, 1750.0],
+                range: [1500.0, 1750.0],
             },
             Claim {
-                says: "glides from 127 Hz to 110 Hz",
+                sentence: "glides from 127 Hz to 110 Hz",
                 shows: "from 0.1 s after the hard stroke: {} Hz",
                 measure: |p| {
-                    let (x, rate) = p.heard(BUILT.at(3.5, 3.9));
+                    let (x, rate) = p.loudest_channel(BUILT.at(3.5, 3.9));
                     crate::acoustics::partial(&x, rate, 124.0, 12.0).0
                 },
-                keeps: [118.0, 132.0],
+                range: [118.0, 132.0],
             },
             Claim {
-                says: "(a linear membrane)",
+                sentence: "(a linear membrane)",
                 shows: "centroid of the hard stroke without hardening: {} Hz",
                 measure: |p| p.colour(LINEAR.at(0.05, 0.3)),
-                keeps: [100.0, 300.0],
+                range: [100.0, 300.0],
             },
         ],
         remark: "A hard stroke becomes noise within 0.1 s and its pitch glides; the modes of the linear sheet end at \

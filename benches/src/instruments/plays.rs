@@ -100,7 +100,7 @@ impl Render {
         &x[at(from)..at(to)]
     }
     /// Returns the loudest channel between two times \[s\].
-    pub fn heard(&self, from: f64, to: f64) -> &[f64] {
+    pub fn loudest_channel(&self, from: f64, to: f64) -> &[f64] {
         let parts = self.sound.iter().map(|c| self.part(c, from, to));
         parts.max_by(|a, b| acoustics::rms(a).total_cmp(&acoustics::rms(b))).expect("a channel")
     }
@@ -172,9 +172,9 @@ impl Plays {
     }
 
     /// Returns the loudest channel of a cut, and the sound rate \[Hz\].
-    pub fn heard(&self, cut: Cut) -> (Vec<f64>, f64) {
+    pub fn loudest_channel(&self, cut: Cut) -> (Vec<f64>, f64) {
         let r = self.play(cut.take);
-        (r.heard(cut.from, cut.to).to_vec(), r.rate)
+        (r.loudest_channel(cut.from, cut.to).to_vec(), r.rate)
     }
 
     /// Returns a probe of a cut by name.
@@ -187,19 +187,19 @@ impl Plays {
 
     /// Returns the cents from `f` \[Hz\] to the strongest partial within 3 % of it, half a semitone.
     pub fn cents(&self, f: f64, cut: Cut) -> f64 {
-        let (x, rate) = self.heard(cut);
+        let (x, rate) = self.loudest_channel(cut);
         acoustics::cents(acoustics::partial(&x, rate, f, 0.03 * f).0, f)
     }
 
     /// Returns the level of the strongest partial within 3 % of `f` \[Hz\], in dBFS.
     pub fn partial(&self, f: f64, cut: Cut) -> f64 {
-        let (x, rate) = self.heard(cut);
+        let (x, rate) = self.loudest_channel(cut);
         acoustics::db(acoustics::partial(&x, rate, f, 0.03 * f).1)
     }
 
     /// Returns the centre of gravity of the spectrum \[Hz\].
     pub fn centroid(&self, cut: Cut) -> f64 {
-        let (x, rate) = self.heard(cut);
+        let (x, rate) = self.loudest_channel(cut);
         acoustics::centroid(&x, rate)
     }
 
@@ -236,18 +236,18 @@ impl Plays {
 
     /// Returns the time in which the partial at `f` \[Hz\] falls by 60 dB \[s\].
     pub fn t60(&self, f: f64, cut: Cut) -> f64 {
-        let (x, rate) = self.heard(cut);
+        let (x, rate) = self.loudest_channel(cut);
         acoustics::t60(&x, rate, f)
     }
 
     /// Returns the largest sample, in dBFS.
     pub fn peak(&self, cut: Cut) -> f64 {
-        acoustics::db(acoustics::peak(&self.heard(cut).0))
+        acoustics::db(acoustics::peak(&self.loudest_channel(cut).0))
     }
 
     /// Returns the level about the mean, in dBFS.
     pub fn level(&self, cut: Cut) -> f64 {
-        acoustics::db(acoustics::rms(&self.heard(cut).0))
+        acoustics::db(acoustics::rms(&self.loudest_channel(cut).0))
     }
 
     /// Returns how often the force of a probe begins after at least 5 ms without force.

@@ -38,16 +38,16 @@ pub static ALL: &[Instrument] = &[
         decay: BUILT.at(4.3, 9.0),
         probes: &["knock_a", "knock_b", "knock_c", "knock_d", "knock_e"],
         // the built-in gesture is the wind, so the hand has its own
-        stroke: Stroke { ways: &[(0, SWUNG)], ..Stroke::DEFAULT },
+        stroke: Stroke { motions: &[(0, SWUNG)], ..Stroke::DEFAULT },
         claims: &[
             Claim {
-                says: "the tubes are silent at 11 s",
+                sentence: "the tubes are silent at 11 s",
                 shows: "largest sample of the last half second: {} dBFS",
                 measure: |p| p.peak(BUILT.at(10.5, 11.0)),
-                keeps: [f64::NEG_INFINITY, -80.0],
+                range: [f64::NEG_INFINITY, -80.0],
             },
             Claim {
-                says: "then the air damps the threads",
+                sentence: "then the air damps the threads",
                 shows: "strongest blow of the clapper later than a second after the wind, as a part of the strongest: {}",
                 // not the time of the last blow: the swing is chaotic, and the last digits of a mass move it by seconds
                 measure: |p| {
@@ -58,7 +58,7 @@ pub static ALL: &[Instrument] = &[
                     };
                     strongest(calm) / strongest(0)
                 },
-                keeps: [0.0, 0.6],
+                range: [0.0, 0.6],
             },
         ],
         remark: "Five tubes in tune with bright, inharmonic partials; each is one stiff string of five masses, so that it has five partials and \
@@ -70,18 +70,18 @@ pub static ALL: &[Instrument] = &[
         loud: BUILT.at(0.0, 1.0),
         claims: &[
             Claim {
-                says: "room.pebble.m=\"1 g\" (softer",
+                sentence: "room.pebble.m=\"1 g\" (softer",
                 shows: "level with a pebble of 1 g below the level of the model: {} dB",
                 measure: |p| p.level(BUILT.at(0.0, 1.0)) - p.level(BUILT.set(&["room.pebble.m=1 g"]).at(0.0, 1.0)),
-                keeps: [2.0, 12.0],
+                range: [2.0, 12.0],
             },
             Claim {
-                says: "room.crystal.k=\"100 kN/m\" (lower)",
+                sentence: "room.crystal.k=\"100 kN/m\" (lower)",
                 shows: "centroid with it over the centroid of the model; √(1/5) is 0.447: {}",
                 measure: |p| {
                     p.colour(BUILT.set(&["room.crystal.k=100 kN/m"]).at(0.0, 1.0)) / p.colour(BUILT.at(0.0, 1.0))
                 },
-                keeps: [0.38, 0.52],
+                range: [0.38, 0.52],
             },
         ],
         remark: "Four partials from 1.9 to 4.7 kHz, the lowest by far the strongest, so the sound is thin; a softer blow hardly changes the timbre.",
@@ -93,20 +93,20 @@ pub static ALL: &[Instrument] = &[
         loud: BUILT.at(0.1, 0.6),
         claims: &[
             Claim {
-                says: "comes to rest on the skin",
+                sentence: "comes to rest on the skin",
                 shows: "largest sample of the last half second: {} dBFS",
                 measure: |p| p.peak(BUILT.at(3.5, 4.0)),
-                keeps: [f64::NEG_INFINITY, -60.0],
+                range: [f64::NEG_INFINITY, -60.0],
             },
             Claim {
-                says: "Its edges ring far above the drum and sound in the right channel",
+                sentence: "Its edges ring far above the drum and sound in the right channel",
                 shows: "centroid of the right channel over the centroid of the left: {}",
                 measure: |p| {
                     let r = p.play(BUILT);
                     let of = |k: usize| crate::acoustics::centroid(r.part(&r.sound[k], 0.1, 1.0), r.rate);
                     of(1) / of(0)
                 },
-                keeps: [3.0, NEVER_MORE],
+                range: [3.0, NEVER_MORE],
             },
         ],
         remark: "The rhythm of a tumbling object; the drum is simple and eleven masses wide, the star of seven points has few partials.",
@@ -119,16 +119,16 @@ pub static ALL: &[Instrument] = &[
         stroke: Stroke { clear: 0.15, ..Stroke::DEFAULT },
         claims: &[
             Claim {
-                says: "95 % of the power is above 3 kHz",
+                sentence: "95 % of the power is above 3 kHz",
                 shows: "share of it: {}",
                 measure: |p| p.above(3000.0, BUILT.at(0.0, 5.0)),
-                keeps: [0.92, 0.98],
+                range: [0.92, 0.98],
             },
             Claim {
-                says: "they come to rest and the sound ends",
+                sentence: "they come to rest and the sound ends",
                 shows: "largest sample of the last 0.3 s: {} dBFS",
                 measure: |p| p.peak(BUILT.at(4.7, 5.0)),
-                keeps: [f64::NEG_INFINITY, -55.0],
+                range: [f64::NEG_INFINITY, -55.0],
             },
         ],
         remark: "Bright grains with the rhythm of the hand; the gourd itself, which should sound below 2 kHz, is hardly audible.",
@@ -142,19 +142,19 @@ pub static ALL: &[Instrument] = &[
         stroke: Stroke { clear: 0.1, ..Stroke::DEFAULT },
         claims: &[
             Claim {
-                says: "Blows of a fifth of a millisecond",
+                sentence: "Blows of a fifth of a millisecond",
                 shows: "median of all blows on the shell: {} ms",
                 measure: |p| {
                     let all = blows(p, "keep");
                     1e3 * all[all.len() / 2]
                 },
-                keeps: [0.15, 0.25],
+                range: [0.15, 0.25],
             },
             Claim {
-                says: "80 % of the power is above 3 kHz",
+                sentence: "80 % of the power is above 3 kHz",
                 shows: "share of it: {}",
                 measure: |p| p.above(3000.0, BUILT.at(0.0, 7.0)),
-                keeps: [0.77, 0.83],
+                range: [0.77, 0.83],
             },
         ],
         remark: "Sharp, like the rattle of the paper; the rest, a fifth of the power, is nearly all between 1 and 3 \
@@ -169,20 +169,20 @@ pub static ALL: &[Instrument] = &[
         stroke: Stroke { clear: 0.45, ..Stroke::DEFAULT },
         claims: &[
             Claim {
-                says: "Blows last a fifth of a millisecond, as there",
+                sentence: "Blows last a fifth of a millisecond, as there",
                 shows: "median of all blows on the shell: {} ms",
                 measure: |p| {
                     let all = blows(p, "keep");
                     1e3 * all[all.len() / 2]
                 },
-                keeps: [0.15, 0.25],
+                range: [0.15, 0.25],
             },
             Claim {
                 // rounding in its collisions moves this by some hundredths
-                says: "four fifths of the power are above 3 kHz",
+                sentence: "four fifths of the power are above 3 kHz",
                 shows: "share of it: {}",
                 measure: |p| p.above(3000.0, BUILT.at(0.0, 7.0)),
-                keeps: [0.75, 0.87],
+                range: [0.75, 0.87],
             },
         ],
         remark: "It sounds like `rattle`; a shake strikes up to 0.2 s after the turn of the hand, so it is harder to \
@@ -196,20 +196,20 @@ pub static ALL: &[Instrument] = &[
         probes: &["hop[4]"],
         claims: &[
             Claim {
-                says: "falls by its weight from a different height",
+                sentence: "falls by its weight from a different height",
                 shows: "delay of the first touch of bead `e` after √(2 h / g): {} %",
                 measure: |p| {
                     let x = p.probe("hop[4]", BUILT.whole());
                     let first = x.iter().position(|f| *f != 0.0).unwrap_or(0) as f64 / p.play(BUILT).rate;
                     100.0 * (first / (2.0 * p.number("beads.e.x") / 9.81).sqrt() - 1.0)
                 },
-                keeps: [-0.2, 0.2],
+                range: [-0.2, 0.2],
             },
             Claim {
-                says: "the last chime is silent before 7 s",
+                sentence: "the last chime is silent before 7 s",
                 shows: "largest sample of the last 0.2 s: {} dBFS",
                 measure: |p| p.peak(BUILT.at(6.8, 7.0)),
-                keeps: [f64::NEG_INFINITY, -60.0],
+                range: [f64::NEG_INFINITY, -60.0],
             },
         ],
         remark: "The rhythm of bouncing balls; a chime is one mode, so each is a sine with a click, the first four cents sharp.",
@@ -221,16 +221,16 @@ pub static ALL: &[Instrument] = &[
         decay: BUILT.at(4.0, 6.0),
         claims: &[
             Claim {
-                says: "the faster, the louder (8.5 dB from the first to the third toss of the gesture)",
+                sentence: "the faster, the louder (8.5 dB from the first to the third toss of the gesture)",
                 shows: "the third above the first: {} dB",
                 measure: |p| p.level(BUILT.at(3.4, 4.6)) - p.level(BUILT.at(1.0, 2.2)),
-                keeps: [6.0, 11.0],
+                range: [6.0, 11.0],
             },
             Claim {
-                says: "Thirty-two grains lie in a box",
+                sentence: "Thirty-two grains lie in a box",
                 shows: "level of the half second before the first toss, below the level of the toss: {} dB",
                 measure: |p| p.level(BUILT.at(1.0, 2.2)) - p.level(BUILT.at(0.5, 1.0)),
-                keeps: [10.0, NEVER_MORE],
+                range: [10.0, NEVER_MORE],
             },
         ],
         remark: "A rain of notes that no hand could play, the louder the faster; all blows have one hardness, so loud \

@@ -14,14 +14,15 @@ pub struct Stroke {
     /// Factor on the duration of the built-in gesture, for a mallet that is faster than the guard of the device allows.
     pub slower: f64,
     /// Motions of degrees of freedom without a built-in gesture: times \[s\] and positions \[m\], scaled to the hand.
-    pub ways: &'static [(u32, &'static [[f64; 2]])],
+    pub motions: &'static [(u32, &'static [[f64; 2]])],
     /// Least peak of the sound \[dBFS\].
-    pub heard: f64,
+    pub min_peak: f64,
     /// Least force at the hand \[N\].
-    pub felt: f64,
+    pub min_force: f64,
 }
 
 impl Stroke {
     /// Settings for most instruments.
-    pub const DEFAULT: Stroke = Stroke { clear: 0.0, slower: 1.0, seconds: 5.0, ways: &[], heard: -40.0, felt: 0.05 };
+    pub const DEFAULT: Stroke =
+        Stroke { clear: 0.0, slower: 1.0, seconds: 5.0, motions: &[], min_peak: -40.0, min_force: 0.05 };
 }

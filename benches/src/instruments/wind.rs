@@ -17,25 +17,25 @@ pub static ALL: &[Instrument] = &[
         soft: BUILT.at(8.0, 10.0),
         loud: BUILT.at(0.0, 2.0),
         probes: &["pendulum"],
-        stroke: Stroke { ways: &[(0, PUSHED)], ..Stroke::DEFAULT },
+        stroke: Stroke { motions: &[(0, PUSHED)], ..Stroke::DEFAULT },
         claims: &[
             Claim {
-                says: "the sound swells once a second",
+                sentence: "the sound swells once a second",
                 shows: "period with the highest autocorrelation of the level: {} s",
                 measure: |p| {
-                    let (x, rate) = p.heard(BUILT.at(0.5, 6.5));
+                    let (x, rate) = p.loudest_channel(BUILT.at(0.5, 6.5));
                     let len = (0.02 * rate) as usize;
                     period(&envelope(&x, len), rate / len as f64, 0.7, 1.3).0
                 },
-                keeps: [0.95, 1.05],
+                range: [0.95, 1.05],
             },
             Claim {
-                says: "every swell costs the pendulum some of its swing: 12 % a second",
+                sentence: "every swell costs the pendulum some of its swing: 12 % a second",
                 shows: "loss per second from 0 to 4 s: {}",
                 measure: |p| {
                     loss_a_second(&|a, b| p.probe("pendulum", BUILT.at(a.max(0.0), b)), &[0.0, 1.0, 2.0, 3.0, 4.0])
                 },
-                keeps: [0.1, 0.145],
+                range: [0.1, 0.145],
             },
         ],
         remark: "It swells and fades as its header says; the two strings are short and dark, and a push is needed to keep it going for longer than 10 s.",
@@ -47,19 +47,19 @@ pub static ALL: &[Instrument] = &[
         decay: BUILT.at(6.0, 7.0),
         claims: &[
             Claim {
-                says: "15 dB from 0.05 to 2 m/s",
+                sentence: "15 dB from 0.05 to 2 m/s",
                 shows: "level at 2 m/s above that at 0.05 m/s: {} dB",
                 measure: |p| p.level(QUICK.at(0.15, 0.6)) - p.level(SLOW.at(0.5, 2.0)),
-                keeps: [12.0, 18.0],
+                range: [12.0, 18.0],
             },
             Claim {
-                says: "collide between two walls: noise",
+                sentence: "collide between two walls: noise",
                 shows: "flatness between 150 Hz and 8 kHz (1 is white): {}",
                 measure: |p| {
-                    let (x, rate) = p.heard(BUILT.at(1.0, 5.0));
+                    let (x, rate) = p.loudest_channel(BUILT.at(1.0, 5.0));
                     flatness(&x, rate, 150.0, 8000.0)
                 },
-                keeps: [0.15, 1.0],
+                range: [0.15, 1.0],
             },
         ],
         remark: "A coloured noise whose loudness follows the hand; its timbre does not change with speed.",

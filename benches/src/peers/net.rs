@@ -71,7 +71,7 @@ pub struct Net {
     /// Links.
     pub lias: Vec<Lia>,
     /// Masses with an output, summed; in space along z.
-    pub heard: Vec<usize>,
+    pub outputs: Vec<usize>,
     /// Masses with contacts between all pairs, on one line of a model; in `lias` the contacts are separate, and last.
     pub pairs: Option<Vec<usize>>,
 }
@@ -96,7 +96,7 @@ impl Net {
     /// Returns the summed rest positions of the masses with an output. A SOX subtracts them and a peer does not; in
     /// space they are the start positions.
     pub fn rest(&self) -> f64 {
-        if self.space { self.heard.iter().map(|i| self.mats[*i].x[2]).sum() } else { 0.0 }
+        if self.space { self.outputs.iter().map(|i| self.mats[*i].x[2]).sum() } else { 0.0 }
     }
 
     /// Adds a MAT at rest on a line, at `x`.

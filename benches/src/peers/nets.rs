@@ -94,7 +94,7 @@ fn grid(n: usize) -> impl Iterator<Item = (usize, usize)> {
 pub fn string(n: usize) -> Net {
     let mut net = Net::new(&format!("string {n}"), false);
     let row = Numbers(1).string(&mut net, n);
-    net.heard = vec![row[4]];
+    net.outputs = vec![row[4]];
     net
 }
 
@@ -102,7 +102,7 @@ pub fn string(n: usize) -> Net {
 pub fn mesh(n: usize) -> Net {
     let mut net = Net::new(&format!("mesh {n}×{n}"), false);
     let all = Numbers(2).mesh(&mut net, n);
-    net.heard = vec![all[3 * n + 3]];
+    net.outputs = vec![all[3 * n + 3]];
     net
 }
 
@@ -117,7 +117,7 @@ pub fn random(masses: usize, links: usize) -> Net {
     for (a, b) in r.links(masses, links) {
         net.lia(r.spring(0.2), a, b);
     }
-    net.heard = vec![3];
+    net.outputs = vec![3];
     net
 }
 
@@ -146,7 +146,7 @@ pub fn mixture() -> Net {
     for (s, string) in strings.iter().enumerate() {
         net.lia(Law::Ref(9e-3, 2e-4, 0.0), string[60], mesh[30 * s + 9]);
     }
-    net.heard = vec![strings[0][4]];
+    net.outputs = vec![strings[0][4]];
     net
 }
 
@@ -156,7 +156,7 @@ pub fn cells(n: usize) -> Net {
     for i in 0..n {
         let w = std::f64::consts::TAU * 100.0 * 1.06_f64.powf(i as f64) / 48_000.0;
         let cell = net.mat(Kind::Cel { k: w * w, z: 4.6 / 48_000.0 }, 1.0, START);
-        net.heard.push(cell);
+        net.outputs.push(cell);
     }
     net
 }
@@ -173,7 +173,7 @@ pub fn piano() -> Net {
         net.mats[hammer].v[0] = 2e-6 + 3e-7 * f64::from(i);
         net.lia(Law::Hrz(1.0, 0.0), hammer, row[5]);
     }
-    net.heard = vec![bridge];
+    net.outputs = vec![bridge];
     net
 }
 
@@ -189,7 +189,7 @@ fn space(name: &str, places: &[[f64; 3]], links: impl Iterator<Item = (usize, us
         let Law::Ref(k, z, _) = r.spring(0.1) else { continue };
         net.lia(Law::Ref(k, z, 0.99 * far.sqrt()), a, b);
     }
-    net.heard = vec![3];
+    net.outputs = vec![3];
     net
 }
 
@@ -233,7 +233,7 @@ pub fn grains(n: usize) -> Net {
             net.lia(Law::But(0.1, 1e-3, diameter), *a, *b);
         }
     }
-    net.heard = vec![all[0]];
+    net.outputs = vec![all[0]];
     net.pairs = Some(all);
     net
 }
@@ -247,7 +247,7 @@ pub fn alike(mesh: bool, n: usize, damped: bool) -> Net {
     let all: Vec<usize> = (0..count).map(|_| net.mat(Kind::Mas, 1.0, 0.0)).collect();
     let at = |i: usize| if mesh { all[n * i + i] } else { all[i] };
     net.mats[at(n / 3)].x[0] = START;
-    net.heard = vec![at(3)];
+    net.outputs = vec![at(3)];
     if mesh {
         for (a, b) in grid(n) {
             net.lia(link, all[a], all[b]);

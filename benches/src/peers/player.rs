@@ -20,7 +20,7 @@ pub trait Player {
     ///
     /// # Errors
     /// If a process has ended.
-    fn hear(&mut self, ticks: usize) -> Result<Vec<f64>, Error>;
+    fn play(&mut self, ticks: usize) -> Result<Vec<f64>, Error>;
 
     /// Returns the processor time of `ticks` ticks \[ns\], after [`WARM`] ticks from the start.
     ///
@@ -85,7 +85,7 @@ impl Engine {
 }
 
 impl Player for Engine {
-    fn hear(&mut self, ticks: usize) -> Result<Vec<f64>, Error> {
+    fn play(&mut self, ticks: usize) -> Result<Vec<f64>, Error> {
         let mut all = Vec::with_capacity(ticks);
         self.begin();
         self.blocks(ticks, |out| all.extend_from_slice(out));
@@ -139,7 +139,7 @@ impl Peer {
 }
 
 impl Player for Peer {
-    fn hear(&mut self, ticks: usize) -> Result<Vec<f64>, Error> {
+    fn play(&mut self, ticks: usize) -> Result<Vec<f64>, Error> {
         self.ask("hear", ticks)?;
         (0..ticks).map(|_| self.number()).collect()
     }

@@ -60,7 +60,7 @@ pub fn model(net: &Net) -> String {
     }
     t += "[SOX]\n";
     let along = if net.space { ", along = \"z\"" } else { "" };
-    for (n, i) in net.heard.iter().enumerate() {
+    for (n, i) in net.outputs.iter().enumerate() {
         let _ = writeln!(t, "o{n} = {{ from = \"{group}m{i}\", channel = 0{along} }}");
     }
     t
@@ -97,7 +97,7 @@ fn parameters(law: Law, space: bool) -> String {
 /// Returns the table for `benches/peers/table.h`.
 pub fn table(net: &Net) -> String {
     let axes = if net.space { 3 } else { 1 };
-    let mut t = format!("{axes} {} {} {}\n", net.mats.len(), net.lias.len(), net.heard.len());
+    let mut t = format!("{axes} {} {} {}\n", net.mats.len(), net.lias.len(), net.outputs.len());
     for m in &net.mats {
         let (code, k, z) = match m.kind {
             Kind::Mas => (0, 0.0, 0.0),
@@ -120,7 +120,7 @@ pub fn table(net: &Net) -> String {
         };
         let _ = writeln!(t, "{code} {} {} {:?} {:?} {:?}", l.a, l.b, p[0], p[1], p[2]);
     }
-    for i in &net.heard {
+    for i in &net.outputs {
         let _ = writeln!(t, "{i}");
     }
     t
@@ -136,7 +136,7 @@ pub fn faust(net: &Net) -> Option<String> {
     if net.space {
         return None;
     }
-    let (nm, nl, heard) = (net.mats.len(), net.lias.len(), net.heard.len());
+    let (nm, nl, heard) = (net.mats.len(), net.lias.len(), net.outputs.len());
     let modules: Vec<_> = net.mats.iter().map(module).collect();
     let modules = modules.join(",\n    ");
     let mut t = String::from("mi = library(\"mi.lib\");\n");
@@ -150,7 +150,7 @@ pub fn faust(net: &Net) -> Option<String> {
     let ends_of = |(i, l): (usize, &super::net::Lia)| [(l.a + 1, 2 * i + 1), (l.b + 1, 2 * i + 2)].map(|(m, e)| (m, e));
     let pairs: Vec<_> = net.lias.iter().enumerate().flat_map(ends_of).collect();
     let mut there: Vec<_> = pairs.iter().map(|(m, e)| format!("{m}, {e}")).collect();
-    there.extend(net.heard.iter().enumerate().map(|(n, i)| format!("{}, {}", i + 1, ends + n + 1)));
+    there.extend(net.outputs.iter().enumerate().map(|(n, i)| format!("{}, {}", i + 1, ends + n + 1)));
     let mut back: Vec<_> = pairs.iter().map(|(m, e)| format!("{e}, {m}")).collect();
     back.extend((1..=heard).map(|n| format!("{}, {}", ends + n, nm + n)));
     let _ = write!(

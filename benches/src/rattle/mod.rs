@@ -65,7 +65,7 @@ fn built(a: f64, method: &str, seed: u64, energy: bool) -> Scene {
 
 /// Energy of a run.
 #[derive(Clone, Copy, Debug)]
-pub struct Fared {
+pub struct EnergyFigures {
     /// Energy at the end, or at the divergence, relative to the start.
     pub end: f64,
     /// Largest |E/E₀ − 1| at any tick.
@@ -79,14 +79,14 @@ pub struct Fared {
 }
 
 /// Plays the rattle for `seconds`, or until it diverges, with the energy ledger.
-pub fn fares(a: f64, method: &str, seed: u64, seconds: f64) -> Fared {
+pub fn fares(a: f64, method: &str, seed: u64, seconds: f64) -> EnergyFigures {
     let scene = built(a, method, seed, true);
     let mut s = scene.state();
     tick(&scene, &mut s);
     let h0 = s.ledger.as_ref().map_or(f64::NAN, |l| l.h0);
     let touches = |i: &usize| scene.audited_name(*i).is_some_and(|n| n.starts_with("touch"));
     let contacts: Vec<usize> = (0..scene.counts.n_lia).filter(touches).collect();
-    let mut f = Fared { end: 1.0, worst: 0.0, residual: 0.0, made: 0.0, seconds };
+    let mut f = EnergyFigures { end: 1.0, worst: 0.0, residual: 0.0, made: 0.0, seconds };
     for n in 0..(seconds * RATE) as u64 {
         tick(&scene, &mut s);
         let Some(ledger) = s.ledger.as_ref() else { break };

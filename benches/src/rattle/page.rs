@@ -1,6 +1,6 @@
 //! Page `docs/measured/rattle-energy.md`: the format of its cells, which a test compares with the page.
 
-use super::Fared;
+use super::EnergyFigures;
 use std::fmt::Write as _;
 
 const HEAD: &str = "# How stiff may a contact be?
@@ -24,18 +24,19 @@ stay constant. Each is played for 10 s at 48 kHz from three random sets of veloc
 ";
 
 /// Formats the energy of an explicit run.
-pub fn ended(f: &Fared) -> String {
+pub fn ended(f: &EnergyFigures) -> String {
     if f.worst.is_finite() { format!("{:.4}", f.end) } else { format!("diverged after {:.2} s", f.seconds) }
 }
 
 /// Formats the energy of a stable run.
-pub fn strayed(f: &Fared) -> String {
+pub fn strayed(f: &EnergyFigures) -> String {
     format!("{:.1e}", f.worst)
 }
 
 /// Formats a row of the table; `None` stands for a time that was not measured.
-pub fn row(a: f64, explicit: &[Fared], first: Option<f64>, stable: &[Fared], second: f64) -> String {
-    let cells = |of: fn(&Fared) -> String, runs: &[Fared]| runs.iter().map(of).collect::<Vec<_>>().join(", ");
+pub fn row(a: f64, explicit: &[EnergyFigures], first: Option<f64>, stable: &[EnergyFigures], second: f64) -> String {
+    let cells =
+        |of: fn(&EnergyFigures) -> String, runs: &[EnergyFigures]| runs.iter().map(of).collect::<Vec<_>>().join(", ");
     let mut t = String::new();
     let first = first.map_or("–".into(), |ns| format!("{ns:.0}"));
     let (one, two) = (cells(ended, explicit), cells(strayed, stable));

@@ -3,11 +3,11 @@
 //! A device must play the scene as it is, or it is refused; nothing is resampled here. The callback only takes samples
 //! from a ring and reads the clock. The recorder reports errors of the device.
 
-use super::{Output as Any, Playing};
+use super::{OpenOutput, Output as Any};
 use crate::AudioError;
 use ca_core::Scene;
 use ca_haptic::rt::now_ns;
-use ca_haptic::serve::audio::{Follow, PlaybackDevice, Watch, link};
+use ca_haptic::serve::audio::{DeviceClock, PlaybackDevice, Watch, link};
 use ca_model::suggest::ticked;
 use cpal::traits::{DeviceTrait as _, HostTrait as _, StreamTrait as _};
 use cpal::{
@@ -19,7 +19,11 @@ use std::sync::mpsc::channel;
 /// Default number of frames per call, for a device that leaves the choice.
 const BUFFER: u32 = 256;
 
-pub(super) fn open(wanted: &str, buffer: Option<u32>, scene: &Scene) -> Result<(Playing, Follow, Watch), AudioError> {
+pub(super) fn open(
+    wanted: &str,
+    buffer: Option<u32>,
+    scene: &Scene,
+) -> Result<(OpenOutput, DeviceClock, Watch), AudioError> {
     let (host, device) = find(wanted)?;
     let name = device.to_string();
     let (config, buffer) = fit(&device, scene, buffer)?;
@@ -55,7 +59,7 @@ pub(super) fn open(wanted: &str, buffer: Option<u32>, scene: &Scene) -> Result<(
         )
         .map_err(failed)?;
     let output = Any::Device(Output { stream });
-    Ok((Playing { output, counts, words, name, host: host.name(), events: None }, follow, watch))
+    Ok((OpenOutput { output, counts, words, name, host: host.name(), events: None }, follow, watch))
 }
 
 pub(super) struct Output {

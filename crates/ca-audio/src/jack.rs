@@ -5,12 +5,12 @@
 //! neither allocates nor locks. The MIDI port is not connected automatically, because the device behind it may also be
 //! read directly.
 
-use super::{Output as Any, Playing};
+use super::{OpenOutput, Output as Any};
 use crate::AudioError;
-use crate::events::{EventReader, EventWriter, ring};
+use crate::midi_events::{EventReader, EventWriter, ring};
 use ca_core::Scene;
 use ca_haptic::rt::now_ns;
-use ca_haptic::serve::audio::{Counts, Follow, PlaybackDevice, Player, Watch, link};
+use ca_haptic::serve::audio::{Counts, DeviceClock, PlaybackDevice, Player, Watch, link};
 use jack::{
     AsyncClient, AudioOut, Client, ClientOptions, Control, Frames, LatencyType, MidiIn, NotificationHandler, Port,
     PortFlags, ProcessHandler, ProcessScope,
@@ -37,7 +37,11 @@ pub(super) struct Output {
 ///
 /// Returns [`AudioError::Failed`] if no server answers, [`AudioError::Unfit`] if the server cannot play the scene as it
 /// is.
-pub(super) fn open(scene: &Scene, buffer: Option<u32>, midi: bool) -> Result<(Playing, Follow, Watch), AudioError> {
+pub(super) fn open(
+    scene: &Scene,
+    buffer: Option<u32>,
+    midi: bool,
+) -> Result<(OpenOutput, DeviceClock, Watch), AudioError> {
     let none = |_| {
         let how =
             "no JACK server answers; start one (`jackd -d alsa -r 48000 -p 64`) or set JACK_DEFAULT_SERVER to its name";
@@ -77,7 +81,7 @@ pub(super) fn open(scene: &Scene, buffer: Option<u32>, midi: bool) -> Result<(Pl
         words: tell,
     };
     let output = Any::Jack(Box::new(output));
-    Ok((Playing { output, counts, words, name: "JACK".into(), host: "JACK", events }, follow, watch))
+    Ok((OpenOutput { output, counts, words, name: "JACK".into(), host: "JACK", events }, follow, watch))
 }
 
 /// Opens a MIDI port, with both ends of the ring for its events.

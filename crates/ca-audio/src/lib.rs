@@ -7,21 +7,21 @@
 
 #[cfg(feature = "devices")]
 mod device;
-mod events;
 mod jack;
+mod midi_events;
 mod pulse;
 mod switch;
 
 use ca_core::Scene;
 use ca_haptic::rt::RtRequest;
-use ca_haptic::serve::audio::{Counts, Follow, Watch};
-pub use events::EventReader;
+use ca_haptic::serve::audio::{Counts, DeviceClock, Watch};
+pub use midi_events::EventReader;
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::mpsc::Receiver;
 use std::time::{Duration, Instant};
-pub use switch::{Changed, PAGE, Switch, SwitchOptions};
+pub use switch::{OnChange, PAGE, Switch, SwitchOptions};
 
 /// Name of the JACK server.
 pub const JACK: &str = "jack";
@@ -68,7 +68,7 @@ pub struct AudioRequest {
 }
 
 /// An open output.
-pub struct Playing {
+pub struct OpenOutput {
     output: Output,
     counts: Arc<Counts>,
     words: Receiver<String>,
@@ -85,7 +85,7 @@ enum Output {
 }
 
 /// An open output, with the ends for the engine and the recorder.
-pub type Opened = (Playing, Follow, Watch);
+pub type Opened = (OpenOutput, DeviceClock, Watch);
 
 /// Opens an output by name: [`JACK`], [`PULSE`], [`DEFAULT`], or a device of [`names`].
 ///
@@ -142,7 +142,7 @@ fn device(_: &str, _: &AudioRequest) -> Result<Opened, AudioError> {
     ))
 }
 
-impl Playing {
+impl OpenOutput {
     /// Returns true if the output reports that it will request nothing more.
     pub fn is_over(&self) -> bool {
         matches!(&self.output, Output::Pulse(pulse) if pulse.is_over())

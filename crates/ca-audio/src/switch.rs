@@ -5,7 +5,7 @@
 //! tried every two seconds until it returns. Without any output the engine continues at the last rate of the device;
 //! its sound returns when the device calls again.
 
-use crate::{AudioError, AudioRequest, EventReader, Opened, Playing};
+use crate::{AudioError, AudioRequest, EventReader, OpenOutput, Opened};
 use ca_haptic::serve::Recorder;
 use ca_haptic::serve::audio::{Outlet, Patch, outlet};
 use std::collections::VecDeque;
@@ -21,7 +21,7 @@ const GONE: Duration = Duration::from_secs(1);
 const AGAIN: Duration = Duration::from_secs(2);
 
 /// Called with the MIDI port and the host of a new output.
-pub type Changed<'a> = dyn FnMut(Option<EventReader>, &'static str) + 'a;
+pub type OnChange<'a> = dyn FnMut(Option<EventReader>, &'static str) + 'a;
 
 /// Outputs that a [`Switch`] may choose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,7 +35,7 @@ pub struct SwitchOptions {
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum Why {
+enum OpenReason {
     /// Chosen by `ca audio` or the page.
     Asked,
     /// Another device has gone.
@@ -46,7 +46,7 @@ enum Why {
 
 struct Opening {
     name: String,
-    why: Why,
+    why: OpenReason,
     opened: Receiver<Result<Opened, AudioError>>,
 }
 
@@ -56,7 +56,7 @@ pub struct Switch {
     page: bool,
     open: bool,
     patch: Patch,
-    playing: Option<Playing>,
+    playing: Option<OpenOutput>,
     /// Names of the present and the wanted output; empty for none.
     now: String,
     wanted: String,
@@ -82,7 +82,7 @@ impl Switch {
         let (mut follow, mut playing) = (None, None);
         let now = match found {
             Some((name, (plays, engine, watch))) => {
-                recorder.hears(Some(watch));
+                recorder.set_audio(Some(watch));
                 (follow, playing) = (Some(engine), Some(plays));
                 name
             }
@@ -109,7 +109,7 @@ impl Switch {
                 switch.choices = choices(page);
             }
             recorder.outputs().choices = named(page);
-            switch.says(recorder);
+            switch.update_outputs(recorder);
         }
         (switch, outlet)
     }
@@ -124,17 +124,17 @@ impl Switch {
     /// # Errors
     /// If the output does not start.
     pub fn start(&mut self) -> Result<(), AudioError> {
-        self.playing.as_mut().map_or(Ok(()), Playing::start)
+        self.playing.as_mut().map_or(Ok(()), OpenOutput::start)
     }
 
     /// Returns the host of the output, unless it is the page.
     pub fn host(&self) -> Option<&'static str> {
-        self.playing.as_ref().map(Playing::host)
+        self.playing.as_ref().map(OpenOutput::host)
     }
 
     /// Processes messages of devices, requested outputs, and devices that disappeared or returned. Calls `changed` for
     /// a new output.
-    pub fn turn(&mut self, recorder: &mut Recorder, changed: &mut Changed) {
+    pub fn poll(&mut self, recorder: &mut Recorder, changed: &mut OnChange) {
         if let Some(playing) = &self.playing {
             for text in playing.complaints() {
                 recorder.say(true, format!("{}: {text}", playing.name()));
@@ -146,8 +146,8 @@ impl Switch {
         if let Some(all) = self.choices.as_ref().and_then(|c| c.try_recv().ok()) {
             recorder.outputs().choices = all;
         }
-        if let Some(name) = recorder.outputs().asked.take() {
-            self.asked(&name, recorder, changed);
+        if let Some(name) = recorder.outputs().pending.take() {
+            self.open_requested(&name, recorder, changed);
         }
         self.look(recorder);
         self.take(recorder, changed);
@@ -155,17 +155,17 @@ impl Switch {
             return;
         }
         if let Some(name) = self.instead.pop_front() {
-            self.begin(&name, Why::Instead);
+            self.begin(&name, OpenReason::Instead);
         } else if self.lost && self.page {
             self.by_page(recorder, changed);
         } else if (self.lost || self.now != self.wanted) && Instant::now() >= self.again {
             self.again = Instant::now() + AGAIN;
             let wanted = self.wanted.clone();
-            self.begin(&wanted, Why::Back);
+            self.begin(&wanted, OpenReason::Back);
         }
     }
 
-    fn asked(&mut self, name: &str, recorder: &mut Recorder, changed: &mut Changed) {
+    fn open_requested(&mut self, name: &str, recorder: &mut Recorder, changed: &mut OnChange) {
         (self.opening, self.instead) = (None, VecDeque::new());
         if name == PAGE && !self.page {
             recorder.outputs().refused = Some("`ca serve` does not have a page; use `ca play`".into());
@@ -175,12 +175,12 @@ impl Switch {
         } else if name == self.now && !self.lost {
             self.wanted = name.into();
         } else {
-            return self.begin(name, Why::Asked);
+            return self.begin(name, OpenReason::Asked);
         }
-        self.says(recorder);
+        self.update_outputs(recorder);
     }
 
-    fn begin(&mut self, name: &str, why: Why) {
+    fn begin(&mut self, name: &str, why: OpenReason) {
         let (tell, opened) = channel();
         let (wants, of) = (self.wants.clone(), name.to_owned());
         let thread = std::thread::Builder::new().name("ca opens sound".into()).spawn(move || {
@@ -209,7 +209,7 @@ impl Switch {
     }
 
     /// Switches to a device that has been opened.
-    fn take(&mut self, recorder: &mut Recorder, changed: &mut Changed) {
+    fn take(&mut self, recorder: &mut Recorder, changed: &mut OnChange) {
         let Some(opening) = &self.opening else { return };
         let opened = match opening.opened.try_recv() {
             Err(TryRecvError::Empty) => return,
@@ -222,19 +222,19 @@ impl Switch {
                 if !self.patch.put(Some(follow)) {
                     return;
                 }
-                recorder.hears(Some(watch));
+                recorder.set_audio(Some(watch));
                 changed(playing.events(), playing.host());
                 self.leave(Some(playing));
                 self.now = name;
-                if why == Why::Asked {
+                if why == OpenReason::Asked {
                     self.wanted.clone_from(&self.now);
                 }
-                let back = if why == Why::Back { "it is back; " } else { "" };
-                if let Some((device, ms)) = recorder.heard() {
+                let back = if why == OpenReason::Back { "it is back; " } else { "" };
+                if let Some((device, ms)) = recorder.audio_output() {
                     recorder.say(false, format!("sound: {back}{device}, {ms:.1} ms latency"));
                 }
             }
-            Err(e) if why == Why::Asked => {
+            Err(e) if why == OpenReason::Asked => {
                 let text = format!("{name}: {e}");
                 recorder.say(true, format!("sound: {text}"));
                 recorder.outputs().refused = Some(text);
@@ -242,23 +242,23 @@ impl Switch {
             // a missing device is tried again later
             Err(_) => {}
         }
-        self.says(recorder);
+        self.update_outputs(recorder);
     }
 
-    fn by_page(&mut self, recorder: &mut Recorder, changed: &mut Changed) {
+    fn by_page(&mut self, recorder: &mut Recorder, changed: &mut OnChange) {
         if !self.patch.put(None) {
             return;
         }
-        recorder.hears(None);
+        recorder.set_audio(None);
         changed(None, PAGE);
         self.leave(None);
         self.now = PAGE.into();
         recorder.say(false, "sound: by the page, which shows its latency".into());
-        self.says(recorder);
+        self.update_outputs(recorder);
     }
 
     /// Replaces the output. The old one is closed on another thread, because a server may be slow.
-    fn leave(&mut self, next: Option<Playing>) {
+    fn leave(&mut self, next: Option<OpenOutput>) {
         let lost = std::mem::take(&mut self.lost);
         (self.heard, self.instead) = (None, VecDeque::new());
         if let Some(before) = std::mem::replace(&mut self.playing, next) {
@@ -267,8 +267,8 @@ impl Switch {
     }
 
     /// Updates the output shown by `ca audio` and the page.
-    fn says(&self, recorder: &mut Recorder) {
-        let heard = recorder.heard().map(|(device, ms)| format!("{device}, {ms:.1} ms latency"));
+    fn update_outputs(&self, recorder: &mut Recorder) {
+        let heard = recorder.audio_output().map(|(device, ms)| format!("{device}, {ms:.1} ms latency"));
         let plays = heard.unwrap_or_else(|| if self.now == PAGE { "by the page".into() } else { String::new() });
         let o = recorder.outputs();
         (o.plays, o.wanted, o.busy) = (plays, self.wanted.clone(), self.opening.is_some());

@@ -146,9 +146,9 @@ mod linux {
     }
 
     /// A JACK client that stores the time of the first audible sample, 0 before it.
-    struct Ears(jack::Port<jack::AudioIn>, Arc<AtomicU64>);
+    struct AudioCapture(jack::Port<jack::AudioIn>, Arc<AtomicU64>);
 
-    impl jack::ProcessHandler for Ears {
+    impl jack::ProcessHandler for AudioCapture {
         fn process(&mut self, _: &jack::Client, scope: &jack::ProcessScope) -> jack::Control {
             let now = now_ns();
             let sample = self.0.as_slice(scope).iter().position(|x| x.abs() > HEARD);
@@ -185,7 +185,7 @@ mod linux {
         let (client, _) = jack::Client::new("ears", options).ok()?;
         let port = client.register_port("in", jack::AudioIn).ok()?;
         let ours = port.name().ok()?;
-        let client = client.activate_async((), Ears(port, heard.clone())).ok()?;
+        let client = client.activate_async((), AudioCapture(port, heard.clone())).ok()?;
         let end = Instant::now() + Duration::from_secs(20);
         while client.as_client().connect_ports_by_name("ca:out_0", &ours).is_err() {
             assert!(Instant::now() < end, "ca has no port");

@@ -84,7 +84,7 @@ pub fn play_request(
     let failed = |e: clap::Error| ca_lab::Failure::Failed(e.to_string().trim_end().into());
     let cli = cli::command().try_get_matches_from(words).and_then(|m| Cli::from_arg_matches(&m)).map_err(failed)?;
     match cli.command {
-        Command::Play(args) if args.aim.error.is_some() => Err(ca_lab::Failure::Failed(
+        Command::Play(args) if args.error_target.error.is_some() => Err(ca_lab::Failure::Failed(
             "--error: not available while a scene plays; choose the method before, with `Scene.within`".into(),
         )),
         Command::Play(mut args) => {

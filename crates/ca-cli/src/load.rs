@@ -5,7 +5,7 @@ use crate::outcome::Failure;
 use crate::term;
 use ca_compile::{Compiled, Options};
 use ca_core::internal::scene::PRESET;
-use ca_io::{FileError, reading};
+use ca_io::{FileError, read_limited};
 pub use ca_lab::load::{
     BUNDLED, Loaded, bundled, compiled, foreign_text, has_extension, reason, stem, text, ticked, utf8, warnings,
 };
@@ -24,7 +24,7 @@ pub fn read(word: &str) -> Result<Loaded, ca_lab::Failure> {
     }
     let text = TEXT.get_or_init(|| {
         let name = Path::new("stdin");
-        utf8(reading::text_from(&mut std::io::stdin().lock(), name, reading::MODEL)?, name)
+        utf8(read_limited::text_from(&mut std::io::stdin().lock(), name, read_limited::MODEL)?, name)
     });
     Ok(Loaded::read(text.as_ref().map_err(Clone::clone)?, "stdin"))
 }

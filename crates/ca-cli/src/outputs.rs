@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// Refuses to overwrite an input, or to write two outputs to one file. An output has its option; an input has a name
 /// such as "the take".
-pub fn apart(outputs: &[(&str, &Path)], inputs: &[(&str, &Path)]) -> Result<(), Failure> {
+pub fn check_distinct(outputs: &[(&str, &Path)], inputs: &[(&str, &Path)]) -> Result<(), Failure> {
     for (n, (option, path)) in outputs.iter().enumerate() {
         let shown = path.display();
         if let Some((what, _)) = inputs.iter().find(|(_, input)| input.exists() && same(path, input)) {

@@ -4,7 +4,7 @@
 
 use ca_device_tools::Message;
 use ca_model::diag::{Diags, Severity};
-use ca_model::plain::plain;
+use ca_model::printable::printable;
 use ca_model::quantity::short;
 use ca_model::{Model, render};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -18,7 +18,7 @@ pub fn color() -> bool {
 }
 
 fn lead(word: &str, code: &str, text: &str) {
-    let text = plain(text);
+    let text = printable(text);
     let mut err = std::io::stderr().lock();
     let _ =
         if color() { writeln!(err, "\x1b[1;{code}m{word}\x1b[0m: {text}") } else { writeln!(err, "{word}: {text}") };

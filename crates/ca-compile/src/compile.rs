@@ -3,17 +3,19 @@
 //! The order of the passes is defined only in this file. A pass uses the network, never a later pass. `linear` runs the
 //! same passes up to the finished network.
 
-use crate::certify::{beside, certify};
-use crate::connect::{coupling, hands, wire};
-use crate::emit::slow::Slow;
+use crate::certify::{certify, combine};
+use crate::connect::{coupling, port_checks, wire};
+use crate::emit::gesture_rate::Slow;
 use crate::emit::{ordering, schedule};
 use crate::lower::{params, resolve, values};
 use crate::net::Pruned;
 #[cfg(feature = "analysis")]
 use crate::net::linear::Purpose;
 use crate::options::{KernelClass, Options};
-use crate::passes::slow::SlowPart;
-use crate::passes::{auto, implicit, modal, pefrl, prune, rates, reach, single, slow, solve_order, specialise, waves};
+use crate::passes::gesture_rate::SlowPart;
+use crate::passes::{
+    auto, gesture_rate, implicit, modal, pefrl, prune, rates, reach, single, solve_order, specialise, waves,
+};
 use alloc::boxed::Box;
 use ca_core::{Catalog, Certificate, Precision, Scene, Unit};
 use ca_model::diag::Diags;
@@ -59,7 +61,7 @@ fn network_with(
     let mut diags = Diags::new();
     let net = resolve::resolve(model, catalog, options, &mut diags);
     let mut net = wire::wire(model, net, options, &mut diags);
-    hands::check(model, &net, &mut diags);
+    port_checks::check(model, &net, &mut diags);
     if diags.has_errors() {
         diags.sort();
         return Err(diags);
@@ -139,7 +141,7 @@ fn linear_part(
 /// All findings, sorted, with at least one error.
 pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Compiled, Diags> {
     let (mut net, mut diags) = network(model, catalog, options)?;
-    let part = slow::find(model, &net, &mut diags);
+    let part = gesture_rate::find(model, &net, &mut diags);
     let group = match &part {
         Some(_) if diags.has_errors() => {
             diags.sort();
@@ -159,7 +161,7 @@ pub fn compile(model: &Model, catalog: &Catalog, options: &Options) -> Result<Co
     let mut certificate = certify(model, &net, options.effort(), &mut diags);
     if let Some((own, part)) = &group {
         let slow = certify(model, own, options.effort(), &mut diags);
-        certificate = beside(certificate, slow, part.compensated);
+        certificate = combine(certificate, slow, part.compensated);
     }
     if diags.has_errors() {
         diags.sort();

@@ -104,13 +104,13 @@ pub fn quoted(unit: Unit) -> String {
 }
 
 /// Returns the name of a unit within a sentence.
-pub fn wanted(symbol: &str) -> &str {
+pub fn unit_in_sentence(symbol: &str) -> &str {
     if symbol.is_empty() { "a plain number" } else { symbol }
 }
 
 /// Returns the error for a unit of the wrong dimension; `symbol` is the right one.
 pub fn wrong_unit(what: &str, symbol: &str, is: &str, span: Span) -> Diag {
-    let is = wanted(is);
+    let is = unit_in_sentence(is);
     let title = if symbol.is_empty() {
         format!("{what} must be a plain number, not one in {is}")
     } else {

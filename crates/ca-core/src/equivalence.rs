@@ -174,7 +174,7 @@ pub fn solve(pairs: [Pair; 2], time_unit: f64) -> Option<Gains> {
 }
 
 /// Returns the gains that satisfy one pair and keep the quantity of `anchor` as in `held`.
-pub fn keep(pair: Pair, anchor: Class, held: Gains, time_unit: f64) -> Option<Gains> {
+pub fn solve_keeping(pair: Pair, anchor: Class, held: Gains, time_unit: f64) -> Option<Gains> {
     let row = anchor.row();
     solve([pair, Pair { row, ratio: row.factor(held, time_unit) }], time_unit)
 }

@@ -26,7 +26,7 @@ pub struct Bound {
     /// largest slope against elongation \[N/m\]
     pub k: f64,
     /// part of `k` that the law has at some elongations only, such as a table or a softening spring \[N/m\]
-    pub loose: f64,
+    pub varying: f64,
     /// largest slope against change of elongation per tick \[N per m/tick\]
     pub z: f64,
     /// true where the force switches on and off with distance

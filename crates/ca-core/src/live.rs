@@ -74,7 +74,7 @@ pub struct LiveModule {
     pub loader: Loader,
     /// sources of the values, in the order of the parameters of its kind
     pub values: alloc::sync::Arc<[Source]>,
-    /// destinations: indices into [`LivePlan::coefs`], one per coefficient
+    /// destinations: indices into [`LiveTable::coefs`], one per coefficient
     pub to: Vec<u32>,
 }
 
@@ -99,7 +99,7 @@ pub struct LiveItem {
 
 /// Live parameters as the compiler knows them.
 #[derive(Clone, Default)]
-pub struct LivePlan {
+pub struct LiveTable {
     /// scene of the parameters
     pub scene: Identity,
     /// the parameters
@@ -122,7 +122,7 @@ pub struct LivePlan {
 pub struct LiveImplicit {
     /// structure of the matrix
     pub made: Inertia,
-    /// first of its coefficients in [`LivePlan::coefs`]
+    /// first of its coefficients in [`LiveTable::coefs`]
     pub first: u32,
     /// index and present value of each coefficient it depends on, rising
     pub known: Vec<(u32, f64)>,
@@ -130,7 +130,7 @@ pub struct LiveImplicit {
 
 impl LiveImplicit {
     /// Adds the factor to a patch that changes its inputs. Returns false if the factor does not exist.
-    fn follow(&mut self, coefs: &[u32], room: &mut Scratch, patch: &mut Patch) -> bool {
+    fn follow(&mut self, coefs: &[u32], scratch: &mut Scratch, patch: &mut Patch) -> bool {
         let mut changed = false;
         for (i, v) in &patch.set {
             let place = coefs.get(*i as usize).copied().unwrap_or(u32::MAX);
@@ -141,10 +141,10 @@ impl LiveImplicit {
         }
         if changed {
             let value = |c: u32| self.known.binary_search_by_key(&c, |k| k.0).map_or(f64::NAN, |k| self.known[k].1);
-            if !self.made.factor(value, &mut room.coefs, &mut room.around) {
+            if !self.made.factor(value, &mut scratch.coefs, &mut scratch.around) {
                 return false;
             }
-            patch.set.extend((self.first..).zip(room.coefs.iter().copied()));
+            patch.set.extend((self.first..).zip(scratch.coefs.iter().copied()));
         }
         true
     }
@@ -155,7 +155,7 @@ impl LiveImplicit {
 pub struct Patch {
     /// scene of the patch: [`Scene::identity`](crate::Scene::identity) if made by hand
     pub scene: Identity,
-    /// index into [`LivePlan::coefs`] and value
+    /// index into [`LiveTable::coefs`] and value
     pub set: Vec<(u32, f64)>,
 }
 
@@ -188,11 +188,11 @@ impl core::error::Error for Refused {}
 /// The live parameters of a scene during a performance. It is used outside the tick.
 #[derive(Clone)]
 pub struct Controls {
-    plan: LivePlan,
+    plan: LiveTable,
     tick_dt: f64,
     /// tests whether a coefficient is finite in the number type of the tick
     finite: fn(f64) -> bool,
-    room: Scratch,
+    scratch: Scratch,
 }
 
 /// Working memory of a change. It is kept so that a gesture that moves a parameter in every frame does not allocate.
@@ -211,8 +211,8 @@ struct Scratch {
 
 impl Controls {
     /// Makes the parameters with their values at load; `tick_dt` is the duration of a tick \[s\].
-    pub fn new(plan: &LivePlan, tick_dt: f64) -> Controls {
-        Controls { plan: plan.clone(), tick_dt, finite: f64::is_finite, room: Scratch::default() }
+    pub fn new(plan: &LiveTable, tick_dt: f64) -> Controls {
+        Controls { plan: plan.clone(), tick_dt, finite: f64::is_finite, scratch: Scratch::default() }
     }
 
     /// Adapts them to a scene over `R`: a value whose coefficients are not finite in `R` is refused.
@@ -237,7 +237,7 @@ impl Controls {
             return Err(by_port.unwrap_or_else(|| Refused::Unknown(name.into())));
         };
         let mut patch = Patch::default();
-        self.turn(p, value, &mut patch)?;
+        self.set_indexed(p, value, &mut patch)?;
         Ok(patch)
     }
 
@@ -246,48 +246,48 @@ impl Controls {
     ///
     /// # Errors
     /// [`Refused`]; nothing has then changed, and `patch` is useless.
-    pub fn turn(&mut self, p: usize, value: f64, patch: &mut Patch) -> Result<(), Refused> {
+    pub fn set_indexed(&mut self, p: usize, value: f64, patch: &mut Patch) -> Result<(), Refused> {
         patch.set.clear();
         patch.scene = self.plan.scene;
         let Some(param) = self.plan.params.get(p) else { return Err(Refused::Unknown(format!("parameter {p}"))) };
         if !(value >= param.min && value <= param.max) {
             return Err(Refused::Range(param.name.clone(), param.min, param.max));
         }
-        let Scratch { known, before, .. } = &mut self.room;
+        let Scratch { known, before, .. } = &mut self.scratch;
         before.clear();
         known.clear();
         known.extend(self.plan.implicit.iter().flat_map(|a| &a.known).map(|k| k.1));
-        let turned = self.turned(p, value, patch);
+        let turned = self.compute_patch(p, value, patch);
         if turned.is_err() {
-            for (item, arg, value) in self.room.before.drain(..) {
+            for (item, arg, value) in self.scratch.before.drain(..) {
                 self.plan.items[item].args[arg] = value;
             }
             let now = self.plan.implicit.iter_mut().flat_map(|a| &mut a.known);
-            now.zip(&self.room.known).for_each(|(k, v)| k.1 = *v);
+            now.zip(&self.scratch.known).for_each(|(k, v)| k.1 = *v);
         } else {
             self.plan.params[p].value = value;
         }
         turned
     }
 
-    fn turned(&mut self, p: usize, value: f64, patch: &mut Patch) -> Result<(), Refused> {
-        let (tick_dt, room) = (self.tick_dt, &mut self.room);
+    fn compute_patch(&mut self, p: usize, value: f64, patch: &mut Patch) -> Result<(), Refused> {
+        let (tick_dt, scratch) = (self.tick_dt, &mut self.scratch);
         for (n, item) in self.plan.items.iter_mut().enumerate() {
-            let touched = room.before.len();
+            let touched = scratch.before.len();
             for (arg, q, factor) in &item.follows {
                 if *q == p {
                     let old = core::mem::replace(&mut item.args[*arg], Arg::Num(value * factor));
-                    room.before.push((n, *arg, old));
+                    scratch.before.push((n, *arg, old));
                 }
             }
-            if room.before.len() > touched {
-                item.patch(tick_dt, room, patch)?;
+            if scratch.before.len() > touched {
+                item.patch(tick_dt, scratch, patch)?;
             }
         }
         if !self.plan.driven.is_empty() {
             patch.set.retain(|(place, _)| self.plan.driven_coefs.binary_search(place).is_err());
         }
-        let follows = self.plan.implicit.as_mut().is_none_or(|a| a.follow(&self.plan.coefs, room, patch));
+        let follows = self.plan.implicit.as_mut().is_none_or(|a| a.follow(&self.plan.coefs, scratch, patch));
         if !follows || patch.set.iter().any(|(_, v)| !(self.finite)(*v)) {
             let name = &self.plan.params[p].name;
             return Err(Refused::Unsolvable(format!(
@@ -300,9 +300,9 @@ impl Controls {
 }
 
 impl LiveItem {
-    fn patch(&self, tick_dt: f64, room: &mut Scratch, patch: &mut Patch) -> Result<(), Refused> {
+    fn patch(&self, tick_dt: f64, scratch: &mut Scratch, patch: &mut Patch) -> Result<(), Refused> {
         // numbers of the item: derived by its generator, or the parameters themselves
-        room.slots.clear();
+        scratch.slots.clear();
         match self.generator {
             Some(g) => {
                 let args = Args {
@@ -313,15 +313,15 @@ impl LiveItem {
                     dim: self.dim,
                     scheme: self.scheme,
                 };
-                (g.derive)(&args, &mut room.slots).map_err(|p| Refused::Unsolvable(p.title))?;
+                (g.derive)(&args, &mut scratch.slots).map_err(|p| Refused::Unsolvable(p.title))?;
             }
-            None => room.slots.extend(self.args.iter().map(Arg::num)),
+            None => scratch.slots.extend(self.args.iter().map(Arg::num)),
         }
         for m in &self.modules {
-            room.values.clear();
-            room.values.extend(m.values.iter().map(|s| s.get(&room.slots)));
-            m.loader.load(&room.values, tick_dt, &mut room.coefs);
-            patch.set.extend(m.to.iter().copied().zip(room.coefs.iter().copied()));
+            scratch.values.clear();
+            scratch.values.extend(m.values.iter().map(|s| s.get(&scratch.slots)));
+            m.loader.load(&scratch.values, tick_dt, &mut scratch.coefs);
+            patch.set.extend(m.to.iter().copied().zip(scratch.coefs.iter().copied()));
         }
         Ok(())
     }
@@ -368,7 +368,7 @@ impl<R: Real> State<R> {
             return false;
         }
         // halfway between two factors is not a factor of either matrix, so the whole patch then changes in one tick
-        let whole = patch.set.iter().any(|(i, _)| *i >= self.ramps.whole);
+        let whole = patch.set.iter().any(|(i, _)| *i >= self.ramps.instant);
         let ticks = if whole { 1 } else { ticks.max(1) };
         for (i, v) in &patch.set {
             self.ramp(*i as usize, R::Outer::of(*v), ticks);
@@ -377,7 +377,7 @@ impl<R: Real> State<R> {
     }
 
     /// Ramps live coefficient number `i` to `v` over `ticks` ticks, unless it is there or on its way.
-    pub(crate) fn turn(&mut self, i: usize, v: R, ticks: u32) {
+    pub(crate) fn ramp_to(&mut self, i: usize, v: R, ticks: u32) {
         let r = &self.ramps;
         let goal = if r.left[i] == 0 { self.coef[r.index[i] as usize] } else { r.target[i] };
         if goal.wide().to_bits() != v.wide().to_bits() {

@@ -3,7 +3,7 @@
 use crate::border::{self, group};
 use crate::method::{implicit, modes, pefrl, together};
 use crate::numeric::Real;
-use crate::op::{Kernel, Op, Pass, blocker, driven, energy, heard, lowpass, pass, substep, wave};
+use crate::op::{Kernel, Op, Pass, dc_blocker, driven, energy, lowpass, output_links, pass, substep, wave};
 
 impl Pass {
     /// Returns the kernel over `R`. For [`Pass::Links`] it does nothing, since the law of the links has the kernel.
@@ -12,7 +12,7 @@ impl Pass {
             Pass::Links => |_, _, _| {},
             Pass::Enx => pass::enx,
             Pass::DevicesIn(way, late) => border::position(way, late),
-            Pass::Ahead => pass::ahead,
+            Pass::Ahead => pass::delay_ports,
             Pass::ModalPorts => pass::sum,
             Pass::Driven => driven::drive,
             Pass::Points => pass::project,
@@ -24,7 +24,7 @@ impl Pass {
             Pass::Enf { counted: false } => pass::enf::<R, false>,
             Pass::Weight => pass::weight,
             Pass::WavesIn => wave::arrive,
-            Pass::PointsBack => pass::spread,
+            Pass::PointsBack => pass::distribute_forces,
             Pass::Modes => pass::share,
             Pass::Implicit => implicit::solve,
             Pass::ImplicitPairs => implicit::pairs,
@@ -36,18 +36,18 @@ impl Pass {
             Pass::Mute => border::mute,
             Pass::DevicesOut(way) => border::collect(way),
             Pass::LedgerOfBorder(way) => border::ledger(way),
-            Pass::LedgerOfForces => energy::keep,
+            Pass::LedgerOfForces => energy::store_forces,
             Pass::Group { compensated: true } => group::advance::<R, true>,
             Pass::Group { compensated: false } => group::advance::<R, false>,
             Pass::GroupOut { compensated: true } => group::collect::<R, true>,
             Pass::GroupOut { compensated: false } => group::collect::<R, false>,
-            Pass::HeardLinks => heard::heard,
+            Pass::OutputLinks => output_links::output_links,
             Pass::Outputs => pass::outputs,
             Pass::ManyOutputs => pass::many_outputs,
             Pass::Positions => pass::positions,
             Pass::Motions => pass::motions,
-            Pass::HighPass => blocker::blocker,
-            Pass::HighPassOfMotion => blocker::of_motion,
+            Pass::HighPass => dc_blocker::blocker,
+            Pass::HighPassOfMotion => dc_blocker::of_motion,
             Pass::LowPass => lowpass::lowpass,
             Pass::Remember => lowpass::remember,
             Pass::IntegrateFree => pass::integrate_free,

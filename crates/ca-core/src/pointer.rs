@@ -6,7 +6,7 @@
 //!
 //! A linear scene stays stable (docs/numerics.md §8). With the dimensionless κ = k·C and ν = z·C the largest
 //! eigenvalue, whose limit is 4, is at most [`Certificate::bound`] + κ + 2ν (Weyl's inequality); after a factorisation
-//! [`Certificate::room`] is the margin. The coupling takes at most half of the margin. With a share q of it the ends of
+//! [`Certificate::headroom`] is the margin. The coupling takes at most half of the margin. With a share q of it the ends of
 //! a contact or friction are at most 1/(1 − q) times as mobile, so q also keeps them within the rules of the
 //! certificate. The mass follows the pointer at 1000 Hz at most, critically damped. κ and ν are stored without unit, so
 //! that the coupling weakens when a live parameter makes the mass lighter.
@@ -143,7 +143,7 @@ impl Pointer {
         if scene.passes.moves.iter().any(|op| op.name() == "kick") {
             return Err(Refused::Scheme("the method `pefrl`"));
         }
-        let (spring, damper) = coupling(room(&scene.certificate), scene.rates.sample_dt);
+        let (spring, damper) = coupling(available(&scene.certificate), scene.rates.sample_dt);
         if spring == 0.0 {
             return Err(Refused::Margin(name()));
         }
@@ -230,10 +230,10 @@ impl Pointer {
 }
 
 /// Returns the margin of the certificate that is available for κ + 2ν.
-fn room(c: &Certificate) -> f64 {
-    let linear = match (c.level, c.room) {
+fn available(c: &Certificate) -> f64 {
+    let linear = match (c.level, c.headroom) {
         (Level::Unstable, _) => 0.0,
-        (_, Some(room)) => room,
+        (_, Some(headroom)) => headroom,
         _ => 4.0 - c.largest.map_or(c.bound, |l| l.1),
     };
     let share = (1.0 - c.rules.contact / CONTACT).min(1.0 - c.rules.friction / FRICTION).min(SHARE);

@@ -142,7 +142,7 @@ fn left_over(site: &Site) -> DiagnosisRow {
     let groups = stale_shm::list(site);
     let dead: Vec<String> = groups
         .iter()
-        .filter(|g| !g.ours && g.alive.is_empty())
+        .filter(|g| !g.current && g.alive.is_empty())
         .map(|g| format!("{} files (frame version {}, iceoryx2 {})", g.files.len(), g.frames, g.iox))
         .collect();
     let swept = site.sweep();

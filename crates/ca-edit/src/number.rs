@@ -23,7 +23,7 @@ pub fn read(text: &Document, place: &Place) -> Option<Number> {
             Some(Number { value: q.value, has_unit: q.has_unit })
         }
         Value::Number(v) => {
-            let size = beside(text, place).and_then(|u| size(&u));
+            let size = sibling_unit(text, place).and_then(|u| size(&u));
             Some(Number { value: v * size.unwrap_or(1.0), has_unit: size.is_some() })
         }
         Value::List(_) => None,
@@ -47,7 +47,7 @@ pub fn write(text: &mut Document, place: &Place, value: f64, unit: &str, digits:
             None
         }
         Some(Value::Text(t)) => t.trim().split_once(char::is_whitespace).map(|(_, u)| u.trim().to_owned()),
-        Some(Value::Number(_)) => beside(text, place),
+        Some(Value::Number(_)) => sibling_unit(text, place),
         _ => None,
     };
     let theirs = theirs.and_then(|u| size(&u).map(|s| (u, s)));
@@ -62,7 +62,7 @@ pub fn write(text: &mut Document, place: &Place, value: f64, unit: &str, digits:
 }
 
 /// Returns the `unit` beside the value of a parameter.
-fn beside(text: &Document, place: &Place) -> Option<String> {
+fn sibling_unit(text: &Document, place: &Place) -> Option<String> {
     let mut keys = place.keys.clone();
     *keys.last_mut()? = "unit".into();
     match text.value(&Place { keys, index: None })? {

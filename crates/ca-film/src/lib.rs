@@ -5,7 +5,7 @@
 #![forbid(unsafe_code)]
 
 use ca_core::{Catalog, Scene};
-use ca_haptic::engine::{Engine, carried};
+use ca_haptic::engine::{Engine, continuing_masses};
 use ca_haptic::take::{Replay, ReplayVerdict, Take};
 use ca_io::FileError;
 use ca_io::gesture::Gesture;
@@ -37,7 +37,7 @@ pub fn picture(film: &Film) -> Result<Option<Picture>, Failure> {
     let told: Vec<String> = fewer.into_iter().chain(slower).collect();
     let told =
         if told.is_empty() { String::new() } else { format!("Reduced to keep the page small: {}.", told.join(", ")) };
-    Ok(Some(Picture { about, bytes, script: film_script(), told }))
+    Ok(Some(Picture { about, bytes, script: film_script(), note: told }))
 }
 
 /// Film of a take. If the model changes during the take, the film shows only the masses of the first version.
@@ -70,7 +70,7 @@ impl TakeFilm {
         } else {
             if !Arc::ptr_eq(&engine.scene, &self.now) {
                 self.now = engine.scene.clone();
-                self.places = carried(&self.first, &self.now);
+                self.places = continuing_masses(&self.first, &self.now);
             }
             for [to, from] in &self.places {
                 self.x[*to as usize] = engine.state.x[*from as usize];

@@ -12,27 +12,27 @@
 
 #![forbid(unsafe_code)]
 
+mod convergence;
 mod loss;
 mod modal;
-mod normal;
+mod normal_equations;
 mod page;
 mod pitch;
 mod player;
 mod search;
-mod settle;
 mod sinusoids;
+mod stages;
 mod summary;
 mod target;
 #[cfg(test)]
 mod tests;
 pub mod tune;
-mod vary;
+mod variables;
 mod verdict;
-mod work;
 
 pub use page::report;
 pub use pitch::Pitch;
-pub use vary::{Range, Varied};
+pub use variables::{Range, Varied};
 pub use verdict::{Doubt, StopReason, Words};
 
 use ca_compile::Options;
@@ -41,8 +41,8 @@ use ca_io::recording::Recording;
 use ca_lab::Failure;
 use ca_lab::Loaded;
 use player::Player;
+use stages::Work;
 use target::{Samples, Target};
-use work::Work;
 
 /// Least number of renders for a search, besides two for each number.
 const FEW: u32 = 4;
@@ -95,7 +95,7 @@ pub struct Distance {
 
 /// Distances over the time after the fitted part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Beyond {
+pub struct Prediction {
     /// Its length \[s\].
     pub seconds: f64,
     /// Distance of the model.
@@ -106,7 +106,7 @@ pub struct Beyond {
     pub count: usize,
 }
 
-impl Beyond {
+impl Prediction {
     /// Describes the sinusoids in words.
     pub fn named(&self) -> String {
         format!("{} damped sinusoid{}", self.count, if self.count == 1 { "" } else { "s" })
@@ -151,7 +151,7 @@ pub struct Fit {
     /// Distance at the end.
     pub after: Distance,
     /// Distances over the time after the fitted part, if there is enough of it.
-    pub beyond: Option<Beyond>,
+    pub beyond: Option<Prediction>,
     shown: Shown,
     words: &'static Words,
 }

@@ -4,7 +4,7 @@
 //! model does not compile or diverges are not an error of the fit but a step too far.
 
 use super::target::{Samples, mixed};
-use super::vary::Varied;
+use super::variables::Varied;
 use ca_compile::Options;
 use ca_compile::analysis::{Network, modes};
 use ca_io::gesture::Gesture;
@@ -18,7 +18,7 @@ const PLACES: usize = 300;
 
 /// Mode as it is heard.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Heard {
+pub(super) struct AudibleMode {
     /// Frequency \[Hz\].
     pub f: f64,
     /// Decay time \[s\].
@@ -94,7 +94,7 @@ impl<'a> Player<'a> {
 
     /// Returns the audible modes, lowest first, at these search coordinates, without a render. Returns `None` where
     /// there are none or too many to compute.
-    pub fn modes(&self, places: &[f64]) -> Result<Option<Vec<Heard>>, Failure> {
+    pub fn modes(&self, places: &[f64]) -> Result<Option<Vec<AudibleMode>>, Failure> {
         let loaded = self.model(places)?;
         let Ok(network) = ca_compile::linear(&loaded.model, &catalog(), &self.options(&loaded)) else {
             return Ok(None);
@@ -106,7 +106,8 @@ impl<'a> Player<'a> {
         let heard = |m: &modes::Mode| level(&network, m) * m.heard;
         let top = found.list.iter().map(heard).fold(0.0, f64::max);
         let swings = found.list.iter().filter(|m| m.heard > 0.0 && !m.grows && top > 0.0);
-        let list: Vec<Heard> = swings.map(|m| Heard { f: m.heard, t60: m.t60, level: heard(m) / top }).collect();
+        let list: Vec<AudibleMode> =
+            swings.map(|m| AudibleMode { f: m.heard, t60: m.t60, level: heard(m) / top }).collect();
         Ok(Some(list).filter(|l| !l.is_empty()))
     }
 }

@@ -5,7 +5,7 @@
 //! (Broyden) without renders; they are computed again when a step that relies on them fails.
 
 use super::loss::{Free, Loss};
-use super::normal::{Normal, dot};
+use super::normal_equations::{Normal, dot};
 use super::player::Player;
 use super::target::Samples;
 use ca_lab::Failure;
@@ -27,7 +27,7 @@ const TRIES: usize = 4;
 pub(super) struct Point {
     pub places: Vec<f64>,
     pub free: Free,
-    pub heard: Samples,
+    pub sound: Samples,
 }
 
 /// Derivatives of the sound by the search coordinates, and the point they belong to.
@@ -44,9 +44,9 @@ impl Slopes {
             let step = if places[k] + STEP > end[1] { -STEP } else { STEP };
             places[k] += step;
             // if the model fails there, the derivative is unknown and taken as 0
-            let heard = player.render(&places)?.unwrap_or_else(|| point.heard.clone());
+            let heard = player.render(&places)?.unwrap_or_else(|| point.sound.clone());
             let slope = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| (b - a) / step).collect();
-            of.push(point.heard.iter().zip(&heard).map(slope).collect());
+            of.push(point.sound.iter().zip(&heard).map(slope).collect());
         }
         Ok(Slopes { at: point.places.clone(), of })
     }
@@ -58,7 +58,7 @@ impl Slopes {
     pub fn columns(&self, loss: &dyn Loss, point: &Point, residual: &[f64]) -> Vec<Vec<f64>> {
         let one = |slope: &Samples| {
             let near = |(h, s): (&Vec<f64>, &Vec<f64>)| h.iter().zip(s).map(|(h, s)| h + STEP * s).collect();
-            let heard: Samples = point.heard.iter().zip(slope).map(near).collect();
+            let heard: Samples = point.sound.iter().zip(slope).map(near).collect();
             difference(&loss.residual(&heard, point.free), residual, STEP)
         };
         self.of.iter().map(one).collect()
@@ -76,11 +76,11 @@ pub(super) fn free_columns(loss: &dyn Loss, point: &Point, residual: &[f64]) -> 
     if gain {
         let step = GAIN * point.free.gain;
         let free = Free { gain: point.free.gain + step, ..point.free };
-        all.push(difference(&loss.residual(&point.heard, free), residual, GAIN));
+        all.push(difference(&loss.residual(&point.sound, free), residual, GAIN));
     }
     if delay {
         let free = Free { delay: point.free.delay + DELAY, ..point.free };
-        all.push(difference(&loss.residual(&point.heard, free), residual, DELAY));
+        all.push(difference(&loss.residual(&point.sound, free), residual, DELAY));
     }
     all
 }
@@ -126,8 +126,8 @@ pub(super) fn descend(
     rules: &Rules,
 ) -> Result<(Point, Stop), Failure> {
     let n = point.places.len();
-    point.free = loss.settle(&point.heard, point.free);
-    let mut residual = loss.residual(&point.heard, point.free);
+    point.free = loss.settle(&point.sound, point.free);
+    let mut residual = loss.residual(&point.sound, point.free);
     let mut own: Option<Vec<Vec<f64>>> = None;
     let mut fresh = false;
     let mut damping: f64 = 1e-3;
@@ -192,7 +192,7 @@ pub(super) fn descend(
                 let r = loss.residual(&heard, free);
                 if sum(&r) < cost {
                     damping = (damping * 0.1).max(1e-9);
-                    next = Some((Point { places, free, heard }, r));
+                    next = Some((Point { places, free, sound: heard }, r));
                     break;
                 }
             }

@@ -3,7 +3,7 @@
 //! The strongest are found one after the other and refined together by least squares over the samples. Each has a
 //! frequency, a decay, and an amplitude and phase for each channel; several channels thus favour the sinusoids.
 
-use super::normal::{Normal, dot};
+use super::normal_equations::{Normal, dot};
 use super::target::Samples;
 use ca_report::Hann;
 

@@ -5,11 +5,11 @@ use super::loss::wave::{self, Wave};
 use super::loss::{Free, Loss};
 use super::player::Player;
 use super::search::Point;
+use super::stages::{Found, Work};
 use super::target::{Samples, Target};
 use super::verdict::Known;
 use super::verdict::{Doubt, StopReason, explained};
-use super::work::{Found, Work};
-use super::{Beyond, Distance, Fit, Fitted, Pitch, Shown, Stage, sinusoids};
+use super::{Distance, Fit, Fitted, Pitch, Prediction, Shown, Stage, sinusoids};
 use ca_lab::Failure;
 
 impl Work<'_> {
@@ -25,27 +25,27 @@ impl Work<'_> {
         let wave = self.wave(fitted);
         let distance = |p: &Point| {
             // each at its best gain, since loudness is not part of the comparison
-            let (l, w) = (levels.settle(&p.heard, p.free), wave.settle(&p.heard, p.free));
-            Distance { levels: levels.decibel(&p.heard, l), samples: wave.decibel(&p.heard, w) }
+            let (l, w) = (levels.settle(&p.sound, p.free), wave.settle(&p.sound, p.free));
+            Distance { levels: levels.decibel(&p.sound, l), samples: wave.decibel(&p.sound, w) }
         };
         let before = Point { free: self.aligned(before, fitted), ..before.clone() };
         let free = match stage {
-            Stage::Samples => self.wave(until).settle(&point.heard, point.free),
+            Stage::Samples => self.wave(until).settle(&point.sound, point.free),
             Stage::Levels => self.aligned(point, fitted),
         };
         let mut point = Point { free, ..point.clone() };
         if self.is_beyond() {
             player.frames = self.frames(there, free.delay);
-            point.heard = player.render(&point.places)?.unwrap_or(point.heard);
+            point.sound = player.render(&point.places)?.unwrap_or(point.sound);
         }
         let point = point;
         // the gain at which levels agree, with its sign from the samples
-        let level = levels.settle(&point.heard, free);
+        let level = levels.settle(&point.sound, free);
         let beyond = self.beyond(&point, level);
         let loaded = player.model(&point.places)?;
         let [was, is] = [&before, &point].map(distance);
         let explained = explained(&is);
-        let pitch = Pitch::of(&self.target.samples, &before.heard, &point.heard, rate);
+        let pitch = Pitch::of(&self.target.samples, &before.sound, &point.sound, rate);
         let doubt = match known.halt {
             _ if !explained => Some(Doubt::Unexplained),
             _ if pitch.ends_elsewhere() => Some(Doubt::Elsewhere),
@@ -64,7 +64,7 @@ impl Work<'_> {
             })
             .collect();
         let gained = |p: &Point, free: Free| -> Samples {
-            p.heard
+            p.sound
                 .iter()
                 .map(|c| {
                     let mut to = Vec::with_capacity(there);
@@ -81,7 +81,7 @@ impl Work<'_> {
             rate,
             fitted,
             target: self.target.samples.clone(),
-            before: gained(&before, levels.settle(&before.heard, before.free)),
+            before: gained(&before, levels.settle(&before.sound, before.free)),
             after: gained(&point, shown_free),
         };
         Ok(Fit {
@@ -105,7 +105,7 @@ impl Work<'_> {
     }
 
     /// Returns how well the model, and damped sinusoids, predict the time after the fitted part.
-    fn beyond(&self, point: &Point, level: Free) -> Option<Beyond> {
+    fn beyond(&self, point: &Point, level: Free) -> Option<Prediction> {
         let Target { rate, onset, fitted, ref samples, .. } = self.target;
         let there = samples.first().map_or(0, Vec::len);
         if !self.is_beyond() {
@@ -120,9 +120,9 @@ impl Work<'_> {
             samples: Wave::of(&self.target, fitted, there, Some(wave.gain), false).decibel(heard, wave),
         };
         let one = Free { gain: 1.0, delay: 0.0 };
-        Some(Beyond {
+        Some(Prediction {
             seconds: (there - fitted) as f64 / rate,
-            model: of(&point.heard, level, point.free),
+            model: of(&point.sound, level, point.free),
             sinusoids: of(&other, one, one),
             count,
         })

@@ -240,7 +240,7 @@ fn one_is_not_several() {
     assert!(few(&["low.f"]).contains("too few for 1 number: "), "{}", few(&["low.f"]));
     assert!(few(&["low.f", "hammer.m"]).contains("too few for 2 numbers: "));
     let none = super::Distance { levels: 0.0, samples: 0.0 };
-    let named = |count| super::Beyond { seconds: 1.0, model: none, sinusoids: none, count }.named();
+    let named = |count| super::Prediction { seconds: 1.0, model: none, sinusoids: none, count }.named();
     assert_eq!([1, 2].map(named), ["1 damped sinusoid", "2 damped sinusoids"]);
 }
 

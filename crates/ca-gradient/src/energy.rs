@@ -8,7 +8,7 @@
 //! numbers are differentiated separately. It returns only sums, at the requested instants, since a value per link and
 //! sample would be too much data to read.
 
-use crate::played::{Played, diverged, zeros};
+use crate::play_io::{Played, diverged, zeros};
 use crate::{Error, Forward, GoesOn, Parameter};
 use ca_core::{Balance, Dual, TANGENTS};
 use ca_io::gesture::Gesture;

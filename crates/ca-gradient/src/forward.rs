@@ -9,7 +9,7 @@ use crate::difference::{Start, derivatives};
 use crate::parameter::put;
 use crate::parts::Parts;
 use crate::parts::numbers::Numbers;
-use crate::played::{BLOCK, GoesOn, Played, diverged, frames_of, zeros};
+use crate::play_io::{BLOCK, GoesOn, Played, diverged, frames_of, zeros};
 use crate::tangent::Tangent;
 use crate::{Error, Parameter};
 use ca_compile::load::finish;
@@ -225,7 +225,7 @@ impl Forward {
     /// # Errors
     /// As [`Forward::tangents`].
     pub fn output(&self, seconds: Option<f64>, gesture: Option<&Gesture>, goes_on: GoesOn) -> Result<Vec<f64>, Error> {
-        crate::played::output(&self.plain, seconds, gesture, goes_on)
+        crate::play_io::output(&self.plain, seconds, gesture, goes_on)
     }
 
     /// Returns the gradient of a loss by the parameters. The cotangent holds the derivative of the loss by each output
@@ -257,18 +257,18 @@ impl Forward {
         Ok(gradient)
     }
 
-    /// Plays the scene with the derivatives by `some` parameters; `heard` receives the state after each sample.
+    /// Plays the scene with the derivatives by `some` parameters; `on_sample` receives the state after each sample.
     pub(crate) fn play(
         &self,
         played: &Played,
         some: std::ops::Range<usize>,
-        heard: &mut impl FnMut(usize, &State<Dual>),
+        on_sample: &mut impl FnMut(usize, &State<Dual>),
         goes_on: GoesOn,
     ) -> Result<(), Error> {
         if let Some(tangent) = &self.tangent {
             let given = (&played.given[..], played.frames);
             return tangent.play(&self.plain, given, some, &mut |frame, row| {
-                heard(frame, row);
+                on_sample(frame, row);
                 let asks = (frame as u64 + 1).is_multiple_of(BLOCK);
                 if asks && !goes_on() { Err(Error::Stopped) } else { Ok(()) }
             });
@@ -287,7 +287,7 @@ impl Forward {
         for frame in 0..played.frames {
             player.state.input.copy_from_slice(&played.given[frame * inputs..][..inputs]);
             player.tick(&scene);
-            heard(frame, &player.state);
+            on_sample(frame, &player.state);
             if player.diverged {
                 return Err(diverged());
             }

@@ -31,15 +31,15 @@
 //!
 //! let text = "[CEL]\nbar = { m = '2 g', f = '440 Hz', t60 = '2 s', dx0 = '1 mm' }\n[SOX]\nout = { from = 'bar', gain = 500 }\n";
 //! let forward = Forward::new(&Loaded::read(text, "bar.ca.toml"), &Options::default(), &["bar.f", "bar.dx0"]).unwrap();
-//! let heard = forward.tangents(Some(0.01), None, &mut || true).unwrap();
-//! assert_eq!((heard.frames, heard.outputs, heard.parameters.len()), (480, 1, 2));
+//! let sound = forward.tangents(Some(0.01), None, &mut || true).unwrap();
+//! assert_eq!((sound.frames, sound.outputs, sound.parameters.len()), (480, 1, 2));
 //! // twice as far is twice as loud
-//! let (now, by_dx0) = (heard.output[7], heard.tangents[7 * 2 + 1]);
+//! let (now, by_dx0) = (sound.output[7], sound.tangents[7 * 2 + 1]);
 //! assert!((by_dx0 * 1e-3 - now).abs() < 1e-12);
 //! // of half the sum of squares, back over the ticks
 //! let reverse = Reverse::new(&Loaded::read(text, "bar.ca.toml"), &Options::default(), &["bar.f", "bar.dx0"]).unwrap();
-//! let found = reverse.gradient(&heard.output, None, &mut || true).unwrap();
-//! let squares: f64 = heard.output.iter().map(|y| y * y).sum();
+//! let found = reverse.gradient(&sound.output, None, &mut || true).unwrap();
+//! let squares: f64 = sound.output.iter().map(|y| y * y).sum();
 //! assert!((found.parameters[1] * 1e-3 / squares - 1.0).abs() < 1e-9);
 //! ```
 #![forbid(unsafe_code)]
@@ -50,7 +50,7 @@ mod error;
 mod forward;
 mod parameter;
 mod parts;
-mod played;
+mod play_io;
 mod reverse;
 mod tangent;
 
@@ -58,5 +58,5 @@ pub use energy::{ACCOUNTS, Energy, EnergyTangents};
 pub use error::Error;
 pub use forward::{Forward, Tangents};
 pub use parameter::Parameter;
-pub use played::GoesOn;
+pub use play_io::GoesOn;
 pub use reverse::{Checkpoints, Gradient, Reverse};

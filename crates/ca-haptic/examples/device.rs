@@ -40,13 +40,13 @@ pub fn run(name: &str, frames: u64) -> Result<String, HostError> {
         let force = device.safe_force()[0];
         v = (v + force / M * DT) / (1.0 + Z / M * DT);
         x += v * DT;
-        seen = device.watch().last().map_or(0, |f| f.seq);
+        seen = device.watchdog().last().map_or(0, |f| f.seq);
         felt += u64::from(force != 0.0);
         most = most.max(force.abs());
         let due = start + Duration::from_secs_f64((n + 1) as f64 * DT);
         std::thread::sleep(due.saturating_duration_since(Instant::now()));
     }
-    let mode = device.watch().last().map_or("none", |f| Mode::read(f.mode).name());
+    let mode = device.watchdog().last().map_or("none", |f| Mode::read(f.mode).name());
     Ok(format!("sent {frames} seen {seen} felt {felt} most {most:.3} x {x:.6} mode {mode}"))
 }
 

@@ -56,14 +56,14 @@ impl std::error::Error for NotAdmitted {}
 
 /// A device without a profile, which has to describe itself.
 #[derive(Clone, Debug)]
-pub struct Undescribed {
+pub struct DeviceWithoutProfile {
     /// Upper limits for such a device.
     pub most: Profile,
     /// Degrees of freedom that the scene uses.
     pub wanted: u32,
 }
 
-impl Undescribed {
+impl DeviceWithoutProfile {
     /// Fits the setup to the description of the device and returns that description in words.
     ///
     /// Returns `None` where the setup already matches.

@@ -48,28 +48,28 @@ const STIFFEST: f64 = 10.0;
 const HEAVIER: f64 = 4.0;
 /// Largest mass between coupling and links, as a part of the device's mass.
 const LIGHT: f64 = 0.1;
-/// Stiffness that stands for sticking friction and strong dampers, as a multiple of [`Held::kept`].
+/// Stiffness that stands for sticking friction and strong dampers, as a multiple of [`StiffnessLimits::unchanged`].
 const RIGID: f64 = 1000.0;
 /// Slopes count only below this multiple of the device's largest force: above it, the device cannot stop the hand.
 const REACHED: f64 = 2.0;
 
 /// Stiffness limits of a device.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Held {
+pub struct StiffnessLimits {
     /// Stiffest sum of springs on which it is passive, if it uses each force one frame later \[N/m\].
     pub passive: f64,
     /// The same, if it uses each force at once \[N/m\].
     pub at_once: f64,
     /// Stiffness up to which a key stays as it is: 0.9 of `passive`, or the profile's if less \[N/m\].
-    pub kept: f64,
+    pub unchanged: f64,
     /// Stiffness to which a stiffer key is softened: half of `passive`, or the profile's if less \[N/m\]. A
     /// device slower than the scene counts one more frame of delay.
-    pub given: f64,
+    pub softened_to: f64,
 }
 
-impl Held {
+impl StiffnessLimits {
     /// Computes the limits of a device with this profile in this scene.
-    pub fn new(scene: &Scene, profile: &Profile) -> Held {
+    pub fn new(scene: &Scene, profile: &Profile) -> StiffnessLimits {
         let rate = scene.rate / f64::from(scene.rates.ratio);
         // a slower device holds each force longer
         let longer = (rate / profile.rate).max(1.0);
@@ -81,7 +81,7 @@ impl Held {
         let softened = if is_slower(profile, 1.0 / rate) { later(2.0) } else { passive };
         let most = |k: f64| profile.stiffness.map_or(k, |own| own.min(k));
         let (kept, given) = (most(KEPT * passive), most(SURE * softened));
-        Held { passive, at_once: d.stiffest(b), kept, given }
+        StiffnessLimits { passive, at_once: d.stiffest(b), unchanged: kept, softened_to: given }
     }
 }
 
@@ -159,14 +159,14 @@ pub struct Softened {
     /// True if sticking friction or a damper holds it more firmly than that.
     pub rigid: bool,
     /// Stiffness felt in the hand \[N/m\].
-    pub felt: f64,
+    pub stiffness: f64,
     /// The coupling that softens it.
     pub coupling: Coupling,
 }
 
 impl fmt::Display for Softened {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Softened { device, presents, rigid, felt, coupling } = self;
+        let Softened { device, presents, rigid, stiffness: felt, coupling } = self;
         let [presents, felt] = [presents, felt].map(|k| show(six(*k), ca_core::Unit::STIFFNESS));
         let is = if *rigid {
             "is held by sticking friction or a strong damper".into()
@@ -213,7 +213,7 @@ pub fn needed(scene: &Scene, setups: &[Setup]) -> Needed {
 
 fn of_device(scene: &Scene, setup: &Setup, needed: &mut Needed) {
     let p = &setup.profile;
-    let Held { kept, given, .. } = Held::new(scene, p);
+    let StiffnessLimits { unchanged: kept, softened_to: given, .. } = StiffnessLimits::new(scene, p);
     // an unknown device may be without force until it describes itself, but its couplings are chosen before that
     let gives = p.force > 0.0 || p.is_unknown();
     if !(p.guard.coupling && gives && given > 0.0 && given.is_finite()) {
@@ -253,11 +253,12 @@ fn of_device(scene: &Scene, setup: &Setup, needed: &mut Needed) {
         let m = HEAVIER * (tick_dt * tick_dt * (moved.k + spring) + 2.0 * tick_dt * (damper + moved.z));
         let model = |v: f64| v / moved.gain;
         let device = setup.device.clone();
-        let coupling = Coupling { port, k: model(spring), z: model(damper), m: model(m), felt: model(felt) };
+        let coupling =
+            Coupling { port, k: model(spring), z: model(damper), m: model(m), device_stiffness: model(felt) };
         let fits =
             m <= LIGHT * p.body.mass && [coupling.k, coupling.z, coupling.m].iter().all(|v| v.is_finite() && *v > 0.0);
         if fits {
-            needed.softened.push(Softened { device, presents: moved.k, rigid: moved.rigid, felt, coupling });
+            needed.softened.push(Softened { device, presents: moved.k, rigid: moved.rigid, stiffness: felt, coupling });
         } else {
             needed.too_stiff.push(TooStiff { device, port: coupling.port });
         }
@@ -290,7 +291,7 @@ pub fn beyond(scene: &Scene, setup: &Setup) -> Option<(String, f64)> {
         return None;
     }
     let profile = &setup.profile;
-    let most = Held::new(scene, profile).kept * (1.0 + 1e-9);
+    let most = StiffnessLimits::new(scene, profile).unchanged * (1.0 + 1e-9);
     let known = coupled(scene, &setup.device);
     let soft = |name: &str| known.iter().find(|c| c.0 == name).map(|c| c.1);
     let mine = |t: &usize| {
@@ -307,7 +308,7 @@ pub fn beyond(scene: &Scene, setup: &Setup) -> Option<(String, f64)> {
 }
 
 /// A compiled scene, with the couplings that its devices need.
-pub struct Met {
+pub struct CoupledScene {
     /// The scene, with the findings of the model as it was written.
     pub compiled: Compiled,
     /// Keys that are softened.
@@ -316,9 +317,9 @@ pub struct Met {
     pub too_stiff: Vec<TooStiff>,
 }
 
-impl Met {
+impl CoupledScene {
     /// Returns a line for each of these keys.
-    pub fn said(&self) -> Vec<String> {
+    pub fn messages(&self) -> Vec<String> {
         let hard = |t: &TooStiff| {
             format!(
                 "`{}` is stiffer than `{}` can render, and no coupling fits the model: the device gives no force; make \
@@ -330,7 +331,7 @@ impl Met {
     }
 }
 
-impl Met {
+impl CoupledScene {
     /// Returns these setups; a device gives no force if no coupling fits one of its keys.
     pub fn setups(&self, setups: &[Setup]) -> Vec<Setup> {
         let mut setups = setups.to_vec();
@@ -346,15 +347,15 @@ impl Met {
 /// Couples an uncoupled scene to its devices if a key needs it.
 ///
 /// `again` compiles the scene with these couplings. Afterwards `options` holds the couplings in use.
-pub fn meet<E>(
+pub fn couple<E>(
     compiled: Compiled,
     setups: &[Setup],
     options: &mut Options,
     again: impl FnOnce(&Options) -> Result<Compiled, E>,
-) -> Met {
+) -> CoupledScene {
     let Needed { softened, mut too_stiff } = needed(&compiled.scene, setups);
     if softened.is_empty() {
-        return Met { compiled, softened, too_stiff };
+        return CoupledScene { compiled, softened, too_stiff };
     }
     options.couplings = softened.iter().map(|s| s.coupling.clone()).collect();
     let stable = |c: &Compiled| {
@@ -362,9 +363,9 @@ pub fn meet<E>(
     };
     if let Some(coupled) = again(options).ok().filter(stable) {
         let compiled = Compiled { findings: compiled.findings, ..coupled };
-        return Met { compiled, softened, too_stiff };
+        return CoupledScene { compiled, softened, too_stiff };
     }
     options.couplings.clear();
     too_stiff.extend(softened.into_iter().map(|s| TooStiff { device: s.device, port: s.coupling.port }));
-    Met { compiled, softened: Vec::new(), too_stiff }
+    CoupledScene { compiled, softened: Vec::new(), too_stiff }
 }

@@ -17,7 +17,7 @@
 //! The tick is in `ca-core`, models are in `ca-model` and `ca-compile`, user interfaces in `ca-cli` and `ca-play`.
 #[cfg(feature = "system")]
 pub mod admission;
-mod blocks;
+mod block_ring;
 pub mod calibration;
 pub mod control;
 #[cfg(feature = "system")]

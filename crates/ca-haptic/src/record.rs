@@ -3,7 +3,7 @@
 //! The real-time thread passes plain values through a ring and never waits: a record that does not fit is counted and
 //! dropped. Boxes travel the same way, so that another thread frees them.
 
-use crate::engine::{OwnGesture, Retired, Swap, Touched};
+use crate::engine::{ManualEvent, OwnGesture, Retired, Swap};
 use crate::frame::{DeviceFrame, ForceFrame};
 use crate::guard::Order;
 use crate::guard::wait::Wait;
@@ -45,11 +45,11 @@ pub enum Record {
         order: Order,
     },
     /// The pointer, a gesture or another input without a device acted on the scene.
-    Touched {
+    Manual {
         /// When.
         tick: u64,
         /// The action.
-        touched: Touched,
+        event: ManualEvent,
         /// The gesture that it ended.
         gone: Option<Box<OwnGesture>>,
     },
@@ -109,7 +109,7 @@ impl Record {
             Record::Force { frame, .. } => frame.tick,
             Record::Retired { tick, .. }
             | Record::Order { tick, .. }
-            | Record::Touched { tick, .. }
+            | Record::Manual { tick, .. }
             | Record::Swapped { tick, .. }
             | Record::Marked { tick, .. }
             | Record::Hash { tick, .. }

@@ -68,7 +68,7 @@ pub struct Version {
     /// Live parameters that were changed before, with their values \[SI\].
     pub moved: Vec<(String, f64)>,
     /// True if it starts as at load: no mass continues from its present position.
-    pub anew: bool,
+    pub restart: bool,
 }
 
 impl Version {
@@ -80,7 +80,7 @@ impl Version {
             #[cfg(feature = "system")]
             options: ca_compile::Options::default(),
             moved: Vec::new(),
-            anew,
+            restart: anew,
         }
     }
 }

@@ -40,7 +40,7 @@ pub fn new_file(path: &Path, mode: u32) -> std::io::Result<File> {
 }
 
 /// Returns the permissions of a file to be replaced, without write permission for other users.
-fn kept(about: &fs::Metadata) -> fs::Permissions {
+fn permissions(about: &fs::Metadata) -> fs::Permissions {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt as _;
@@ -174,7 +174,7 @@ impl AtomicFile {
             }
             _ => {}
         }
-        let rights = fs::metadata(&target).ok().map(|m| kept(&m));
+        let rights = fs::metadata(&target).ok().map(|m| permissions(&m));
         let Some(name) = target.file_name() else {
             return Err(FileError::usage("the path does not end in a file name").file(path.display()));
         };

@@ -1,14 +1,14 @@
 //! Distributes the outputs of a render to its files, the sound and the probes, and measures the sound on the way.
 
-use crate::ending::{Ended, RenderOut};
 use crate::error::FileError;
+use crate::level_and_fade::{Ended, RenderOut};
+use crate::low_frequency::LowFrequencyMeter;
 use crate::probe::ProbeOut;
-use crate::slow::Slow;
 
 /// Files of a render being written.
 pub struct Files {
     wav: RenderOut,
-    slow: Slow,
+    slow: LowFrequencyMeter,
     /// Probe files, each with its number of columns.
     probes: Vec<(ProbeOut, usize)>,
     channels: usize,
@@ -20,7 +20,7 @@ impl Files {
     /// Takes a sound file with `channels` channels at `rate` \[Hz\], and probe files, each with its number of columns.
     pub fn new(wav: RenderOut, probes: Vec<(ProbeOut, usize)>, channels: usize, rate: f64) -> Files {
         let waiting = vec![Vec::new(); 1 + probes.len()];
-        Files { wav, slow: Slow::new(channels, rate), probes, channels, waiting }
+        Files { wav, slow: LowFrequencyMeter::new(channels, rate), probes, channels, waiting }
     }
 
     /// Appends rows of all outputs: the channels, then the columns of each probe.
@@ -29,7 +29,7 @@ impl Files {
     /// If a file cannot be written, as [`RenderOut::write`] and [`ProbeOut::write`].
     pub fn write(&mut self, rows: &[f64]) -> Result<(), FileError> {
         if self.probes.is_empty() {
-            self.slow.hear(rows);
+            self.slow.add(rows);
             return self.wav.write(rows);
         }
         let columns: usize = self.probes.iter().map(|p| p.1).sum();
@@ -43,7 +43,7 @@ impl Files {
                 rest = others;
             }
         }
-        self.slow.hear(&self.waiting[0]);
+        self.slow.add(&self.waiting[0]);
         self.wav.write(&self.waiting[0])?;
         for ((file, _), values) in self.probes.iter_mut().zip(&self.waiting[1..]) {
             file.write(values)?;
@@ -55,7 +55,7 @@ impl Files {
     ///
     /// # Errors
     /// As [`RenderOut::finish`] and [`ProbeOut::finish`].
-    pub fn finish(self, diverged: bool) -> Result<(Ended, Slow), FileError> {
+    pub fn finish(self, diverged: bool) -> Result<(Ended, LowFrequencyMeter), FileError> {
         let ended = self.wav.finish(diverged)?;
         for (file, _) in self.probes {
             file.finish()?;

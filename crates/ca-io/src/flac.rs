@@ -105,7 +105,7 @@ impl FlacOut {
             return Err(FileError::usage(what).file(self.written.path.display()));
         }
         let (level, full) = (&mut self.written.level, self.full);
-        let samples = frames.iter().zip((0..n).cycle()).map(|(x, channel)| integer(level.keep(channel, *x), full));
+        let samples = frames.iter().zip((0..n).cycle()).map(|(x, channel)| integer(level.count(channel, *x), full));
         let samples: Vec<i32> = samples.collect();
         self.written.frames += (frames.len() / n) as u64;
         self.encoder.write(&samples).map_err(|e| unwritten(&self.written.path, e))

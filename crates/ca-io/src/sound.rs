@@ -76,7 +76,7 @@ impl Level {
 
     /// Counts a sample of a channel and returns it clipped at full scale.
     #[inline]
-    pub fn keep(&mut self, channel: usize, x: f64) -> f64 {
+    pub fn count(&mut self, channel: usize, x: f64) -> f64 {
         if !x.is_finite() {
             self.non_finite += 1;
             return 0.0;
@@ -86,7 +86,7 @@ impl Level {
         x.clamp(-1.0, 1.0)
     }
 
-    /// Applies [`Level::keep`] to the first numbers of each row of `width` numbers, one for each channel, and writes
+    /// Applies [`Level::count`] to the first numbers of each row of `width` numbers, one for each channel, and writes
     /// them to `sound`.
     pub fn keep_rows<S: Sample>(&mut self, rows: &[f64], width: usize, sound: &mut [S]) {
         let channels = self.peak.len();
@@ -96,13 +96,13 @@ impl Level {
         let fits = self.all_within(rows, width);
         for (row, to) in rows.chunks_exact(width).zip(sound.chunks_exact_mut(channels)) {
             for (k, (to, x)) in to.iter_mut().zip(row).enumerate() {
-                *to = S::of(if fits { *x } else { self.keep(k, *x) });
+                *to = S::of(if fits { *x } else { self.count(k, *x) });
             }
         }
     }
 
     /// Returns true if all samples are finite and within full scale, which is nearly always so, and then enters their
-    /// peaks. One loop of comparisons is cheaper than [`Level::keep`] for each sample.
+    /// peaks. One loop of comparisons is cheaper than [`Level::count`] for each sample.
     fn all_within(&mut self, rows: &[f64], width: usize) -> bool {
         let within = |most: f64, x: &f64| if x.abs() <= most { most } else { x.abs() };
         let channels = self.peak.len();
@@ -120,7 +120,7 @@ impl Level {
         fits
     }
 
-    /// As [`Level::keep`], but values beyond full scale are kept, within the range of 32-bit floats.
+    /// As [`Level::count`], but values beyond full scale are kept, within the range of 32-bit floats.
     #[inline]
     fn pass(&mut self, channel: usize, x: f64) -> f64 {
         if !x.is_finite() {
@@ -225,12 +225,12 @@ impl WavOut {
         // one loop for each format, so that samples do not branch on the format
         match self.format {
             Format::F32 if self.unlimited => each(frames, level, to, Level::pass, |x| (x as f32).to_le_bytes()),
-            Format::F32 => each(frames, level, to, Level::keep, |x| (x as f32).to_le_bytes()),
-            Format::I24 => each(frames, level, to, Level::keep, |x| {
+            Format::F32 => each(frames, level, to, Level::count, |x| (x as f32).to_le_bytes()),
+            Format::I24 => each(frames, level, to, Level::count, |x| {
                 let [a, b, c, _] = integer(x, 8_388_608.0).to_le_bytes();
                 [a, b, c]
             }),
-            Format::I16 => each(frames, level, to, Level::keep, |x| (integer(x, 32_768.0) as i16).to_le_bytes()),
+            Format::I16 => each(frames, level, to, Level::count, |x| (integer(x, 32_768.0) as i16).to_le_bytes()),
         }
         self.written.frames += (frames.len() / n) as u64;
         if self.bytes.len() >= ROOM { self.flush() } else { Ok(()) }

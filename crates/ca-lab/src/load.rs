@@ -176,7 +176,7 @@ pub fn set(loaded: &mut Loaded, name: &str, value: Value) -> Result<(), Failure>
 fn place(model: &Model, span: Span) -> Option<String> {
     let source = model.source(span);
     let known = span.is_some() && !source.text.is_empty();
-    known.then(|| format!("{}:{}", source.file, line_column(source.text, source.within(span).start).0))
+    known.then(|| format!("{}:{}", source.file, line_column(source.text, source.to_text_span(span).start).0))
 }
 
 /// Message for an attempt to set one of the modules that come from one line.

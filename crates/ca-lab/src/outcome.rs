@@ -48,7 +48,7 @@ impl Outcome {
                 return Outcome { status: "unstable", message: d.to_string(), failed: Some((d.time, d.module)) };
             }
         }
-        let outcome = Outcome::heard(level, played.performance.state.ports.refused, scene.counts.n_out > 0);
+        let outcome = Outcome::judge(level, played.performance.state.ports.refused, scene.counts.n_out > 0);
         match played.energy.as_ref().and_then(|ledger| gained(&ledger.balance())) {
             Some(message) if outcome.status == "ok" => Outcome { status: "gained", message, failed: None },
             _ => outcome,
@@ -56,7 +56,7 @@ impl Outcome {
     }
 
     /// Judges a play without divergence, by its levels, its refused inputs, and whether it has outputs or probes.
-    pub fn heard(level: &Level, refused: u64, listened: bool) -> Outcome {
+    pub fn judge(level: &Level, refused: u64, listened: bool) -> Outcome {
         let ended = |status, message| Outcome { status, message, failed: None };
         if level.clipped + level.non_finite > 0 {
             let (clipped, none) = (level.clipped, level.non_finite);

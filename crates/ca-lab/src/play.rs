@@ -17,7 +17,7 @@ pub struct Audit {
     /// Ticks it covers.
     pub ticks: u64,
     /// True if it covers the whole play.
-    pub whole: bool,
+    pub complete: bool,
     /// True if the scene diverged at the end.
     pub diverged: bool,
 }
@@ -49,7 +49,7 @@ pub fn audit(audited: &Scene, gesture: Option<&Gesture>, frames: u64) -> Option<
     }
     let entered = p.state.tick.saturating_sub(1);
     let diverged = !p.state.is_bounded(DIVERGED);
-    p.player.state.ledger.map(|ledger| Audit { ledger: *ledger, ticks: entered, whole: false, diverged })
+    p.player.state.ledger.map(|ledger| Audit { ledger: *ledger, ticks: entered, complete: false, diverged })
 }
 
 /// Divergence of a scene, with its cause.

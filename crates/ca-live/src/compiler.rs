@@ -10,13 +10,13 @@ use ca_lab::watch::Watch;
 use ca_lab::{Failure, load};
 use ca_model::diag::Severity;
 use ca_model::render;
-use ca_session::{self as session, Made, Maker};
+use ca_session::{self as session, CompiledVersion, VersionCompiler};
 use ca_view::Drawing;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 /// The model as its author wrote it, if it could be read, and the result.
-type Making = (Option<Loaded>, Result<Box<Made>, session::Refused>);
+type CompileState = (Option<Loaded>, Result<Box<CompiledVersion>, session::Refused>);
 
 /// Compiles versions of a model, each on a separate thread, and watches the file of the model.
 pub(crate) struct Compiler {
@@ -27,7 +27,7 @@ pub(crate) struct Compiler {
     /// Watched file, if the model comes from one.
     file: Option<Watch>,
     /// Receiver of the running compilation.
-    making: Option<Receiver<Making>>,
+    making: Option<Receiver<CompileState>>,
 }
 
 impl Compiler {
@@ -42,7 +42,7 @@ impl Compiler {
     }
 }
 
-impl Maker for Compiler {
+impl VersionCompiler for Compiler {
     fn check(&mut self, name: &str, value: &str) -> Result<(), session::Refused> {
         let Some(mut loaded) = self.loaded.clone() else { return Ok(()) };
         load::set_typed(&mut loaded, name, value).map_err(refused)
@@ -63,21 +63,21 @@ impl Maker for Compiler {
         Ok(())
     }
 
-    fn poll(&mut self) -> session::Making {
+    fn poll(&mut self) -> session::CompileState {
         let made = match self.making.as_ref().map(Receiver::try_recv) {
-            Some(Err(TryRecvError::Empty)) => return session::Making::Busy,
+            Some(Err(TryRecvError::Empty)) => return session::CompileState::Busy,
             Some(Ok((read, made))) => {
                 if let (Some(file), Some(read)) = (&mut self.file, &read) {
                     file.also(&load::part_files(&read.model));
                 }
                 self.loaded = read.or(self.loaded.take());
-                session::Making::Done(made)
+                session::CompileState::Done(made)
             }
             Some(Err(TryRecvError::Disconnected)) => {
                 let why = "the model was not compiled: the compiler thread stopped unexpectedly";
-                session::Making::Done(Err(why.into()))
+                session::CompileState::Done(Err(why.into()))
             }
-            None => session::Making::Idle,
+            None => session::CompileState::Idle,
         };
         self.making = None;
         made
@@ -108,7 +108,7 @@ fn make(
     (options, setups): (Options, &[Setup]),
     anew: bool,
     read: &mut Option<Loaded>,
-) -> Result<Box<Made>, session::Refused> {
+) -> Result<Box<CompiledVersion>, session::Refused> {
     let mut loaded = (source.read)().map_err(refused)?;
     *read = Some(loaded.clone());
     let changes: Vec<_> = source.changes.iter().chain(changes).cloned().collect();
@@ -117,8 +117,8 @@ fn make(
     }
     let mut options = Options { clouds: loaded.clouds.clone(), couplings: Vec::new(), ..options };
     let compiled = loaded.compile(&options).map_err(|found| refused(found.into()))?;
-    let met = coupling::meet(compiled, setups, &mut options, |options| loaded.compile(options));
-    let (softened, setups) = (met.said(), met.setups(setups));
+    let met = coupling::couple(compiled, setups, &mut options, |options| loaded.compile(options));
+    let (softened, setups) = (met.messages(), met.setups(setups));
     let compiled = met.compiled;
     let drawing = Arc::new(Drawing::new(&compiled.scene));
     let mut warnings = compiled.findings;
@@ -126,6 +126,6 @@ fn make(
     let said = if warnings.list.is_empty() { String::new() } else { render::text(&warnings, &loaded.model, false) };
     let said = [said, softened.join("\n")].into_iter().filter(|s| !s.is_empty()).collect::<Vec<_>>().join("\n");
     let model = ModelText::of(&loaded.model, changes);
-    let version = Version { scene: Arc::new(compiled.scene), model, options, moved: Vec::new(), anew };
-    Ok(Box::new(Made { version, drawing, warnings: said, softened: !softened.is_empty(), setups }))
+    let version = Version { scene: Arc::new(compiled.scene), model, options, moved: Vec::new(), restart: anew };
+    Ok(Box::new(CompiledVersion { version, drawing, warnings: said, softened: !softened.is_empty(), setups }))
 }

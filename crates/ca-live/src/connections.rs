@@ -6,7 +6,7 @@ use crate::report::Traffic;
 use crate::request::Listener;
 use crate::setup::host_failure;
 use ca_core::Scene;
-use ca_haptic::admission::{Undescribed, differences};
+use ca_haptic::admission::{DeviceWithoutProfile, differences};
 use ca_haptic::engine::Setup;
 use ca_haptic::host::control::ControlServer;
 use ca_haptic::host::{Event, Gateway, Rings, Running, Site};
@@ -29,7 +29,7 @@ pub(crate) struct Connections {
     names: Vec<String>,
     setups: Vec<Setup>,
     /// Degrees of freedom used and upper limits, for each device without a description.
-    unknown: Vec<Option<Undescribed>>,
+    unknown: Vec<Option<DeviceWithoutProfile>>,
     /// Devices whose description the engine has not received yet.
     refits: Vec<u32>,
     site: Option<Site>,
@@ -54,8 +54,11 @@ impl Connections {
         let (tell, events) = channel();
         let names: Vec<String> = setups.iter().map(|s| s.device.clone()).collect();
         let wanted = setups.iter().map(|s| dofs(scene, &s.device));
-        let unknown =
-            unknown.into_iter().zip(wanted).map(|(p, wanted)| Some(Undescribed { most: p?, wanted })).collect();
+        let unknown = unknown
+            .into_iter()
+            .zip(wanted)
+            .map(|(p, wanted)| Some(DeviceWithoutProfile { most: p?, wanted }))
+            .collect();
         let setups = setups.to_vec();
         let mut talk = Connections {
             names: names.clone(),
@@ -125,7 +128,7 @@ impl Connections {
     /// Handles events of devices and requests of users. Returns true if a user requests a stop.
     ///
     /// `change` sets numbers of the model that are not live, if the model can be compiled again.
-    pub(crate) fn turn(&mut self, recorder: &mut Recorder, sweep: bool, mut change: Option<Change<'_>>) -> bool {
+    pub(crate) fn poll(&mut self, recorder: &mut Recorder, sweep: bool, mut change: Option<Change<'_>>) -> bool {
         while let Ok((k, event)) = self.events.try_recv() {
             let name = self.names.get(k as usize).map_or("?", String::as_str);
             match event {

@@ -26,6 +26,6 @@ pub use output::check_wav_path;
 pub use performance::play;
 pub use report::{Report, Traffic};
 pub use request::{
-    Asked, DeviceOptions, FileOptions, InputOptions, Listener, ModelSource, Pace, PageOptions, Reader, Request,
-    SoundOptions, ThreadOptions,
+    ControlRequest, DeviceOptions, FileOptions, InputOptions, Listener, ModelSource, Pace, PageOptions, Reader,
+    Request, SoundOptions, ThreadOptions,
 };

@@ -40,10 +40,10 @@ struct Words(Arc<dyn Listener>);
 
 impl Sink for Words {
     fn streams(&self) -> SinkStreams {
-        SinkStreams::WORDS
+        SinkStreams::MESSAGES
     }
 
-    fn said(&mut self, notice: &Notice) -> Result<(), FileError> {
+    fn notice(&mut self, notice: &Notice) -> Result<(), FileError> {
         if notice.bad {
             self.0.warning(&notice.text);
         } else {
@@ -141,7 +141,7 @@ impl Output {
     /// Waits for pending messages, at most [`TERMINAL`].
     pub(crate) fn leave_terminal(&mut self) {
         if let Some(words) = self.words.take() {
-            words.leave(TERMINAL);
+            words.end_within(TERMINAL);
         }
     }
 

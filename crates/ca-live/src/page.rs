@@ -7,10 +7,10 @@ use crate::request::{Listener, PageOptions, Request};
 use ca_compile::Options;
 use ca_core::Scene;
 use ca_haptic::engine::Setup;
-use ca_haptic::serve::{Kept, Recorder, Shared, Sink};
+use ca_haptic::serve::{Recorder, Shared, Sink, TemporaryTake};
 use ca_haptic::take::Header;
 use ca_lab::Failure;
-use ca_play::{Keep, Page, PageRequest, TapeSink};
+use ca_play::{Page, PageFiles, PageRequest, SoundFileSink};
 use ca_session::{Language as _, PageSink, Parts, Refused, Session};
 use ca_view::Drawing;
 use std::any::Any;
@@ -29,12 +29,12 @@ pub(crate) struct Opening<'a> {
     pub(crate) header: Option<Header>,
 }
 
-pub(crate) struct Desk {
+pub(crate) struct PageSession {
     page: Page,
     session: Session,
 }
 
-impl Desk {
+impl PageSession {
     /// Opens the page and adds its sinks.
     ///
     /// # Errors
@@ -44,22 +44,22 @@ impl Desk {
         opening: Opening<'_>,
         listener: &Arc<dyn Listener>,
         sinks: &mut Vec<Box<dyn Sink>>,
-    ) -> Result<Desk, Failure> {
+    ) -> Result<PageSession, Failure> {
         let Opening { request, scene, options: compile, header } = opening;
         let name = &request.loaded.name;
-        let mut kept = None;
+        let mut take = None;
         if let Some(header) = header {
-            match Kept::begin(&header, scene) {
+            match TemporaryTake::begin(&header, scene) {
                 Ok((begun, line)) => {
                     sinks.push(Box::new(line));
-                    kept = Some(begun);
+                    take = Some(begun);
                 }
                 Err(e) => listener.warning(&format!("this performance cannot be saved as a take later: {e}")),
             }
         }
-        let tape = TapeSink::default();
-        sinks.push(Box::new(tape.clone()));
-        let keep = Keep::new(name, kept, tape);
+        let sound_file = SoundFileSink::default();
+        sinks.push(Box::new(sound_file.clone()));
+        let files = PageFiles::new(name, take, sound_file);
         let drawing = Arc::new(Drawing::new(scene));
         let greeting = ca_session::greeting(scene, &drawing, name, 1, ModelLanguage.stability(scene));
         let page = |port| Page::open(port, &greeting, options.framed);
@@ -76,13 +76,13 @@ impl Desk {
             pages: Box::new(page.feed()),
             language: Box::new(ModelLanguage),
             maker: Box::new(Compiler::new(&request.source, compile)),
-            files: Box::new(keep),
+            files: Box::new(files),
             name: name.clone(),
             allow_arm: options.allow_arm,
         };
         let session = Session::new(parts, scene.clone(), drawing, &sink);
         sinks.push(Box::new(sink));
-        Ok(Desk { page, session })
+        Ok(PageSession { page, session })
     }
 
     pub(crate) fn address(&self) -> String {
@@ -104,7 +104,7 @@ impl Desk {
 
     /// Closes the page and ends the session. Its files are finished when the result is dropped.
     pub(crate) fn close(self) -> Box<dyn Any> {
-        let Desk { page, session } = self;
+        let PageSession { page, session } = self;
         drop(page);
         Box::new(session.close())
     }
@@ -112,7 +112,7 @@ impl Desk {
     /// Handles requests of pages until `end`, but at least one, and sends messages to pages.
     ///
     /// The model is not replaced while `setups` is `None`. Returns true if a page requests a stop.
-    pub(crate) fn turn(
+    pub(crate) fn poll(
         &mut self,
         recorder: &mut Recorder,
         inputs: &mut Inputs,
@@ -120,23 +120,23 @@ impl Desk {
         (shared, end): (&Shared, Instant),
     ) -> bool {
         let mut leave = false;
-        if !self.session.turn(recorder, &mut inputs.midi, setups) {
+        if !self.session.poll(recorder, &mut inputs.midi, setups) {
             return leave;
         }
         let mut late = false;
         while !late {
-            let Some(PageRequest { client, request }) = self.page.asked().next() else { break };
+            let Some(PageRequest { client, request }) = self.page.requests().next() else { break };
             late = Instant::now() >= end;
             match request {
                 Some(asked) => {
                     let now = inputs.now();
-                    leave |= self.session.ask(recorder, &mut inputs.midi, (client, asked), now);
+                    leave |= self.session.request(recorder, &mut inputs.midi, (client, asked), now);
                 }
                 None => self.session.left(recorder, client),
             }
         }
         let now = inputs.now();
-        self.session.news(recorder, &inputs.midi, shared, now);
+        self.session.send_state(recorder, &inputs.midi, shared, now);
         leave
     }
 }

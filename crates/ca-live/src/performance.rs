@@ -3,9 +3,9 @@
 use crate::connections::Connections;
 use crate::inputs::Inputs;
 use crate::output::Output;
-use crate::page::{self, Desk};
+use crate::page::{self, PageSession};
 use crate::report::Report;
-use crate::request::{Asked, Listener, Pace, Request, ThreadOptions};
+use crate::request::{ControlRequest, Listener, Pace, Request, ThreadOptions};
 use crate::{setup, sound};
 use ca_audio::Switch;
 use ca_compile::Options;
@@ -59,13 +59,13 @@ struct Parts {
     connections: Connections,
     inputs: Inputs,
     sound: Switch,
-    desk: Option<Desk>,
-    asked: Option<Receiver<Asked>>,
+    page_session: Option<PageSession>,
+    asked: Option<Receiver<ControlRequest>>,
     shared: Arc<Shared>,
 }
 
 /// Plays in real time until the length is reached or the performance is stopped. The `shared` of [`Listener::begins`],
-/// `ca stop`, the page and [`Request::asked`] can stop it.
+/// `ca stop`, the page and [`Request::requests`] can stop it.
 ///
 /// # Errors
 /// Returns [`Failure::Found`] if the model has errors, [`Failure::Usage`] if the request does not fit the model, and
@@ -100,16 +100,16 @@ pub fn play(request: Request, listener: &Arc<dyn Listener>) -> Result<Report, Fa
         Header::new(&request.loaded.model, changes, options.clone(), &scene, played.clone(), engine.options())
     };
     output.take(request.files.take.as_deref(), header, &scene, (capacity, busy))?;
-    let desk = match request.page {
+    let page_session = match request.page {
         Some(page) => {
             let header = (!output.has_take() && names.is_empty()).then(header);
             let opening = page::Opening { request: &request, scene: &scene, options: &options, header };
-            Some(Desk::open(page, opening, listener, output.sinks())?)
+            Some(PageSession::open(page, opening, listener, output.sinks())?)
         }
         None => None,
     };
 
-    let looks = output.has_take() || desk.is_some();
+    let looks = output.has_take() || page_session.is_some();
     let pictures = if looks { PICTURES } else { 0 };
     let (mut ends, gateway_ends, recorder_ends) = rings(&scene, names.len(), pictures);
     let sinks = std::mem::take(output.sinks());
@@ -117,12 +117,12 @@ pub fn play(request: Request, listener: &Arc<dyn Listener>) -> Result<Report, Fa
     for text in softened {
         recorder.say(true, text);
     }
-    let with_page = desk.is_some();
+    let with_page = page_session.is_some();
     let below = thread(request.thread, -5);
     let (mut sound, outlet) = sound::open(&request, &scene, &mut recorder, below, &**listener)?;
     ends.audio = outlet;
     let inputs = Inputs::open(&request.inputs, &scene, with_page, sound.events())?;
-    inputs.said().into_iter().for_each(|text| recorder.say(false, text));
+    inputs.messages().into_iter().for_each(|text| recorder.say(false, text));
     if request.gesture {
         recorder.gesture(true).map_err(|why| Failure::Failed(why.to_string()))?;
     }
@@ -147,12 +147,12 @@ pub fn play(request: Request, listener: &Arc<dyn Listener>) -> Result<Report, Fa
     let frames = request.seconds.map(|s| (s * frame_rate).round().max(1.0) as u64);
     let live = Live::new(engine, ends, shared.clone(), clock, every);
     sound.start().map_err(|e| Failure::Failed(e.to_string()))?;
-    let mut parts = Parts { recorder, connections, inputs, sound, desk, asked: request.asked, shared };
+    let mut parts = Parts { recorder, connections, inputs, sound, page_session, asked: request.requests, shared };
     parts.say_sound(scene.counts.channels);
     let (engine, granted) = engine_thread(live, thread(request.thread, 0), frames)?;
     output.begun();
-    if let Some(desk) = &parts.desk {
-        listener.page_opened(&desk.address());
+    if let Some(page_session) = &parts.page_session {
+        listener.page_opened(&page_session.address());
     }
     let mut threads = vec![("engine".to_string(), granted)];
     threads.extend(parts.connections.granted().map(|g| ("gateway".to_string(), g)));
@@ -166,7 +166,7 @@ pub fn play(request: Request, listener: &Arc<dyn Listener>) -> Result<Report, Fa
 
     let engine = parts.attend(engine);
     // the page can finish its files only after all records have arrived
-    let files = parts.desk.map(Desk::close);
+    let files = parts.page_session.map(PageSession::close);
     parts.sound.end(scene.rate);
     let traffic = parts.connections.end();
     let engine = engine.map_err(|_| Failure::Failed("the engine thread stopped unexpectedly".into()))?;
@@ -196,8 +196,8 @@ fn compile(request: &Request, listener: &dyn Listener) -> Result<Compiled, Failu
         listener.findings(&warnings, &loaded.model);
     }
     let (setups, unknown) = setup::setups(&request.devices, &compiled.scene, listener)?;
-    let met = coupling::meet(compiled, &setups, &mut options, |options| loaded.compile(options));
-    let (softened, played) = (met.said(), met.setups(&setups));
+    let met = coupling::couple(compiled, &setups, &mut options, |options| loaded.compile(options));
+    let (softened, played) = (met.messages(), met.setups(&setups));
     let scene = Arc::new(met.compiled.scene);
     Ok(Compiled { options, scene, setups, unknown, played, softened })
 }
@@ -225,15 +225,15 @@ fn engine_thread(live: Live, request: RtRequest, frames: Option<u64>) -> Result<
 impl Parts {
     /// Reports the output that plays the sound.
     fn say_sound(&mut self, channels: usize) {
-        match self.recorder.heard() {
+        match self.recorder.audio_output() {
             Some((device, ms)) => self.recorder.say(false, format!("sound: {device}, {ms:.1} ms latency")),
-            None if self.desk.is_some() && channels > 0 => {
+            None if self.page_session.is_some() && channels > 0 => {
                 self.recorder.say(false, "sound: by the page, which shows its latency".into());
             }
             None => {}
         }
-        if let Some((desk, host)) = self.desk.as_mut().zip(self.sound.host()) {
-            desk.sounds_by(host);
+        if let Some((page_session, host)) = self.page_session.as_mut().zip(self.sound.host()) {
+            page_session.sounds_by(host);
         }
     }
 
@@ -241,15 +241,15 @@ impl Parts {
     fn attend(&mut self, thread: JoinHandle<Engine>) -> std::thread::Result<Engine> {
         let mut turns = 0_u64;
         while !thread.is_finished() {
-            let (inputs, desk) = (&mut self.inputs, &mut self.desk);
-            self.sound.turn(&mut self.recorder, &mut |events, host| {
+            let (inputs, page_session) = (&mut self.inputs, &mut self.page_session);
+            self.sound.poll(&mut self.recorder, &mut |events, host| {
                 inputs.served(events);
-                if let Some(desk) = desk {
-                    desk.sounds_by(host);
+                if let Some(page_session) = page_session {
+                    page_session.sounds_by(host);
                 }
             });
             self.recorder.poll();
-            if self.turn(turns.is_multiple_of(SWEEP)) {
+            if self.poll(turns.is_multiple_of(SWEEP)) {
                 self.shared.stop.store(true, Relaxed);
             }
             turns += 1;
@@ -259,23 +259,26 @@ impl Parts {
     }
 
     /// Handles all inputs once. Returns true if one of them requests a stop.
-    fn turn(&mut self, sweep: bool) -> bool {
-        let (recorder, desk) = (&mut self.recorder, &mut self.desk);
-        let mut leave = match desk {
-            Some(desk) => self.connections.turn(recorder, sweep, Some(&mut |name, value| desk.change(name, value))),
-            None => self.connections.turn(recorder, sweep, None),
+    fn poll(&mut self, sweep: bool) -> bool {
+        let (recorder, page_session) = (&mut self.recorder, &mut self.page_session);
+        let mut leave = match page_session {
+            Some(page_session) => {
+                self.connections.poll(recorder, sweep, Some(&mut |name, value| page_session.change(name, value)))
+            }
+            None => self.connections.poll(recorder, sweep, None),
         };
         while let Some((request, reply)) = self.asked.as_ref().and_then(|asked| asked.try_recv().ok()) {
-            let mut change = desk.as_mut().map(|desk| |name: &str, value: &str| desk.change(name, value));
+            let mut change =
+                page_session.as_mut().map(|page_session| |name: &str, value: &str| page_session.change(name, value));
             let change = change.as_mut().map(|change| change as ca_session::Change<'_>);
             let _ = reply.send(answer(recorder, &crate::ModelLanguage, request, &mut leave, change));
         }
         // an endless stream of requests has to wait, since orders to disarm were handled above
         let end = Instant::now() + TURN;
-        self.inputs.turn(recorder, end);
+        self.inputs.poll(recorder, end);
         let end = Instant::now() + TURN;
         let setups = self.connections.setups();
-        leave |= desk.as_mut().is_some_and(|d| d.turn(recorder, &mut self.inputs, setups, (&self.shared, end)));
+        leave |= page_session.as_mut().is_some_and(|d| d.poll(recorder, &mut self.inputs, setups, (&self.shared, end)));
         leave
     }
 }

@@ -103,7 +103,7 @@ pub struct ThreadOptions {
 }
 
 /// A request from the calling program, such as `ca set` makes, and the sender for its answer.
-pub type Asked = (control::Request, Sender<control::Reply>);
+pub type ControlRequest = (control::Request, Sender<control::Reply>);
 
 /// Request of a performance.
 pub struct Request {
@@ -130,7 +130,7 @@ pub struct Request {
     /// Computes the energy ledger.
     pub energy: bool,
     /// Requests from the calling program.
-    pub asked: Option<Receiver<Asked>>,
+    pub requests: Option<Receiver<ControlRequest>>,
 }
 
 /// Receives the messages of a performance, from several of its threads.

@@ -5,7 +5,7 @@
 //! parameters, its quadripole is used; without one the general law runs.
 
 use crate::op::kernel;
-use crate::{dry, params};
+use crate::{coulomb, params};
 use ca_core::internal::op::{Cheaper, LawEntry, LawFns};
 use ca_core::internal::phi;
 use ca_core::{Law, Phi, Real, Type};
@@ -67,13 +67,13 @@ pub static BOW: Law = Law {
                 Some(words.get(v as usize) == Some(&word))
             };
             if is("method", "set-valued") == Some(true) && is("curve", "coulomb") == Some(true) {
-                return Some(&dry::LAW);
+                return Some(&coulomb::LAW);
             }
             // the core would read this method as its choice of method
             let method = position("method")?;
             quadripole((phi::bow::SMOOTH.cheaper.simpler)(p.get(..method)?)?)
         },
-        variants: &[&PIECEWISE, &COULOMB, &TABLE, &dry::LAW],
+        variants: &[&PIECEWISE, &COULOMB, &TABLE, &coulomb::LAW],
     },
     ..phi::bow::SMOOTH
 };

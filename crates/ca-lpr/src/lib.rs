@@ -31,7 +31,7 @@
 
 #[macro_use]
 mod quadripoles;
-mod dry;
+mod coulomb;
 mod kinds;
 mod laws;
 pub mod op;
@@ -43,5 +43,5 @@ pub use kinds::KINDS;
 
 /// Returns the functions over `R` of all laws of this crate, for [`Scene::bind`](ca_core::Scene::bind).
 pub fn laws<R: Real>() -> impl IntoIterator<Item = LawEntry<R>> {
-    laws::laws::<R>().into_iter().chain(dry::laws()).chain(kinds::quadripoles())
+    laws::laws::<R>().into_iter().chain(coulomb::laws()).chain(kinds::quadripoles())
 }

@@ -24,7 +24,7 @@ pub mod names;
 #[cfg(feature = "parse")]
 pub mod page;
 pub mod part;
-pub mod plain;
+pub mod printable;
 pub mod quantity;
 #[cfg(feature = "parse")]
 pub mod read;

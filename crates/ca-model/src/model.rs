@@ -67,7 +67,7 @@ impl Entry {
     }
 
     /// Gives a line of `[param]` another value, written at `span`. A bare number has the unit of the parameter.
-    pub fn give(&mut self, value: Value, span: Span) {
+    pub fn set_value(&mut self, value: Value, span: Span) {
         if let Value::Table(entries) = &mut self.value {
             let value = in_its_unit(entries, value);
             entries.retain(|x| x.key != "value");
@@ -240,7 +240,7 @@ impl Model {
     /// Sets a parameter as [`Model::set`] does, to any value.
     pub fn put(&mut self, name: &str, value: Value) -> bool {
         if let Some(e) = self.params.iter_mut().find(|e| e.key == name) {
-            e.give(value, Span::NONE);
+            e.set_value(value, Span::NONE);
             return true;
         }
         if name == PRESET {

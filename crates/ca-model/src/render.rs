@@ -7,7 +7,7 @@
 use super::diag::{Diag, Diags, KEPT, Severity};
 use super::model::{Model, Span};
 use super::part::files::Source;
-use super::plain::plain;
+use super::printable::printable;
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
@@ -65,7 +65,7 @@ fn groups<'a>(d: &'a Diag, model: &'a Model) -> Vec<Group<'a>> {
         Severity::Warning => Level::WARNING,
         Severity::Note => Level::NOTE,
     };
-    let mut main = Group::with_title(level.primary_title(plain(&d.title)).id(d.code));
+    let mut main = Group::with_title(level.primary_title(printable(&d.title)).id(d.code));
     // one snippet for each file, first the file of the first place
     let mut files: Vec<Source> = Vec::new();
     for source in d.labels.iter().filter(|l| l.0.is_some()).map(|l| model.source(l.0)) {
@@ -78,7 +78,7 @@ fn groups<'a>(d: &'a Diag, model: &'a Model) -> Vec<Group<'a>> {
         let view = view(d, model, file);
         let mut snippet = lines(file, &view);
         for (span, label) in d.labels.iter().filter(|l| model.source(l.0).start == file.start) {
-            let Some(range) = clamp(file.within(*span), file.text) else { continue };
+            let Some(range) = clamp(file.to_text_span(*span), file.text) else { continue };
             let a = kind.span(range.start - view.start..range.end - view.start);
             kind = AnnotationKind::Context;
             snippet = snippet.annotation(if label.is_empty() { a } else { a.label(label.as_str()) });
@@ -87,7 +87,7 @@ fn groups<'a>(d: &'a Diag, model: &'a Model) -> Vec<Group<'a>> {
     }
     let patch = d.fix.as_ref().and_then(|f| {
         let file = model.source(f.span);
-        Some((file, clamp(file.within(f.span), file.text)?, f.text.as_str()))
+        Some((file, clamp(file.to_text_span(f.span), file.text)?, f.text.as_str()))
     });
     let patch = patch.filter(|(file, range, _)| line_length(file.text, range.start) <= LONG);
     let Some((file, range, new)) = patch else {
@@ -115,7 +115,7 @@ fn view(d: &Diag, model: &Model, file: Source<'_>) -> Range<usize> {
     let text = file.text;
     let spans = d.labels.iter().map(|l| l.0).chain(d.fix.as_ref().map(|f| f.span));
     let spans = spans.filter(|s| model.source(*s).start == file.start);
-    let ranges: Vec<Range<usize>> = spans.filter_map(|s| clamp(file.within(s), text)).collect();
+    let ranges: Vec<Range<usize>> = spans.filter_map(|s| clamp(file.to_text_span(s), text)).collect();
     let (Some(from), Some(to)) = (ranges.iter().map(|r| r.start).min(), ranges.iter().map(|r| r.end).max()) else {
         return 0..text.len();
     };
@@ -128,7 +128,7 @@ fn view(d: &Diag, model: &Model, file: Source<'_>) -> Range<usize> {
 fn lines<'a, T: Clone>(file: Source<'a>, view: &Range<usize>) -> Snippet<'a, T> {
     let above = file.text[..view.start].bytes().filter(|&b| b == b'\n').count();
     let snippet = Snippet::source(&file.text[view.clone()]).line_start(above + 1);
-    if file.file.is_empty() { snippet } else { snippet.path(plain(file.file)) }
+    if file.file.is_empty() { snippet } else { snippet.path(printable(file.file)) }
 }
 
 /// Converts a span to a range within the text on character borders; `None` for a model without text.
@@ -159,7 +159,7 @@ pub fn line_column(text: &str, at: usize) -> (usize, usize) {
 /// Returns a list of `{code, severity, title, file, line, column, end_line, end_column, labels, help, fix}`. Findings
 /// without a place have `null` for lines and columns.
 pub fn json(diags: &Diags, model: &Model) -> Json {
-    let place = |span: Span| match clamp(model.source(span).within(span), model.source(span).text) {
+    let place = |span: Span| match clamp(model.source(span).to_text_span(span), model.source(span).text) {
         Some(r) => {
             let text = model.source(span).text;
             let ((line, column), (end_line, end_column)) = (line_column(text, r.start), line_column(text, r.end));

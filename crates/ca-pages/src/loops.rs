@@ -16,7 +16,7 @@ const BINS: f64 = 25.0;
 #[derive(Default)]
 pub(crate) struct Loops {
     /// Times between device frames, and from a frame to the first one under its answering force \[µs\].
-    pub(crate) apart: Vec<f64>,
+    pub(crate) intervals: Vec<f64>,
     pub(crate) around: Vec<f64>,
     pub(crate) seconds: Vec<Rt>,
 }
@@ -53,7 +53,7 @@ fn row(name: &str, mut times: Vec<f64>) -> Option<Vec<String>> {
 impl Loops {
     pub(crate) fn section(self, rate: f64, gesture: f64) -> Option<Section> {
         let mut blocks = Vec::new();
-        blocks.extend(histogram("Time between device frames", &self.apart).map(Block::Plot));
+        blocks.extend(histogram("Time between device frames", &self.intervals).map(Block::Plot));
         blocks.extend(histogram("Loop time from hand to force to hand", &self.around).map(Block::Plot));
         if let Some(last) = self.seconds.last() {
             let curve = |name: &str, of: fn(&Rt) -> f64| Curve::line(name, self.seconds.iter().map(of).collect());
@@ -78,7 +78,7 @@ impl Loops {
             ])));
         }
         let rows: Vec<Vec<String>> =
-            [row("between device frames", self.apart), row("hand to force to hand", self.around)]
+            [row("between device frames", self.intervals), row("hand to force to hand", self.around)]
                 .into_iter()
                 .flatten()
                 .collect();

@@ -86,9 +86,9 @@ impl<'a> ModelPage<'a> {
             ..Options::default()
         };
         // default probes that cannot be compiled are omitted
-        let own = (probes.is_empty()).then(|| loaded.compile(&with(heard(&loaded.model.items))).ok()).flatten();
+        let own = (probes.is_empty()).then(|| loaded.compile(&with(output_probes(&loaded.model.items))).ok()).flatten();
         let (scene, probes) = match own {
-            Some(scene) => (scene, heard(&loaded.model.items)),
+            Some(scene) => (scene, output_probes(&loaded.model.items)),
             None => (loaded.compile(&with(probes.to_vec()))?, probes.to_vec()),
         };
         Ok(ModelPage { loaded, scene, options: with(Vec::new()), probes, composed })
@@ -209,7 +209,7 @@ fn source_name(loaded: &Loaded) -> String {
 }
 
 /// Returns the names of outputs and of device keys.
-fn heard(items: &[Item]) -> Vec<String> {
+fn output_probes(items: &[Item]) -> Vec<String> {
     let shown = items.iter().filter(|i| matches!(i.kind.as_str(), "SOX" | "SOF" | "TGR"));
     shown.map(|i| i.name.clone()).take(CURVES).collect()
 }

@@ -273,7 +273,7 @@ pub(crate) fn stability(scene: &Compiled) -> Section {
     rows.extend(opened(c).map(|open| ("not judged", open)));
     rows.extend(c.rules.depth.as_ref().map(|depth| ("steepest contact", deepening(depth))));
     let mut blocks = vec![Block::Table(Table::pairs(rows))];
-    let keys = border::asked(scene).into_iter().map(|(name, k, b)| vec![name.into(), short(k), short(b)]);
+    let keys = border::key_demands(scene).into_iter().map(|(name, k, b)| vec![name.into(), short(k), short(b)]);
     let keys: Vec<Vec<String>> = keys.collect();
     if !keys.is_empty() {
         blocks

@@ -306,7 +306,7 @@ impl Recorded {
         }
         let now = Stamp { ns: f.t_host_ns, taken: f.tick as f64 / rate };
         if clock.session == f.session {
-            self.loops.apart.extend(clock.last.and_then(|last| now.since(last)));
+            self.loops.intervals.extend(clock.last.and_then(|last| now.since(last)));
         }
         if clock.session != f.session {
             *clock = Clock { session: f.session, ..Clock::default() };

@@ -36,7 +36,7 @@ const STUCK: Duration = Duration::from_secs(5);
 const RELEASE: &str = r#"{"type":"release"}"#;
 
 #[derive(Default)]
-struct Waiting {
+struct Outbox {
     news: VecDeque<Utf8Bytes>,
     view: Option<Bytes>,
     sound: VecDeque<Bytes>,
@@ -48,20 +48,20 @@ struct Waiting {
 pub(crate) struct Client {
     pub(crate) number: u64,
     /// True if the client wants sound.
-    pub(crate) hears: AtomicBool,
-    waiting: Mutex<Waiting>,
+    pub(crate) wants_sound: AtomicBool,
+    waiting: Mutex<Outbox>,
 }
 
 impl Client {
     pub(crate) fn new(number: u64) -> Client {
-        Client { number, hears: AtomicBool::new(false), waiting: Mutex::default() }
+        Client { number, wants_sound: AtomicBool::new(false), waiting: Mutex::default() }
     }
 
-    fn waiting(&self) -> MutexGuard<'_, Waiting> {
+    fn waiting(&self) -> MutexGuard<'_, Outbox> {
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    pub(crate) fn tell(&self, text: Utf8Bytes) {
+    pub(crate) fn send(&self, text: Utf8Bytes) {
         let mut waiting = self.waiting();
         if waiting.news.len() < NEWS {
             waiting.news.push_back(text);
@@ -75,7 +75,7 @@ impl Client {
     }
 
     pub(crate) fn sound(&self, block: Bytes) {
-        if self.hears.load(Relaxed) {
+        if self.wants_sound.load(Relaxed) {
             let mut waiting = self.waiting();
             if waiting.sound.len() >= BLOCKS {
                 waiting.sound.pop_front();
@@ -99,7 +99,7 @@ impl Client {
             .max_frame_size(Some(LONGEST))
             .read_buffer_size(4096)
             .write_buffer_size(0);
-        let stream = Paced { stream, budget: Budget::new(BYTES) };
+        let stream = RateLimited { stream, budget: Budget::new(BYTES) };
         let mut socket = WebSocket::from_partially_read(stream, rest, Role::Server, Some(config));
         let code = self.talk(&mut socket, asked);
         let reason = CloseFrame { code, reason: Utf8Bytes::default() };
@@ -107,7 +107,7 @@ impl Client {
     }
 
     /// Transfers messages until there is a reason to close, and returns it.
-    fn talk(&self, socket: &mut WebSocket<Paced>, asked: &mut impl FnMut(&str)) -> CloseCode {
+    fn talk(&self, socket: &mut WebSocket<RateLimited>, asked: &mut impl FnMut(&str)) -> CloseCode {
         let mut budget = Budget::new(MOST);
         let (mut heard, mut pinged, mut held) = (Instant::now(), Instant::now(), true);
         loop {
@@ -181,19 +181,19 @@ impl Budget {
 }
 
 /// Stream of a client that fails if more than [`BYTES`] arrive per second.
-struct Paced {
+struct RateLimited {
     stream: TcpStream,
     budget: Budget,
 }
 
-impl Read for Paced {
+impl Read for RateLimited {
     fn read(&mut self, to: &mut [u8]) -> std::io::Result<usize> {
         let n = self.stream.read(to)?;
         if self.budget.spend(n as f64) { Ok(n) } else { Err(ErrorKind::QuotaExceeded.into()) }
     }
 }
 
-impl Write for Paced {
+impl Write for RateLimited {
     fn write(&mut self, from: &[u8]) -> std::io::Result<usize> {
         self.stream.write(from)
     }

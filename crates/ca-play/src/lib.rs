@@ -1,7 +1,7 @@
 //! Page of `ca play`: a moving instrument in a browser, and the local server behind it.
 //!
 //! [`Page`] transmits the messages of [`ca_session::protocol`] and knows neither scene nor engine. The program supplies
-//! the greeting, pictures, sound and messages, and answers requests. [`Keep`] writes the files that a page requests.
+//! the greeting, pictures, sound and messages, and answers requests. [`PageFiles`] writes the files that a page requests.
 //! The server listens only on this machine and serves only the files of the page. It refuses requests without the token
 //! of this run (`http.rs`).
 //!
@@ -13,10 +13,10 @@ mod asset;
 mod client;
 mod film;
 mod http;
-mod keep;
 mod page;
+mod page_files;
 mod pending;
 
 pub use film::script as film_script;
-pub use keep::{Keep, TapeSink};
 pub use page::{Feed, Page, PageRequest};
+pub use page_files::{PageFiles, SoundFileSink};

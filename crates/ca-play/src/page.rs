@@ -94,7 +94,7 @@ impl Page {
     }
 
     /// Returns the requests since the last call, in order.
-    pub fn asked(&self) -> impl Iterator<Item = PageRequest> {
+    pub fn requests(&self) -> impl Iterator<Item = PageRequest> {
         self.asked.try_iter()
     }
 
@@ -129,20 +129,20 @@ impl Pages for Feed {
     fn greet(&self, scene: &Message) {
         let text = text(scene);
         (*locked(&self.0.greeting)).clone_from(&text);
-        self.0.all(|c| c.tell(text.clone()));
+        self.0.all(|c| c.send(text.clone()));
     }
 
-    fn tell(&self, page: u64, message: &Message) {
+    fn send(&self, page: u64, message: &Message) {
         self.0.all(|c| {
             if c.number == page {
-                c.tell(text(message));
+                c.send(text(message));
             }
         });
     }
 
-    fn tell_all(&self, message: &Message) {
+    fn send_all(&self, message: &Message) {
         let text = text(message);
-        self.0.all(|c| c.tell(text.clone()));
+        self.0.all(|c| c.send(text.clone()));
     }
 
     fn count(&self) -> usize {
@@ -150,7 +150,7 @@ impl Pages for Feed {
     }
 
     fn is_heard(&self) -> bool {
-        locked(&self.0.clients).iter().any(|c| c.hears.load(Relaxed))
+        locked(&self.0.clients).iter().any(|c| c.wants_sound.load(Relaxed))
     }
 
     fn view(&self, picture: &[u8]) {
@@ -169,7 +169,7 @@ impl Hub {
         locked(&self.clients).iter().for_each(|c| f(c));
     }
 
-    fn serve(self: &Arc<Hub>, mut stream: TcpStream, waits: Waits) {
+    fn serve(self: &Arc<Hub>, mut stream: TcpStream, waits: PendingGuard) {
         let _ = stream.set_write_timeout(Some(http::STUCK));
         let head = match self.place.read(&mut stream) {
             None => return,
@@ -180,7 +180,7 @@ impl Hub {
             Some(head) => head,
         };
         drop(waits);
-        let _counted = Counted(self.clone());
+        let _counted = CountGuard(self.clone());
         if self.connections.fetch_add(1, Relaxed) >= MOST {
             let _ = http::refuse(&mut stream, 503);
             return;
@@ -203,10 +203,10 @@ impl Hub {
         {
             // greeting and registration share one lock, so that the client does not miss the greeting of a new scene
             let mut clients = locked(&self.clients);
-            client.tell(locked(&self.greeting).clone());
+            client.send(locked(&self.greeting).clone());
             clients.push(client.clone());
         }
-        client.run(stream, rest, &mut |text| self.ask(&client, text));
+        client.run(stream, rest, &mut |text| self.queue_request(&client, text));
         locked(&self.clients).retain(|c| c.number != client.number);
         let mut gone = PageRequest { client: client.number, request: None };
         // the session must release what the client held, so this waits for space in the queue
@@ -220,10 +220,10 @@ impl Hub {
     }
 
     /// Queues a request, or replies with the reason for refusing it.
-    fn ask(&self, client: &Client, message: &str) {
+    fn queue_request(&self, client: &Client, message: &str) {
         let reply = |id: Option<Value>, ok, why: &str| {
             let id = id.unwrap_or_default();
-            client.tell(text(&Message::Reply { id, ok, text: why.into(), picked: None }));
+            client.send(text(&Message::Reply { id, ok, text: why.into(), picked: None }));
         };
         let object = match serde_json::from_str::<Value>(message) {
             Ok(object) if object.is_object() => object,
@@ -233,7 +233,7 @@ impl Hub {
         let asked = NumberedRequest::read(object);
         let id = asked.id.clone();
         if let Ok(Request::Sound { on }) = asked.request {
-            client.hears.store(on, Relaxed);
+            client.wants_sound.store(on, Relaxed);
             return reply(id, true, if on { "sound" } else { "silent" });
         }
         if self.asked.try_send(PageRequest { client: client.number, request: Some(asked) }).is_err() {
@@ -243,18 +243,18 @@ impl Hub {
 }
 
 /// Counts a connection with the token until its thread ends.
-struct Counted(Arc<Hub>);
+struct CountGuard(Arc<Hub>);
 
-impl Drop for Counted {
+impl Drop for CountGuard {
     fn drop(&mut self) {
         self.0.connections.fetch_sub(1, Relaxed);
     }
 }
 
 /// Occupies the slot of a connection without the token until its thread ends.
-struct Waits(Arc<Hub>, u64);
+struct PendingGuard(Arc<Hub>, u64);
 
-impl Drop for Waits {
+impl Drop for PendingGuard {
     fn drop(&mut self) {
         self.0.pending.remove(self.1);
     }
@@ -272,7 +272,7 @@ fn accept(hub: &Arc<Hub>, listener: &TcpListener) {
             continue;
         };
         hub.pending.add(number, other);
-        let waits = Waits(hub.clone(), number);
+        let waits = PendingGuard(hub.clone(), number);
         // closes the connection if no thread is available
         let _ = Builder::new().name("ca client".into()).spawn(move || {
             let hub = waits.0.clone();

@@ -30,7 +30,7 @@ fn place(page: &Page) -> (String, String) {
 }
 
 /// Sends bytes and returns the answer of the server until it closes.
-fn said(page: &Page, bytes: &[u8]) -> String {
+fn sent(page: &Page, bytes: &[u8]) -> String {
     let mut stream = TcpStream::connect(place(page).0).unwrap();
     stream.set_read_timeout(Some(Duration::from_secs(10))).unwrap();
     let _ = stream.write_all(bytes);
@@ -69,7 +69,7 @@ fn until(what: &str, mut is: impl FnMut() -> bool) {
 fn the_page_is_served_to_who_knows_the_token() {
     let page = page();
     let (host, path) = place(&page);
-    let got = said(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
+    let got = sent(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
     assert!(got.starts_with("HTTP/1.1 200") && got.contains("<!doctype html>"), "{got}");
     assert!(got.contains("Content-Security-Policy: default-src 'none'"), "{got}");
     for (path, host) in [
@@ -79,12 +79,12 @@ fn the_page_is_served_to_who_knows_the_token() {
         (format!("{path}%2e%2e/Cargo.toml"), host.clone()),
         (path.clone(), "evil.example".into()),
     ] {
-        let got = said(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
+        let got = sent(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
         assert!(got.starts_with("HTTP/1.1 40"), "{path} of {host}: {got}");
         assert!(!got.contains('<'), "no word more: {got}");
     }
     let long = format!("GET {path} HTTP/1.1\r\nHost: {host}\r\nX: {}\r\n\r\n", "a".repeat(9000));
-    assert!(said(&page, long.as_bytes()).starts_with("HTTP/1.1 4"), "a head without end");
+    assert!(sent(&page, long.as_bytes()).starts_with("HTTP/1.1 4"), "a head without end");
 }
 
 #[test]
@@ -95,13 +95,13 @@ fn a_page_is_greeted_asks_and_is_answered() {
     s.send(Message::text(r#"{"id": 7, "type": "grab", "mass": 3}"#)).unwrap();
     let mut asked = Vec::new();
     until("the request comes", || {
-        asked.extend(page.asked());
+        asked.extend(page.requests());
         !asked.is_empty()
     });
     let grab = NumberedRequest { id: Some(json!(7)), request: Ok(Request::Grab { mass: Some(3) }) };
     assert_eq!(asked[0].request, Some(grab));
     let reply = protocol::Message::Reply { id: json!(7), ok: true, text: "held".into(), picked: None };
-    page.feed().tell(asked[0].client, &reply);
+    page.feed().send(asked[0].client, &reply);
     assert_eq!(text(&mut s)["id"], 7);
     for wrong in ["", "7", "[]", "{", "null", "\"x\""] {
         s.send(Message::text(wrong)).unwrap();
@@ -116,7 +116,7 @@ fn a_page_is_greeted_asks_and_is_answered() {
     drop(s);
     let mut gone = Vec::new();
     until("it is gone", || {
-        gone.extend(page.asked().filter(|a| a.request.is_none()));
+        gone.extend(page.requests().filter(|a| a.request.is_none()));
         gone.iter().any(|g| g.client == asked[0].client)
     });
     assert!(page.feed().count() < before);
@@ -159,7 +159,7 @@ fn a_client_that_does_not_fetch_stands_in_nobodys_way() {
     let picture = vec![0_u8; 1 << 20];
     for n in 0..200 {
         feed.view(&picture);
-        page.feed().tell_all(&said_by(&n.to_string()));
+        page.feed().send_all(&said_by(&n.to_string()));
     }
     for n in 0..200 {
         assert_eq!(text(&mut quick)["text"], n.to_string());
@@ -169,7 +169,7 @@ fn a_client_that_does_not_fetch_stands_in_nobodys_way() {
     let begin = Instant::now();
     while page.feed().count() == 2 && begin.elapsed() < Duration::from_secs(60) {
         // the fast client keeps up even on a busy machine
-        (0..16).for_each(|_| page.feed().tell_all(&news));
+        (0..16).for_each(|_| page.feed().send_all(&news));
         (0..16).for_each(|_| drop(text(&mut quick)));
     }
     assert_eq!(page.feed().count(), 1, "the slow one is closed");
@@ -186,7 +186,7 @@ fn who_floods_is_closed() {
         while sent < 20_000 && s.send(Message::text(message.clone())).is_ok() {
             sent += 1;
             // requests are answered quickly
-            let _ = page.asked().count();
+            let _ = page.requests().count();
         }
         assert!(sent < 20_000, "closed after {sent}");
         until("no client is left", || page.feed().count() == 0);
@@ -223,7 +223,7 @@ fn who_answers_no_ping_lets_go() {
     while !released.contains(&0) && Instant::now() < end {
         // reading answers pings
         let _ = alive.read();
-        let all = page.asked().filter(|a| a.request.as_ref().is_some_and(|r| r.request == Ok(Request::Release)));
+        let all = page.requests().filter(|a| a.request.as_ref().is_some_and(|r| r.request == Ok(Request::Release)));
         released.extend(all.map(|a| a.client));
     }
     assert!(released.contains(&0), "the first client holds what it held: {released:?}");
@@ -236,7 +236,7 @@ fn who_answers_no_ping_lets_go() {
 fn connections_have_an_end() {
     let page = page();
     let (host, path) = place(&page);
-    let ask = || said(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
+    let ask = || sent(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
     let open: Vec<_> = (0..32).map(|_| socket(&page)).collect();
     until("one more is refused", || ask().starts_with("HTTP/1.1 503"));
     drop(open);
@@ -269,7 +269,7 @@ fn silent_connections_of_another_user_keep_nobody_out() {
         BufReader::new(other.stdout.take().unwrap()).read_line(&mut open).unwrap();
         assert_eq!(open, "open\n", "{many} connections");
         for n in 0..60 {
-            let got = said(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
+            let got = sent(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
             assert!(got.starts_with("HTTP/1.1 200"), "request {n} beside {many}: {got}");
         }
         // bash ends with its standard input
@@ -301,10 +301,10 @@ proptest! {
             let _ = s.get_mut().shutdown(std::net::Shutdown::Write);
             while s.read().is_ok() {}
         } else {
-            said(&page, &bytes);
+            sent(&page, &bytes);
         }
         let (host, path) = place(&page);
-        let got = said(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
+        let got = sent(&page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n").as_bytes());
         prop_assert!(got.starts_with("HTTP/1.1 200"), "{}", got);
     }
 }

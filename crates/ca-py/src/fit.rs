@@ -2,7 +2,7 @@
 
 use crate::error::{failure, file};
 use crate::gesture::Gesture;
-use crate::wait::apart;
+use crate::long_call::run_detached;
 use ca_fit::{Distance, FitOptions, Pitch, Range, Stage, StopReason, Words};
 use ca_io::recording::Recording;
 use ca_lab::Failure;
@@ -71,7 +71,7 @@ pub fn fitted<'py>(
         ends: [Value::typed(from), Value::typed(to)],
     };
     let ranges: Vec<Range> = asked.ranges.iter().map(range).collect();
-    let found = apart(py, progress, move |wanted| {
+    let found = run_detached(py, progress, move |wanted| {
         let mut ask = FitOptions {
             vary: &asked.vary,
             ranges: &ranges,

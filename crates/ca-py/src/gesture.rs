@@ -1,8 +1,8 @@
 //! Gestures: constants, breakpoints and samples by port or parameter name, or files.
 
 use crate::error::{self, file, usage};
+use crate::long_call::{CallProgress, run_detached};
 use crate::measure::table;
-use crate::wait::{Wanted, apart};
 use ca_io::gesture::{self, PortMap, Track};
 use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods as _, ToPyArray as _};
 use pyo3::prelude::*;
@@ -108,14 +108,14 @@ impl Gesture {
         rate: Option<f64>,
     ) -> PyResult<Gesture> {
         let named = path.clone();
-        let read = move |_: &Wanted| {
+        let read = move |_: &CallProgress| {
             if ca_lab::load::has_extension(&path, "mcap") {
                 ca_haptic::take::gesture(&path, &ca_lab::catalog())
             } else {
                 gesture::Gesture::open(&path, &ports, rate)
             }
         };
-        let gesture = apart(py, None, read)?.map_err(|e| file(py, &e))?;
+        let gesture = run_detached(py, None, read)?.map_err(|e| file(py, &e))?;
         let Some(port) = port else { return Ok(Gesture { gesture }) };
         let what = format!("`{}` has {} tracks", named.display(), gesture.tracks().len());
         let one = gesture.named(&port);

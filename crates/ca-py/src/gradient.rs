@@ -3,8 +3,8 @@
 use crate::compiled::CompiledModel;
 use crate::error;
 use crate::gesture::Gesture;
+use crate::long_call::run_detached;
 use crate::measure::table;
-use crate::wait::apart;
 use ca_gradient::{Error, GoesOn};
 use ca_lab::Failure;
 use numpy::{
@@ -32,7 +32,7 @@ fn waiting<R: Send + 'static>(
     py: Python,
     call: impl FnOnce(GoesOn) -> Result<R, Error> + Send + 'static,
 ) -> PyResult<R> {
-    apart(py, None, move |wanted| call(&mut || wanted.still()))?.map_err(|e| failure(py, e))
+    run_detached(py, None, move |wanted| call(&mut || wanted.still()))?.map_err(|e| failure(py, e))
 }
 
 /// A scene with reverse derivatives.

@@ -15,6 +15,7 @@ mod error;
 mod fit;
 mod gesture;
 mod gradient;
+mod long_call;
 mod many;
 mod measure;
 mod model;
@@ -23,7 +24,6 @@ mod render;
 mod scene;
 mod sim;
 mod take;
-mod wait;
 
 /// See the package `cordis_anima`.
 #[pyo3::pymodule(gil_used = false)]

@@ -1,7 +1,7 @@
 //! Measurements of a model: modes, linear part, accuracy, energy, quantities.
 
 use crate::error::{failure, usage};
-use crate::wait::apart;
+use crate::long_call::run_detached;
 use ca_accuracy::AccuracyOptions;
 use ca_compile::Options;
 use ca_compile::analysis::{Dof, LinkRow, modes};
@@ -40,7 +40,7 @@ pub fn quantity(py: Python, name: &str, text: &str, unit: &str) -> PyResult<f64>
 
 /// All modes of the linear part, as arrays over modes.
 pub fn modes(py: Python<'_>, loaded: Loaded, rate: Option<f64>) -> PyResult<Bound<'_, PyDict>> {
-    let found = apart(py, None, move |_| {
+    let found = run_detached(py, None, move |_| {
         let options = Options { rate, clouds: loaded.clouds.clone(), ..Options::default() };
         let network = ca_compile::linear(&loaded.model, &catalog(), &options)
             .map_err(|diags| Failure::Found(Box::new(Found { model: loaded.model.clone(), diags })))?;
@@ -76,7 +76,7 @@ pub fn modes(py: Python<'_>, loaded: Loaded, rate: Option<f64>) -> PyResult<Boun
 
 /// The linear part as used by a tick: coefficients, rows of links, ports.
 pub fn linear(py: Python<'_>, loaded: Loaded, rate: Option<f64>) -> PyResult<Bound<'_, PyDict>> {
-    let found = apart(py, None, move |_| {
+    let found = run_detached(py, None, move |_| {
         let options = Options { rate, clouds: loaded.clouds.clone(), ..Options::default() };
         let network = ca_compile::linear_tick(&loaded.model, &catalog(), &options)
             .map_err(|diags| Failure::Found(Box::new(Found { model: loaded.model.clone(), diags })))?;
@@ -160,7 +160,7 @@ pub fn accuracy<'py>(
     if probes.is_empty() {
         return Err(usage(py, "the model has no output to compare; name modules to compare with `probes`"));
     }
-    let found = apart(py, progress, move |wanted| {
+    let found = run_detached(py, progress, move |wanted| {
         let mut ask = AccuracyOptions {
             rate: asked.rate,
             probes: &probes,

@@ -3,9 +3,9 @@
 use crate::error::{failure, findings, usage};
 use crate::fit::{self, FitArgs, Target};
 use crate::gesture::Gesture;
+use crate::long_call::run_detached;
 use crate::measure;
 use crate::scene::Scene;
-use crate::wait::apart;
 use ca_compile::Options;
 use ca_core::Role;
 use ca_lab::bytes;
@@ -175,33 +175,33 @@ impl Model {
     /// Opens a file or a bundled model.
     #[staticmethod]
     fn open(py: Python, word: String) -> PyResult<Model> {
-        let loaded = apart(py, None, move |_| load::load(&word))?;
+        let loaded = run_detached(py, None, move |_| load::load(&word))?;
         Ok(Model::of(loaded.map_err(|e| failure(py, e))?))
     }
 
     /// Reads text.
     #[staticmethod]
     fn read(py: Python, text: String, file: String) -> PyResult<Model> {
-        apart(py, None, move |_| Loaded::read(&text, &file)).map(Model::of)
+        run_detached(py, None, move |_| Loaded::read(&text, &file)).map(Model::of)
     }
 
     /// Imports the text of a MIMS model.
     #[staticmethod]
     fn mims(py: Python, text: String, file: String) -> PyResult<Model> {
-        apart(py, None, move |_| Loaded::import(&text, &file)).map(Model::of)
+        run_detached(py, None, move |_| Loaded::import(&text, &file)).map(Model::of)
     }
 
     /// Reads bytes made by `bytes`, under the name `name`.
     #[staticmethod]
     fn from_bytes(py: Python, bytes: Vec<u8>, name: String) -> PyResult<Model> {
-        let made = apart(py, None, move |_| bytes::from_bytes(&bytes, &name))?;
+        let made = run_detached(py, None, move |_| bytes::from_bytes(&bytes, &name))?;
         Ok(Model::of(made.map_err(|e| failure(py, e))?))
     }
 
     /// The meaning of the model, as bytes.
     fn bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         let whole = self.whole();
-        let made = apart(py, None, move |_| bytes::bytes(&whole))?.map_err(|e| failure(py, e))?;
+        let made = run_detached(py, None, move |_| bytes::bytes(&whole))?.map_err(|e| failure(py, e))?;
         Ok(PyBytes::new(py, &made))
     }
 
@@ -355,7 +355,7 @@ impl Model {
     #[pyo3(signature = (rate=None))]
     fn check(&self, py: Python, rate: Option<f64>) -> PyResult<(bool, String, String)> {
         let loaded = self.whole();
-        apart(py, None, move |_| {
+        run_detached(py, None, move |_| {
             let (scene, diags) = load::compiled(&loaded, &Options { rate, ..Options::default() });
             let (json, text) = findings(&diags, &loaded.model);
             (scene.is_some(), json, text)
@@ -373,7 +373,7 @@ impl Model {
     ) -> PyResult<Scene> {
         let options = Options { rate, energy, probes, exact, ..Options::default() };
         let loaded = self.whole();
-        let made = apart(py, None, move |_| {
+        let made = run_detached(py, None, move |_| {
             let scene = loaded.compile(&options)?;
             Ok(Scene::new(scene, loaded, options))
         });
@@ -396,7 +396,7 @@ impl Model {
     ) -> PyResult<()> {
         let ask = ca_take::RecordOptions { seconds, rate, energy, forces };
         let loaded = self.whole();
-        let done = apart(py, progress, move |wanted| {
+        let done = run_detached(py, progress, move |wanted| {
             let gesture = gesture.as_ref().map(|g| &g.get().gesture);
             ca_take::record(&loaded, gesture, &ask, &path, &mut |done, of| wanted.goes_on(done, of)).map(drop)
         });

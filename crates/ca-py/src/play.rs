@@ -1,11 +1,11 @@
 //! Plays a scene in this process, with its page.
 
-use crate::wait::until;
+use crate::long_call::until;
 use crate::{error, model};
 use ca_haptic::control::{Given, Reply, Request};
 use ca_haptic::serve::Shared;
 use ca_lab::Failure;
-use ca_live::{Asked, Listener};
+use ca_live::{ControlRequest, Listener};
 use ca_model::diag::Diags;
 use ca_model::{Model, render};
 use ca_take::Original;
@@ -85,7 +85,7 @@ impl Listener for Messages {
 #[pyclass(module = "cordis_anima._core", frozen)]
 pub struct Performance {
     messages: Arc<Messages>,
-    requests: Mutex<Sender<Asked>>,
+    requests: Mutex<Sender<ControlRequest>>,
     thread: Mutex<Option<JoinHandle<()>>>,
 }
 
@@ -106,7 +106,7 @@ impl Performance {
         // a memory lock would pin all memory of Python
         request.thread.lock = false;
         let (requests, asked) = channel();
-        request.asked = Some(asked);
+        request.requests = Some(asked);
         let messages = Arc::new(Messages::default());
         let listener = messages.clone();
         let play = move || {

@@ -3,8 +3,8 @@
 use crate::compiled::CompiledModel;
 use crate::error::{self, failure, usage};
 use crate::gesture::Gesture;
+use crate::long_call::{CallProgress, run_detached};
 use crate::measure::{energy, table};
-use crate::wait::{Wanted, apart};
 use ca_core::Ledger;
 use ca_io::FileError;
 use ca_io::perform::Performance;
@@ -18,7 +18,7 @@ use pyo3::types::PyDict;
 use std::sync::Arc;
 
 /// Outputs of a scene.
-struct Heard<S> {
+struct Rendered<S> {
     frames: u64,
     audio: Vec<S>,
     probes: Vec<f64>,
@@ -31,30 +31,30 @@ struct Heard<S> {
 }
 
 /// Reasons for a failed render.
-enum Unheard {
+enum NotRendered {
     Gesture(FileError),
     /// This many samples do not fit in memory.
-    Room(u64),
+    TooLong(u64),
     Failed(Failure),
 }
 
-fn heard<S: Sample>(
+fn play_to_end<S: Sample>(
     of: &CompiledModel,
     seconds: Option<f64>,
     gesture: Option<&Gesture>,
-    wanted: &Wanted,
-) -> Result<Heard<S>, Unheard> {
+    wanted: &CallProgress,
+) -> Result<Rendered<S>, NotRendered> {
     let (scene, gesture) = (&*of.scene, gesture.map(|g| &g.gesture));
-    let performance = Performance::new(scene, gesture).map_err(Unheard::Gesture)?;
+    let performance = Performance::new(scene, gesture).map_err(NotRendered::Gesture)?;
     let length = play::Length::of(&performance, seconds);
     let frames = length.frames;
     let (channels, n_out) = (scene.counts.channels, scene.counts.n_out);
     let (mut audio, mut probes, mut level) = (Vec::<S>::new(), Vec::new(), Level::new(channels));
-    let room = |width: usize| usize::try_from(frames).ok().and_then(|n| n.checked_mul(width));
-    let fits = room(channels).is_some_and(|n| audio.try_reserve_exact(n).is_ok())
-        && room(n_out - channels).is_some_and(|n| probes.try_reserve_exact(n).is_ok());
+    let len = |width: usize| usize::try_from(frames).ok().and_then(|n| n.checked_mul(width));
+    let fits = len(channels).is_some_and(|n| audio.try_reserve_exact(n).is_ok())
+        && len(n_out - channels).is_some_and(|n| probes.try_reserve_exact(n).is_ok());
     if !fits {
-        return Err(Unheard::Room(frames));
+        return Err(NotRendered::TooLong(frames));
     }
     let played = play::play(performance, length, BLOCK, &mut |_, rows, done| {
         let (width, first) = (n_out.max(1), audio.len());
@@ -65,11 +65,11 @@ fn heard<S: Sample>(
         }
         if wanted.goes_on(done, frames) { Ok(()) } else { Err(Failure::Stopped) }
     });
-    let played = played.map_err(Unheard::Failed)?;
+    let played = played.map_err(NotRendered::Failed)?;
     let outcome = Outcome::of(&played, &level, (scene, &of.found), (&of.loaded, &of.options), gesture);
     let frames = played.frames;
     let (run_time, energy) = (played.wall.as_secs_f64(), played.energy.map(|e| (e, played.energy_ticks)));
-    Ok(Heard { frames, audio, probes, level, run_time, outcome, energy })
+    Ok(Rendered { frames, audio, probes, level, run_time, outcome, energy })
 }
 
 /// See `cordis_anima.Scene.render`. `S` is the type of samples.
@@ -81,31 +81,32 @@ pub fn render<S: Sample + Element + 'static>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'_, PyDict>> {
     let of = model.clone();
-    let heard = apart(py, progress, move |wanted| heard::<S>(&of, seconds, gesture.as_ref().map(Py::get), wanted));
-    let heard = heard?.map_err(|e| match e {
-        Unheard::Gesture(e) => error::gesture(py, &e),
-        Unheard::Room(n) => {
+    let rendered =
+        run_detached(py, progress, move |wanted| play_to_end::<S>(&of, seconds, gesture.as_ref().map(Py::get), wanted));
+    let rendered = rendered?.map_err(|e| match e {
+        NotRendered::Gesture(e) => error::gesture(py, &e),
+        NotRendered::TooLong(n) => {
             usage(py, &format!("{n} samples do not fit into memory; render less, or play blocks with `Scene.open`"))
         }
-        Unheard::Failed(e) => failure(py, e),
+        NotRendered::Failed(e) => failure(py, e),
     })?;
     let scene = &*model.scene;
-    let (frames, channels) = (heard.frames as usize, scene.counts.channels);
+    let (frames, channels) = (rendered.frames as usize, scene.counts.channels);
     let d = PyDict::new(py);
-    d.set_item("audio", table(py, heard.audio, frames, channels)?)?;
-    d.set_item("probes", table(py, heard.probes, frames, scene.counts.n_out - channels)?)?;
+    d.set_item("audio", table(py, rendered.audio, frames, channels)?)?;
+    d.set_item("probes", table(py, rendered.probes, frames, scene.counts.n_out - channels)?)?;
     d.set_item("probe_names", scene.names.probe_names.clone())?;
     d.set_item("probe_of", scene.names.probe_of.clone())?;
-    let peak = heard.level.peak.iter().copied().fold(0.0, f64::max);
+    let peak = rendered.level.peak.iter().copied().fold(0.0, f64::max);
     d.set_item("gain", (peak > 1.0).then(|| play::gain(peak)))?;
-    d.set_item("peak", heard.level.peak.into_pyarray(py))?;
-    d.set_item("clipped", heard.level.clipped)?;
-    d.set_item("non_finite", heard.level.non_finite)?;
-    d.set_item("run_time", heard.run_time)?;
-    d.set_item("status", heard.outcome.status)?;
-    d.set_item("message", heard.outcome.message)?;
-    d.set_item("failed", heard.outcome.failed)?;
-    if let Some((ledger, ticks)) = &heard.energy {
+    d.set_item("peak", rendered.level.peak.into_pyarray(py))?;
+    d.set_item("clipped", rendered.level.clipped)?;
+    d.set_item("non_finite", rendered.level.non_finite)?;
+    d.set_item("run_time", rendered.run_time)?;
+    d.set_item("status", rendered.outcome.status)?;
+    d.set_item("message", rendered.outcome.message)?;
+    d.set_item("failed", rendered.outcome.failed)?;
+    if let Some((ledger, ticks)) = &rendered.energy {
         d.set_item("energy", energy(py, scene, ledger, *ticks)?)?;
     }
     Ok(d)

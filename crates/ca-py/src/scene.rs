@@ -4,9 +4,9 @@ use crate::compiled::CompiledModel;
 use crate::error::{failure, findings};
 use crate::gesture::Gesture;
 use crate::gradient::{Energy, Forward, Reverse};
+use crate::long_call::run_detached;
 use crate::render::render;
 use crate::sim::Sim;
-use crate::wait::apart;
 use ca_compile::{Compiled, Options};
 use ca_core::InputRole;
 use ca_core::internal::scene::modules;
@@ -89,7 +89,7 @@ impl Scene {
     /// Hash that identifies it on any machine, from the model's bytes and the sound rate.
     fn digest(&self, py: Python) -> PyResult<String> {
         let of = self.0.clone();
-        let named = apart(py, None, move |_| bytes::named(&of.loaded, of.scene.rate))?;
+        let named = run_detached(py, None, move |_| bytes::named(&of.loaded, of.scene.rate))?;
         Ok(named.map_err(|e| failure(py, e))?.to_hex().to_string())
     }
 
@@ -160,7 +160,7 @@ impl Scene {
         progress: Option<Py<PyAny>>,
     ) -> PyResult<String> {
         let of = self.0.clone();
-        let page = apart(py, progress, move |wanted| {
+        let page = run_detached(py, progress, move |wanted| {
             // modules without an output are shown too
             let options = Options { whole: true, energy: false, probes: Vec::new(), ..of.options.clone() };
             let whole = load::compiled(&of.loaded, &options).0;

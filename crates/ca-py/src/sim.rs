@@ -5,7 +5,7 @@
 //! device. Threads that share one wait for each other's blocks.
 
 use crate::error::{failure, usage};
-use crate::wait::Look;
+use crate::long_call::SignalCheck;
 use ca_io::running::Running;
 use ca_lab::Failure;
 use ca_lab::outcome::Outcome;
@@ -37,7 +37,7 @@ pub struct Sim {
 impl Sim {
     pub fn new(scene: Arc<ca_core::Scene>) -> Sim {
         let running = Running::new(&scene);
-        let (ports, running) = (running.felt(), Mutex::new(running));
+        let (ports, running) = (running.force_inputs(), Mutex::new(running));
         Sim { scene, ports, running, each: AtomicU64::new(u64::MAX) }
     }
 
@@ -96,7 +96,7 @@ impl Sim {
         let mut forces = forces.as_mut().filter(|f| !f.is_empty()).map(|f| f.as_array_mut());
         let mut probes = probes.as_mut().filter(|p| !p.is_empty()).map(|p| p.as_array_mut());
         let every = (UPDATES / (scene.counts.n_mat + scene.counts.n_lia + 1)).clamp(1, 4096);
-        let mut look = Look::new();
+        let mut look = SignalCheck::new();
         self.played(py, n, |r| {
             for i in 0..n {
                 if i % every == every - 1 && !look.goes_on() {
@@ -109,7 +109,7 @@ impl Sim {
                 r.player.sense(scene);
                 if let Some(audio) = &mut audio {
                     for (k, to) in audio.row_mut(i).iter_mut().enumerate() {
-                        *to = S::of(r.level.keep(k, r.player.state.output[k]));
+                        *to = S::of(r.level.count(k, r.player.state.output[k]));
                     }
                 }
                 if let Some(probes) = &mut probes {
@@ -167,7 +167,7 @@ impl Sim {
             if r.player.diverged {
                 "unstable"
             } else {
-                Outcome::heard(&r.level, r.player.state.ports.refused, true).status
+                Outcome::judge(&r.level, r.player.state.ports.refused, true).status
             }
         })
     }

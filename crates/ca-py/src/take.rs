@@ -1,9 +1,9 @@
 //! Takes: device motion, forces and sound.
 
 use crate::error::{failure, file};
+use crate::long_call::{CallProgress, run_detached};
 use crate::measure::table;
 use crate::model::Model;
-use crate::wait::{Wanted, apart};
 use ca_haptic::frame::{Cause, DOF, Mode};
 use ca_haptic::take::{self, Event, Replay, ReplayVerdict};
 use ca_io::{FileError, FileErrorKind};
@@ -72,7 +72,7 @@ struct Columns {
 }
 
 /// Reads all events, or until the call is interrupted.
-fn events(take: &take::Take, wanted: &Wanted) -> Result<Columns, FileError> {
+fn events(take: &take::Take, wanted: &CallProgress) -> Result<Columns, FileError> {
     let mut all = Columns::default();
     for s in &take.header.setups {
         all.hands.push(Hand { dof: (s.profile.dof as usize).min(DOF), ..Hand::default() });
@@ -153,7 +153,7 @@ fn columns<'py>(py: Python<'py>, names: &[&str], rows: &[Vec<f64>]) -> PyResult<
 impl Take {
     #[new]
     fn new(py: Python, path: PathBuf) -> PyResult<Take> {
-        let take = apart(py, None, move |_| take::Take::open(&path))?.map_err(|e| file(py, &e))?;
+        let take = run_detached(py, None, move |_| take::Take::open(&path))?.map_err(|e| file(py, &e))?;
         Ok(Take { take: Arc::new(take) })
     }
 
@@ -183,7 +183,8 @@ impl Take {
     /// Everything in it: devices by name, sound, energy, real-time numbers, length, faults, losses, and its end.
     fn read<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (header, take) = (&self.take.header, self.take.clone());
-        let found = apart(py, None, move |wanted| events(&take, wanted).and_then(|all| Ok((all, take.summary()?))))?;
+        let found =
+            run_detached(py, None, move |wanted| events(&take, wanted).and_then(|all| Ok((all, take.summary()?))))?;
         let (Columns { hands, sound, energy, rt }, summary) = found.map_err(|e| file(py, &e))?;
         let d = PyDict::new(py);
         let all = PyDict::new(py);
@@ -222,18 +223,18 @@ impl Take {
     /// Page with a film of it: see `cordis_anima.Take.view`.
     fn view(&self, py: Python) -> PyResult<String> {
         let take = self.take.clone();
-        apart(py, None, move |_| ca_film::take(&take, &catalog()))?.map_err(|e| failure(py, e))
+        run_detached(py, None, move |_| ca_film::take(&take, &catalog()))?.map_err(|e| failure(py, e))
     }
 
     /// Replays it. Returns what was compared, and the first difference.
     fn replay<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let take = self.take.clone();
-        let run = move |wanted: &Wanted| {
+        let run = move |wanted: &CallProgress| {
             let stopped = || FileError::new(FileErrorKind::Io, "stopped");
             let mut replay = Replay::new(&take, &catalog())?;
             replay.run(&take, &mut |_| (), &mut |_| if wanted.still() { Ok(()) } else { Err(stopped()) })
         };
-        let v: ReplayVerdict = apart(py, None, run)?.map_err(|e| failure(py, e.into()))?;
+        let v: ReplayVerdict = run_detached(py, None, run)?.map_err(|e| failure(py, e.into()))?;
         let d = PyDict::new(py);
         d.set_item("identical", v.is_identical())?;
         d.set_item("tolerance", v.tolerance)?;

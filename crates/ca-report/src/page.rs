@@ -115,7 +115,7 @@ fn film_box(picture: &Picture) -> Markup {
                 input id="filmAt" type="range" min="0" max="1" step="any" value="0" aria-label="Time";
                 output id="filmTime" { "0.00 s" }
             }
-            @if !picture.told.is_empty() { p.told { (words(&picture.told)) } }
+            @if !picture.note.is_empty() { p.told { (words(&picture.note)) } }
         }
     }
 }

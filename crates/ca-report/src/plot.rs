@@ -185,8 +185,8 @@ impl Plot {
         let x = match (points.first(), points.last()) {
             // margin for points and texts at the edges
             (Some(a), Some(b)) if x.log && x.range.is_none() && a.x > 0.0 => {
-                let room = (b.x / a.x).powf(0.04).max(1.05);
-                x.over(a.x / room, b.x * room)
+                let margin = (b.x / a.x).powf(0.04).max(1.05);
+                x.over(a.x / margin, b.x * margin)
             }
             _ => x,
         };

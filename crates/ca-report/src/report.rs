@@ -60,7 +60,7 @@ pub struct Picture {
     /// The script.
     pub script: String,
     /// Description of what the film leaves out; may be empty.
-    pub told: String,
+    pub note: String,
 }
 
 /// Section, which is listed in the contents.

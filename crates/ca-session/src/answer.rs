@@ -91,9 +91,10 @@ pub fn answer(
         Request::Audio { to: Some(name) } if name.len() > LONGEST => {
             Reply::refused(format!("a name may have at most {LONGEST} bytes"))
         }
-        Request::Audio { to: Some(name) } => {
-            done(recorder.outputs().ask(name.trim()).map_err(Refused::from), format!("requested sound output `{name}`"))
-        }
+        Request::Audio { to: Some(name) } => done(
+            recorder.outputs().request(name.trim()).map_err(Refused::from),
+            format!("requested sound output `{name}`"),
+        ),
         Request::Audio { to: None } => outputs(recorder),
         Request::Status => status(recorder),
     }

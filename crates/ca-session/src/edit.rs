@@ -1,10 +1,10 @@
 //! Edits of the model while it plays: a saved text and changed numbers.
 //!
-//! The [`Maker`] compiles; this module decides what is compiled and when. A version with errors is reported and changes
+//! The [`VersionCompiler`] compiles; this module decides what is compiled and when. A version with errors is reported and changes
 //! nothing. If several changes are refused together, each is tried alone, so that a wrong one does not discard a right
 //! one.
 
-use crate::host::{Made, Maker, Making};
+use crate::host::{CompileState, CompiledVersion, VersionCompiler};
 use crate::refused::Refused;
 use ca_haptic::engine::Setup;
 use std::collections::VecDeque;
@@ -18,7 +18,7 @@ type Number = (String, String);
 
 /// Changes of the numbers, and the present compilation.
 pub(crate) struct Edit {
-    maker: Box<dyn Maker>,
+    maker: Box<dyn VersionCompiler>,
     /// Numbers changed since the start, in order.
     changes: Vec<Number>,
     /// Changes in the present compilation.
@@ -34,7 +34,7 @@ pub(crate) struct Edit {
 }
 
 impl Edit {
-    pub(crate) fn new(maker: Box<dyn Maker>) -> Edit {
+    pub(crate) fn new(maker: Box<dyn VersionCompiler>) -> Edit {
         Edit {
             maker,
             changes: Vec::new(),
@@ -67,15 +67,15 @@ impl Edit {
 
     /// Returns a version that was compiled for devices of these setups, or the reason for its failure, and begins the
     /// next compilation. Call it every few milliseconds.
-    pub(crate) fn turn(&mut self, setups: &[Setup]) -> Option<Result<Box<Made>, Refused>> {
+    pub(crate) fn poll(&mut self, setups: &[Setup]) -> Option<Result<Box<CompiledVersion>, Refused>> {
         self.again |= self.maker.is_new();
         if let Some(why) = self.maker.gone() {
             return Some(Err(why.into()));
         }
         let mut made = match self.maker.poll() {
-            Making::Busy => return None,
-            Making::Idle => None,
-            Making::Done(made) => Some(made),
+            CompileState::Busy => return None,
+            CompileState::Idle => None,
+            CompileState::Done(made) => Some(made),
         };
         match made {
             Some(Ok(_)) => self.good.clone_from(&self.tried),

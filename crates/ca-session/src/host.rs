@@ -24,7 +24,7 @@ pub trait Language {
 }
 
 /// A new version of the model, ready to play.
-pub struct Made {
+pub struct CompiledVersion {
     /// Version.
     pub version: Version,
     /// Drawing of the version.
@@ -38,17 +38,17 @@ pub struct Made {
 }
 
 /// State of a compilation.
-pub enum Making {
+pub enum CompileState {
     /// Nothing was requested, or the result was taken.
     Idle,
     /// It is running.
     Busy,
     /// It has ended, with the version or the reason why the model cannot be played.
-    Done(Result<Box<Made>, Refused>),
+    Done(Result<Box<CompiledVersion>, Refused>),
 }
 
 /// Compiles new versions of the model, one at a time and beside the engine.
-pub trait Maker {
+pub trait VersionCompiler {
     /// Checks that the model, as it was last read, has a parameter `name` that can have `value`.
     ///
     /// # Errors
@@ -63,7 +63,7 @@ pub trait Maker {
     fn start(&mut self, changes: &[(String, String)], anew: bool, setups: &[Setup]) -> Result<(), Refused>;
 
     /// Takes the result of the compilation, if it has ended.
-    fn poll(&mut self) -> Making;
+    fn poll(&mut self) -> CompileState;
 
     /// Returns true if the text of the model changed since the last call.
     fn is_new(&mut self) -> bool;
@@ -81,7 +81,7 @@ pub trait Files {
     fn recording(&self) -> Option<String>;
 
     /// Reports finished files. Call it every few milliseconds.
-    fn turn(&mut self, recorder: &mut Recorder);
+    fn poll(&mut self, recorder: &mut Recorder);
 
     /// Starts or ends the recording of sound into a new file; returns an answer in words.
     ///

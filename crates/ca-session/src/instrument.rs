@@ -67,18 +67,18 @@ impl Instrument {
             self.frames += some;
             self.recorder.poll();
             let now = self.now();
-            self.session.turn(&mut self.recorder, &mut self.midi, Some(&[]));
+            self.session.poll(&mut self.recorder, &mut self.midi, Some(&[]));
             if !self.recorder.is_swapping() {
-                self.midi.turn(&mut self.recorder, now);
+                self.midi.poll(&mut self.recorder, now);
             }
-            self.session.news(&mut self.recorder, &self.midi, &self.shared, now);
+            self.session.send_state(&mut self.recorder, &self.midi, &self.shared, now);
         }
     }
 
     /// Answers a request of a page. Returns true if it ends the program.
-    pub fn ask(&mut self, page: u64, asked: NumberedRequest) -> bool {
+    pub fn request(&mut self, page: u64, asked: NumberedRequest) -> bool {
         let now = self.now();
-        self.session.ask(&mut self.recorder, &mut self.midi, (page, asked), now)
+        self.session.request(&mut self.recorder, &mut self.midi, (page, asked), now)
     }
 
     /// Ends what a closed page held.

@@ -5,7 +5,7 @@
 //! and similar commands. [`Instrument`] combines them with an engine, for programs without threads. [`protocol`] has a
 //! type for each message between the page of `ca play` and the program.
 //!
-//! Traits stand for everything else: pages ([`Pages`]), the language ([`Language`]), the compiler ([`Maker`]) and files
+//! Traits stand for everything else: pages ([`Pages`]), the language ([`Language`]), the compiler ([`VersionCompiler`]) and files
 //! ([`Files`]). The caller gives the time.
 #![forbid(unsafe_code)]
 
@@ -26,7 +26,7 @@ mod session;
 
 pub use answer::{Change, answer, value};
 pub use greeting::greeting;
-pub use host::{Files, Language, Made, Maker, Making};
+pub use host::{CompileState, CompiledVersion, Files, Language, VersionCompiler};
 pub use instrument::Instrument;
 pub use midi::Midi;
 pub use pages::Pages;

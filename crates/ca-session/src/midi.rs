@@ -51,7 +51,7 @@ impl Midi {
     }
 
     /// Starts motions that are due. Call it every few milliseconds.
-    pub fn turn(&mut self, recorder: &mut Recorder, now: Duration) {
+    pub fn poll(&mut self, recorder: &mut Recorder, now: Duration) {
         while let Some(due) = self.lifted.iter().position(|l| l.0 <= now) {
             let (_, name, glide) = self.lifted.swap_remove(due);
             let done = recorder.port(&name, glide.to, glide.over);

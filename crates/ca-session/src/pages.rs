@@ -8,10 +8,10 @@ pub trait Pages {
     fn greet(&self, scene: &Message);
 
     /// Sends a message to one page.
-    fn tell(&self, page: u64, message: &Message);
+    fn send(&self, page: u64, message: &Message);
 
     /// Sends a message to all pages.
-    fn tell_all(&self, message: &Message);
+    fn send_all(&self, message: &Message);
 
     /// Returns the number of open pages.
     fn count(&self) -> usize;

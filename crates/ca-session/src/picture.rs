@@ -34,9 +34,9 @@ type Drawn = (u32, Arc<Drawing>);
 
 /// Passes the drawing of the next version of the scene from the session to the sink.
 #[derive(Clone, Default)]
-pub(crate) struct Coming(Arc<Mutex<Option<Drawn>>>);
+pub(crate) struct NextDrawing(Arc<Mutex<Option<Drawn>>>);
 
-impl Coming {
+impl NextDrawing {
     pub(crate) fn put(&self, generation: u32, drawing: Arc<Drawing>) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some((generation, drawing));
     }
@@ -49,7 +49,7 @@ pub struct PageSink {
     channels: usize,
     stats: Stats,
     /// Drawing of the next version.
-    coming: Coming,
+    next_drawing: NextDrawing,
     /// Version that is drawn, and its first tick.
     generation: u32,
     since: u64,
@@ -74,7 +74,7 @@ impl PageSink {
             sample: scene.rates.sample_dt,
             pictures: 0,
             stats: Stats::default(),
-            coming: Coming::default(),
+            next_drawing: NextDrawing::default(),
             generation: 1,
             since: 0,
             tick: 0,
@@ -83,8 +83,8 @@ impl PageSink {
         }
     }
 
-    pub(crate) fn coming(&self) -> Coming {
-        self.coming.clone()
+    pub(crate) fn next_drawing(&self) -> NextDrawing {
+        self.next_drawing.clone()
     }
 
     pub(crate) fn stats(&self) -> Stats {
@@ -94,7 +94,7 @@ impl PageSink {
 
 impl Sink for PageSink {
     fn streams(&self) -> SinkStreams {
-        SinkStreams { sound: true, views: true, stats: true, ..SinkStreams::WORDS }
+        SinkStreams { sound: true, views: true, stats: true, ..SinkStreams::MESSAGES }
     }
 
     fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), FileError> {
@@ -133,7 +133,7 @@ impl Sink for PageSink {
             if self.pictures.is_multiple_of(ENERGIES) {
                 let seconds = tick as f64 * self.sample;
                 let joules = self.energy.of(d);
-                self.pages.tell_all(&Message::Energy { seconds, motion: joules });
+                self.pages.send_all(&Message::Energy { seconds, motion: joules });
             }
         }
         Ok(())
@@ -141,8 +141,8 @@ impl Sink for PageSink {
 
     fn swapped(&mut self, tick: u64, version: &Arc<Version>) -> Result<(), FileError> {
         self.energy = KineticEnergy::new(&version.scene);
-        let coming = self.coming.0.lock().unwrap_or_else(PoisonError::into_inner).take();
-        if let Some((generation, drawing)) = coming {
+        let next_drawing = self.next_drawing.0.lock().unwrap_or_else(PoisonError::into_inner).take();
+        if let Some((generation, drawing)) = next_drawing {
             (self.generation, self.drawing, self.since) = (generation, drawing, tick);
         }
         Ok(())
@@ -153,8 +153,8 @@ impl Sink for PageSink {
         Ok(())
     }
 
-    fn said(&mut self, notice: &Notice) -> Result<(), FileError> {
-        self.pages.tell_all(&Message::Said { bad: notice.bad, text: notice.text.clone() });
+    fn notice(&mut self, notice: &Notice) -> Result<(), FileError> {
+        self.pages.send_all(&Message::Said { bad: notice.bad, text: notice.text.clone() });
         Ok(())
     }
 }

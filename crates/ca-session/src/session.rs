@@ -6,10 +6,10 @@
 use crate::answer::answer;
 use crate::edit::Edit;
 use crate::greeting::greeting;
-use crate::host::{Files, Language, Made, Maker};
+use crate::host::{CompiledVersion, Files, Language, VersionCompiler};
 use crate::midi::Midi;
 use crate::pages::Pages;
-use crate::picture::{Coming, PageSink, Stats};
+use crate::picture::{NextDrawing, PageSink, Stats};
 use crate::protocol::{Bound, Choices, DeviceState, Message, NumberedRequest, Picked, Request as PageAsks};
 use crate::refused::Refused;
 use ca_core::Scene;
@@ -24,7 +24,7 @@ use std::sync::atomic::Ordering::Relaxed;
 use std::time::Duration;
 
 /// Time between two messages `state`.
-const NEWS: Duration = Duration::from_millis(250);
+const STATE_INTERVAL: Duration = Duration::from_millis(250);
 
 /// Longest name of a sound device \[bytes\].
 const NAME: usize = 300;
@@ -39,7 +39,7 @@ pub struct Parts {
     /// Language of the model.
     pub language: Box<dyn Language>,
     /// Compiles edits.
-    pub maker: Box<dyn Maker>,
+    pub maker: Box<dyn VersionCompiler>,
     /// Writes files.
     pub files: Box<dyn Files>,
     /// Name of the model.
@@ -65,13 +65,13 @@ pub struct Session {
     holder: Option<u64>,
     /// Version of the model that plays.
     generation: u32,
-    coming: Coming,
+    next_drawing: NextDrawing,
     /// Version that the engine was given.
     next: Option<(Arc<Scene>, Arc<Drawing>)>,
     /// Starts the model's own gesture with the next version.
     plays: bool,
     /// Time of the next message `state`.
-    news: Duration,
+    next_state: Duration,
 }
 
 /// An answer in words, and the requested mass.
@@ -94,10 +94,10 @@ impl Session {
             sound: "page".into(),
             holder: None,
             generation: 1,
-            coming: sink.coming(),
+            next_drawing: sink.next_drawing(),
             next: None,
             plays: false,
-            news: Duration::ZERO,
+            next_state: Duration::ZERO,
         }
     }
 
@@ -121,8 +121,8 @@ impl Session {
 
     /// Reports finished files, and adopts new versions of the model if `setups` is given. Call it every few
     /// milliseconds. Returns false while the engine changes to another version: requests then wait.
-    pub fn turn(&mut self, recorder: &mut Recorder, midi: &mut Midi, setups: Option<&[Setup]>) -> bool {
-        self.files.turn(recorder);
+    pub fn poll(&mut self, recorder: &mut Recorder, midi: &mut Midi, setups: Option<&[Setup]>) -> bool {
+        self.files.poll(recorder);
         if recorder.is_swapping() {
             return false;
         }
@@ -133,7 +133,7 @@ impl Session {
     }
 
     /// Answers a request of a page. Returns true if it ends the program.
-    pub fn ask(
+    pub fn request(
         &mut self,
         recorder: &mut Recorder,
         midi: &mut Midi,
@@ -150,7 +150,7 @@ impl Session {
         // a request without an id is answered only if it is refused
         if id.is_some() || !ok {
             let id = id.unwrap_or(Value::Null);
-            self.pages.tell(client, &Message::Reply { id, ok, text, picked });
+            self.pages.send(client, &Message::Reply { id, ok, text, picked });
         }
         leave
     }
@@ -160,16 +160,16 @@ impl Session {
         if self.holder == Some(client) {
             self.holder = None;
             if let Err(why) = recorder.release() {
-                self.pages.tell_all(&Message::Said { bad: true, text: why.to_string() });
+                self.pages.send_all(&Message::Said { bad: true, text: why.to_string() });
             }
         }
     }
 
     /// Sends the message `state` if it is due.
-    pub fn news(&mut self, recorder: &mut Recorder, midi: &Midi, shared: &Shared, now: Duration) {
-        if now >= self.news && self.pages.is_seen() {
-            self.news = now + NEWS;
-            self.pages.tell_all(&self.state(recorder, midi, shared));
+    pub fn send_state(&mut self, recorder: &mut Recorder, midi: &Midi, shared: &Shared, now: Duration) {
+        if now >= self.next_state && self.pages.is_seen() {
+            self.next_state = now + STATE_INTERVAL;
+            self.pages.send_all(&self.state(recorder, midi, shared));
         }
     }
 
@@ -186,15 +186,15 @@ impl Session {
                 }
             }
         }
-        let Some(made) = self.edit.turn(setups) else { return };
+        let Some(made) = self.edit.poll(setups) else { return };
         let mut bad = made.is_err();
         let made = made.and_then(|made| {
-            let Made { version, drawing, warnings, softened, setups } = *made;
+            let CompiledVersion { version, drawing, warnings, softened, setups } = *made;
             bad = softened;
-            let (scene, anew) = (version.scene.clone(), version.anew);
+            let (scene, anew) = (version.scene.clone(), version.restart);
             recorder.swap(version, &setups)?;
             self.generation += 1;
-            self.coming.put(self.generation, drawing.clone());
+            self.next_drawing.put(self.generation, drawing.clone());
             self.next = Some((scene, drawing));
             Ok((if anew { "restarted" } else { "new version loaded" }, warnings))
         });
@@ -202,7 +202,7 @@ impl Session {
         bad |= !ok;
         self.plays &= ok;
         let (what, text) = made.unwrap_or_else(|why| ("the previous version keeps playing", why.to_string()));
-        self.pages.tell_all(&Message::Report { ok, text: text.clone() });
+        self.pages.send_all(&Message::Report { ok, text: text.clone() });
         recorder.say(bad, format!("{}: {what}{}{text}", self.name, if text.is_empty() { "" } else { "\n" }));
     }
 
@@ -288,7 +288,7 @@ impl Session {
                 if name.is_empty() || name.len() > NAME {
                     return Err(format!("`device` must be the name of a sound output, of at most {NAME} bytes").into());
                 }
-                recorder.outputs().ask(name)?;
+                recorder.outputs().request(name)?;
                 done("opening the sound output")
             }
             PageAsks::Record { on } => done(&self.files.record(*on, &self.scene)?),
@@ -352,7 +352,7 @@ impl Session {
             bound: midi.bound().map(bound).collect(),
             sound: self.sound.clone(),
             outputs,
-            latency: recorder.heard().map(|h| h.1),
+            latency: recorder.audio_output().map(|h| h.1),
             underruns: stats.as_ref().map(|s| s.underruns),
             arms: self.allow_arm,
             keeps: self.files.can_save(),

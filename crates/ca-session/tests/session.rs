@@ -5,7 +5,7 @@ use ca_haptic::engine::Setup;
 use ca_haptic::serve::Recorder;
 use ca_haptic::version::Version;
 use ca_session::protocol::{Message, NumberedRequest};
-use ca_session::{Files, Instrument, Language, Made, Maker, Making, Pages, Parts, Refused};
+use ca_session::{CompileState, CompiledVersion, Files, Instrument, Language, Pages, Parts, Refused, VersionCompiler};
 use ca_view::Drawing;
 use serde_json::{Value, json};
 use std::cell::RefCell;
@@ -65,10 +65,10 @@ impl Pages for FakePages {
     fn greet(&self, scene: &Message) {
         self.put(scene);
     }
-    fn tell(&self, _: u64, message: &Message) {
+    fn send(&self, _: u64, message: &Message) {
         self.put(message);
     }
-    fn tell_all(&self, message: &Message) {
+    fn send_all(&self, message: &Message) {
         self.put(message);
     }
     fn count(&self) -> usize {
@@ -102,15 +102,15 @@ impl Language for Numbers {
 
 /// Compiles immediately.
 #[derive(Default)]
-struct Compiler(Option<Result<Box<Made>, Refused>>);
+struct Compiler(Option<Result<Box<CompiledVersion>, Refused>>);
 
-impl Maker for Compiler {
+impl VersionCompiler for Compiler {
     fn check(&mut self, _: &str, _: &str) -> Result<(), Refused> {
         Ok(())
     }
     fn start(&mut self, changes: &[(String, String)], anew: bool, _: &[Setup]) -> Result<(), Refused> {
         self.0 = Some(scene(changes).map(|scene| {
-            Box::new(Made {
+            Box::new(CompiledVersion {
                 drawing: Arc::new(Drawing::new(&scene)),
                 version: Version::new(scene, anew),
                 warnings: String::new(),
@@ -120,8 +120,8 @@ impl Maker for Compiler {
         }));
         Ok(())
     }
-    fn poll(&mut self) -> Making {
-        self.0.take().map_or(Making::Idle, Making::Done)
+    fn poll(&mut self) -> CompileState {
+        self.0.take().map_or(CompileState::Idle, CompileState::Done)
     }
     fn is_new(&mut self) -> bool {
         false
@@ -140,7 +140,7 @@ impl Files for NoFiles {
     fn recording(&self) -> Option<String> {
         None
     }
-    fn turn(&mut self, _: &mut Recorder) {}
+    fn poll(&mut self, _: &mut Recorder) {}
     fn record(&mut self, _: bool, _: &Scene) -> Result<String, Refused> {
         Err("no files here".into())
     }
@@ -165,7 +165,7 @@ fn instrument() -> (Instrument, FakePages) {
 fn ask(instrument: &mut Instrument, pages: &FakePages, request: Value) -> (bool, String) {
     let mut request = request;
     request["id"] = json!(9);
-    assert!(!instrument.ask(1, NumberedRequest::read(request)));
+    assert!(!instrument.request(1, NumberedRequest::read(request)));
     let reply = pages.last("reply");
     assert_eq!(reply["id"], 9);
     (reply["ok"] == true, reply["text"].as_str().unwrap().into())
@@ -213,7 +213,7 @@ fn a_session_plays_and_answers_without_threads() {
     assert!(ask(&mut i, &pages, json!({"type": "midi", "bytes": [0xb0, 74, 127]})).0);
     i.play(1000);
     assert_eq!(pages.last("state")["params"]["k"], 5000.0);
-    assert!(i.ask(1, NumberedRequest::read(json!({"type": "stop"}))));
+    assert!(i.request(1, NumberedRequest::read(json!({"type": "stop"}))));
 }
 
 #[test]

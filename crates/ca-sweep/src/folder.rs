@@ -54,7 +54,7 @@ fn aside(path: &Path) -> PathBuf {
 
 /// Describes a sweep as text; equal sweeps, and only these, have equal text.
 pub fn text(sweep: &Sweep, audio: &str, chunk: u64) -> String {
-    let ask = sweep.ask();
+    let ask = sweep.spec();
     let mut text = String::from("# What every worker of this folder computes.\n");
     let mut line = |key: &str, value: String| {
         let _ = writeln!(text, "{key} = {value}");
@@ -261,7 +261,7 @@ impl Folder {
         let about = [
             ("version", env!("CARGO_PKG_VERSION").to_owned()),
             ("scene", sweep.hash()),
-            ("seed", sweep.ask().seed.to_string()),
+            ("seed", sweep.spec().seed.to_string()),
             ("rate", sweep.rate().to_string()),
         ];
         for (name, table) in [(MANIFEST, manifest), (TIME, times)] {

@@ -161,7 +161,7 @@ impl Sweep {
     }
 
     /// Specification of the sweep.
-    pub fn ask(&self) -> &SweepSpec {
+    pub fn spec(&self) -> &SweepSpec {
         &self.ask
     }
 
@@ -243,8 +243,8 @@ impl Sweep {
         let frames = length.frames;
         let (channels, n_out) = (scene.counts.channels, scene.counts.n_out);
         let (mut sound, mut level) = (Vec::new(), Level::new(channels));
-        let room = usize::try_from(frames).ok().and_then(|n| n.checked_mul(channels));
-        if room.is_none_or(|n| sound.try_reserve_exact(n).is_err()) {
+        let len = usize::try_from(frames).ok().and_then(|n| n.checked_mul(channels));
+        if len.is_none_or(|n| sound.try_reserve_exact(n).is_err()) {
             return Err(Failure::Failed(format!("{frames} samples do not fit into memory; play fewer seconds")));
         }
         let played = play::play(performance, length, BLOCK, &mut |_, rows, _| {

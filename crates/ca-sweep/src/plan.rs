@@ -47,7 +47,7 @@ const KEYS: [&str; 14] = [
 ];
 
 /// Sweep with its output.
-pub struct Plan {
+pub struct SweepPlan {
     /// The sweep.
     pub sweep: Sweep,
     /// Format of sound files.
@@ -167,7 +167,7 @@ fn value(item: &toml_edit::Value) -> Option<Value> {
 ///
 /// # Errors
 /// [`Failure::Failed`] if the file cannot be read; [`Failure::Usage`] with the line of an error; and as [`Sweep::new`].
-pub fn read(path: &Path) -> Result<Plan, Failure> {
+pub fn read(path: &Path) -> Result<SweepPlan, Failure> {
     let text = load::text(path)?;
     let file = path.display().to_string();
     let t = Text { text: &text, file: &file };
@@ -255,7 +255,7 @@ pub fn read(path: &Path) -> Result<Plan, Failure> {
     let own = stem(path);
     let own = own.strip_suffix(".sweep").unwrap_or(&own);
     let sweep = Sweep::new(loaded, ask, gesture)?;
-    Ok(Plan {
+    Ok(SweepPlan {
         audio: audio.unwrap_or(Audio::Flac),
         chunk: chunk.unwrap_or(folder::chunk(sweep.runs())),
         sweep,

@@ -27,13 +27,13 @@ impl Account {
         let ledger = engine.state.ledger.as_ref()?;
         let scale = scene.hand.equivalence.of("").energy();
         let hand = |f: fn(&Port, usize) -> f64| -> f64 { engine.ports.iter().map(|p| at_hand(p, scale, f)).sum() };
-        let given = hand(|p, k| p.chain.ledger.given[k]);
+        let given = hand(|p, k| p.chain.ledger.hand_work[k]);
         let removed = hand(|p, k| p.chain.ledger.removed(k));
         let b = ledger.balance();
         let received: f64 = ledger.hands.iter().map(|e| e.received).sum();
         // uses the ledger of the scene: a hand without force feedback gives nothing, but its model still receives
         // energy
-        let leak = scale * received - hand(|p, k| p.chain.ledger.asked[k]);
+        let leak = scale * received - hand(|p, k| p.chain.ledger.model_work[k]);
         let sources = vec![
             ("given by the hands".into(), given),
             ("added by guard and device".into(), removed),

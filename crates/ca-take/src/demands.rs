@@ -15,7 +15,7 @@
 use ca_core::equivalence::Gains;
 use ca_core::{Scene, Unit};
 use ca_haptic::calibration::Calibration;
-use ca_haptic::coupling::{self, Held, Needed, Presented};
+use ca_haptic::coupling::{self, Needed, Presented, StiffnessLimits};
 use ca_haptic::engine::Setup;
 use ca_haptic::equivalence;
 use ca_haptic::profile::Profile;
@@ -33,7 +33,7 @@ pub struct LimitRow<'a> {
     /// Force and stiffness of the key over the travel.
     pub presented: Presented,
     /// Stiffness at the hand after softening \[N/m\], if the key is softened.
-    pub felt: Option<f64>,
+    pub stiffness: Option<f64>,
     /// True if no coupling fits the key.
     pub too_stiff: bool,
     /// Largest force within the travel \[N\].
@@ -43,9 +43,9 @@ pub struct LimitRow<'a> {
     /// Links attached directly to the key with their stiffness at the hand, stiffest first.
     pub links: Vec<(&'a str, f64)>,
     /// True if the device has this degree of freedom.
-    pub there: bool,
+    pub has_dof: bool,
     /// Range of positions that the rest and the gesture of the key require \[m\].
-    pub asks: [f64; 2],
+    pub required_range: [f64; 2],
 }
 
 impl LimitRow<'_> {
@@ -62,7 +62,7 @@ pub struct DeviceDemands<'a> {
     /// One row per key.
     pub rows: Vec<LimitRow<'a>>,
     /// Limits of the device.
-    pub held: Held,
+    pub held: StiffnessLimits,
     /// Gesture rate of the model \[Hz\].
     pub rate: f64,
     /// Names of the compared devices of the model.
@@ -93,7 +93,7 @@ impl<'a> DeviceDemands<'a> {
         DeviceDemands {
             profile,
             rows,
-            held: Held::new(scene, profile),
+            held: StiffnessLimits::new(scene, profile),
             rate,
             devices,
             feedback: scene.ports.crossing.feedback,
@@ -102,7 +102,7 @@ impl<'a> DeviceDemands<'a> {
 
     /// Returns keys at degrees of freedom that the device lacks.
     pub fn missing(&self) -> Vec<&LimitRow<'a>> {
-        self.rows.iter().filter(|r| !r.there).collect()
+        self.rows.iter().filter(|r| !r.has_dof).collect()
     }
 
     /// Returns true if the frame rate of the device is below the gesture rate of the model.
@@ -135,7 +135,7 @@ impl<'a> DeviceDemands<'a> {
     pub fn outside(&self, r: &LimitRow) -> bool {
         let [low, high] = self.profile.range;
         let slack = 1e-6 * (high - low);
-        r.asks[0] < low - slack || r.asks[1] > high + slack
+        r.required_range[0] < low - slack || r.required_range[1] > high + slack
     }
 
     /// Returns true if the device cannot meet all demands.
@@ -147,7 +147,7 @@ impl<'a> DeviceDemands<'a> {
 
     /// Describes the result for a key in words.
     pub fn verdict(&self, r: &LimitRow) -> String {
-        if !r.there {
+        if !r.has_dof {
             return "not on this device".into();
         }
         let times = |limit: f64| short(r.k() / limit);
@@ -159,12 +159,12 @@ impl<'a> DeviceDemands<'a> {
             ),
             [true, false] => format!("{} × what it can render", times(self.profile.stiffness.unwrap_or(f64::INFINITY))),
             [false, true] => format!("{} × the passive limit", times(self.held.passive)),
-            [false, false] if r.felt.is_some() || r.too_stiff => String::new(),
+            [false, false] if r.stiffness.is_some() || r.too_stiff => String::new(),
             [false, false] if self.outside(r) => return "beyond its travel".into(),
             [false, false] if r.saturates.is_some() => return format!("rendered up to {}", newton(self.profile.force)),
             [false, false] => return "rendered".into(),
         };
-        let felt = match r.felt {
+        let felt = match r.stiffness {
             Some(k) => format!("softened to {}", quantity(k)),
             None if r.too_stiff => "no coupling fits, so it gives no force".into(),
             None => String::new(),
@@ -206,11 +206,11 @@ fn row<'a>(scene: &'a Scene, t: usize, profile: &Profile, devices: &[&str], need
         gains,
         force: travel.fold(0.0, |m, [_, f]| m.max(f.abs())),
         saturates: beyond.min_by(f64::total_cmp),
-        felt: needed.softened.iter().find(|s| s.coupling.port == name).map(|s| s.felt),
+        stiffness: needed.softened.iter().find(|s| s.coupling.port == name).map(|s| s.stiffness),
         too_stiff: needed.too_stiff.iter().any(|t| t.port == name),
         presented,
         links,
-        there: *dof < profile.dof,
-        asks,
+        has_dof: *dof < profile.dof,
+        required_range: asks,
     })
 }

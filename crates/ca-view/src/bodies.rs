@@ -2,11 +2,11 @@
 //!
 //! Masses of one generator form a body, and their links decide its shape. Links between neighbours make a row, or a
 //! ring if the last is joined to the first; two indices make a sheet. Masses written one by one are analysed as a
-//! network: paths and circles become rows and rings, and others are laid out by distance ([`crate::spread`]). Masses
+//! network: paths and circles become rows and rings, and others are laid out by distance ([`crate::graph_layout`]). Masses
 //! with many links (a bridge) are removed first, so that the network falls into its parts.
 
 use crate::graph::{Graph, NONE};
-use crate::spread::{Adjacent, spread};
+use crate::graph_layout::{Adjacency, layout};
 use ca_core::internal::kind::name::Index;
 use std::f64::consts::PI;
 
@@ -86,7 +86,7 @@ impl Body {
 
 /// Links within an item, by distance of their ends in it.
 #[derive(Clone, Copy, Default)]
-struct Within {
+struct ItemLinks {
     /// Links of neighbours.
     next: usize,
     /// Links of masses more than two apart, except the first with the last.
@@ -96,7 +96,7 @@ struct Within {
     any: bool,
 }
 
-impl Within {
+impl ItemLinks {
     /// Returns true if `n` masses form a row, apart from a few links.
     fn is_row(&self, n: usize) -> bool {
         4 * self.far < n
@@ -105,7 +105,7 @@ impl Within {
 
 /// Returns all bodies, and for each item whether its masses are linked in order.
 pub fn bodies(graph: &Graph) -> (Vec<Body>, Vec<bool>) {
-    let mut within = vec![Within::default(); graph.items.len()];
+    let mut within = vec![ItemLinks::default(); graph.items.len()];
     for e in graph.edges.iter().filter(|e| e.law.is_some()) {
         let [a, b] = e.ends.map(|n| n as usize);
         let item = graph.item[a];
@@ -154,8 +154,8 @@ pub fn bodies(graph: &Graph) -> (Vec<Body>, Vec<bool>) {
 }
 
 fn net(graph: &Graph, nodes: Vec<u32>) -> Body {
-    let adjacent = Adjacent::new(graph.len(), &nodes, &graph.edges.iter().filter(|e| e.law.is_some()).map(|e| e.ends));
-    let at = spread(&adjacent);
+    let adjacent = Adjacency::new(graph.len(), &nodes, &graph.edges.iter().filter(|e| e.law.is_some()).map(|e| e.ends));
+    let at = layout(&adjacent);
     let long = libm::sqrt(nodes.len() as f64) as usize + 1;
     Body::new(nodes, at, Shape::Plane, long)
 }
@@ -172,17 +172,17 @@ fn by_hand(graph: &Graph, taken: &mut [bool]) -> Vec<Body> {
         .map(|n| n as u32)
         .collect();
     let springs = || graph.edges.iter().filter(|e| e.law.is_some() && !graph.is_contact(e)).map(|e| e.ends);
-    let all = Adjacent::new(graph.len(), &free, &springs());
-    let degrees: Vec<usize> = (0..free.len()).map(|i| all.around(i).len()).collect();
+    let all = Adjacency::new(graph.len(), &free, &springs());
+    let degrees: Vec<usize> = (0..free.len()).map(|i| all.neighbours(i).len()).collect();
     let linked = degrees.iter().filter(|d| **d > 0).count().max(1);
     let mean = degrees.iter().sum::<usize>() as f64 / linked as f64;
     let is_hub = |d: usize| d >= 5 && d as f64 > 3.0 * mean;
     let some: Vec<u32> = free.iter().zip(&degrees).filter(|(_, d)| !is_hub(**d)).map(|(n, _)| *n).collect();
-    let parts = Adjacent::new(graph.len(), &some, &springs());
+    let parts = Adjacency::new(graph.len(), &some, &springs());
     let mut bodies = Vec::new();
-    for part in parts.parts() {
-        let ends: Vec<usize> = part.iter().copied().filter(|i| parts.around(*i).len() < 2).collect();
-        let thin = part.iter().all(|i| parts.around(*i).len() <= 2);
+    for part in parts.components() {
+        let ends: Vec<usize> = part.iter().copied().filter(|i| parts.neighbours(*i).len() < 2).collect();
+        let thin = part.iter().all(|i| parts.neighbours(*i).len() <= 2);
         let (path, circle) = (thin && ends.len() == 2, thin && ends.is_empty());
         if part.len() < 3 || !(path || circle || part.len() >= NET) {
             continue;
@@ -193,7 +193,7 @@ fn by_hand(graph: &Graph, taken: &mut [bool]) -> Vec<Body> {
             let mut before = usize::MAX;
             while order.len() < part.len() {
                 let here = order[order.len() - 1];
-                let next = parts.around(here).iter().map(|n| *n as usize).find(|n| *n != before && *n != order[0]);
+                let next = parts.neighbours(here).iter().map(|n| *n as usize).find(|n| *n != before && *n != order[0]);
                 let Some(next) = next else { break };
                 before = here;
                 order.push(next);

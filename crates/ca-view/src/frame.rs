@@ -59,7 +59,7 @@ pub struct Places {
     /// Frames; the first is for all nodes that are not tied to space.
     pub frames: Vec<Frame>,
     /// Places of nodes on a line that are placed (nodes).
-    pub stand: Vec<Option<Placed>>,
+    pub placed: Vec<Option<Placed>>,
     /// Width of the drawing \[m\].
     pub width: f64,
     /// Signed distance of the next place beyond the end of a row; 0 for all other nodes (nodes).
@@ -78,7 +78,7 @@ impl Places {
         let n = graph.len();
         Places {
             frames: vec![main],
-            stand: vec![None; n],
+            placed: vec![None; n],
             width,
             beyond: vec![0.0; n],
             tied: tied(graph),

@@ -1,13 +1,13 @@
 //! Places the nodes of a drawing.
 //!
 //! Bodies are placed first, the strings of an instrument one behind the other. Moving points follow, between masses of
-//! a body, then [loose masses](crate::loose), beside their neighbours. All stand in [frames](crate::frame), except
+//! a body, then [single masses](crate::single_masses), beside their neighbours. All stand in [frames](crate::frame), except
 //! masses in space, which are drawn at their position.
 
 use crate::bodies::{Body, Shape};
 use crate::frame::{Frame, Placed, Places};
 use crate::graph::{Graph, Source};
-use crate::loose;
+use crate::single_masses;
 
 /// Width of a scene without any size \[m\].
 const WIDTH: f64 = 0.1;
@@ -66,15 +66,16 @@ pub fn place(graph: &Graph, bodies: &[Body], motion: Option<f64>) -> (Vec<[f64; 
     let mut p = Places::new(graph, main, width(graph, space, motion));
     arrange(graph, bodies, &mut p);
     points(graph, &mut p);
-    loose::place(graph, &mut p);
+    single_masses::place(graph, &mut p);
     // the first frame stands beside the masses in space
     if let Some([low, high]) = space {
         let [right, depth, up] = main.axes;
         let part = |v: [f64; 3], p: [f64; 3]| (0..3).map(|k| v[k] * p[k]).sum::<f64>();
         let middle = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
-        let tied = p.stand.iter().flatten().filter(|s| s.frame > 0).map(|s| part(right, p.frames[s.frame].point(s.at)));
+        let tied =
+            p.placed.iter().flatten().filter(|s| s.frame > 0).map(|s| part(right, p.frames[s.frame].point(s.at)));
         let edge = tied.fold(part(right, high).max(part(right, low)), f64::max);
-        let left = p.stand.iter().flatten().filter(|s| s.frame == 0).map(|s| s.at[0]).fold(f64::INFINITY, f64::min);
+        let left = p.placed.iter().flatten().filter(|s| s.frame == 0).map(|s| s.at[0]).fold(f64::INFINITY, f64::min);
         let to =
             [edge + 0.3 * p.width - if left.is_finite() { left } else { 0.0 }, part(depth, middle), part(up, middle)];
         p.frames[0].origin = main.point(to);
@@ -82,7 +83,7 @@ pub fn place(graph: &Graph, bodies: &[Body], motion: Option<f64>) -> (Vec<[f64; 
     let mut at = Vec::with_capacity(n);
     let mut axes = Vec::with_capacity(n);
     for node in 0..n {
-        match (graph.source[node], p.stand[node]) {
+        match (graph.source[node], p.placed[node]) {
             (Source::Space(_), _) => {
                 at.push(graph.rest[node]);
                 axes.push([0.0; 3]);
@@ -174,7 +175,7 @@ fn stand(graph: &Graph, p: &mut Places, body: &Body, long: f64, middle: [f64; 2]
     for (n, at) in body.nodes.iter().zip(&body.at) {
         let (n, at) = (*n as usize, if turned { [at[1], at[0]] } else { *at });
         let at = [middle[0] + long * at[0], middle[1] + long * at[1], graph.rest[n][0]];
-        p.stand[n] = Some(Placed { frame, at });
+        p.placed[n] = Some(Placed { frame, at });
     }
     if let (Shape::Row, Some(first), Some(last)) = (body.shape, body.nodes.first(), body.nodes.last()) {
         let apart = long / (body.long as f64 - 1.0).max(4.0);
@@ -201,13 +202,13 @@ fn points(graph: &Graph, p: &mut Places) {
         let mut at = [0.0; 3];
         let mut frame = None;
         for (n, weight) in under {
-            if let Some(stand) = p.stand[*n as usize] {
+            if let Some(stand) = p.placed[*n as usize] {
                 frame = Some(stand.frame);
                 (0..3).for_each(|k| at[k] += weight * stand.at[k]);
             }
         }
         if let Some(frame) = frame {
-            p.stand[*node as usize] = Some(Placed { frame, at });
+            p.placed[*node as usize] = Some(Placed { frame, at });
         }
     }
 }

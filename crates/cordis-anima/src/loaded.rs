@@ -9,9 +9,9 @@ use ca_core::internal::kind::cloud::{Clouds, Unread};
 use ca_core::{Catalog, Laws, Real};
 use ca_import::Format;
 use ca_io::error::FileErrorKind;
-use ca_io::{FileError, reading};
+use ca_io::{FileError, read_limited};
 use ca_model::diag::Diags;
-use ca_model::plain::plain;
+use ca_model::printable::printable;
 use ca_model::render::line_column;
 use ca_model::{Model, read};
 use std::path::Path;
@@ -91,7 +91,7 @@ impl Loaded {
     }
 
     fn found(model: Model, diags: Diags, file: &str) -> Loaded {
-        let name = plain(&stem(Path::new(file)));
+        let name = printable(&stem(Path::new(file)));
         let mut loaded = Loaded { name, clouds: Clouds::new(), format: None, model, diags };
         loaded.look();
         loaded
@@ -143,7 +143,7 @@ fn part(folder: &Path, name: &str) -> Result<String, Unread> {
 /// Fails if it cannot be read.
 pub fn foreign_text(path: &Path) -> Result<String, FileError> {
     let format = ca_import::assumed(&path.to_string_lossy());
-    Ok((format.decode)(reading::text(path, reading::MODEL)?))
+    Ok((format.decode)(read_limited::text(path, read_limited::MODEL)?))
 }
 
 /// Reads the text of a model file.
@@ -151,7 +151,7 @@ pub fn foreign_text(path: &Path) -> Result<String, FileError> {
 /// # Errors
 /// Fails if it cannot be read, or is not UTF-8; the error has line and column.
 pub fn text(path: &Path) -> Result<String, FileError> {
-    utf8(reading::text(path, reading::MODEL)?, path)
+    utf8(read_limited::text(path, read_limited::MODEL)?, path)
 }
 
 /// Converts bytes to text. Messages call the file `name`.

@@ -42,8 +42,8 @@ pub fn render(scene: &Scene, seconds: Option<f64>) -> Result<Rendered, Error> {
     }
     let frames = perform::frames(scene, seconds);
     let (mut sound, mut diverged) = (Vec::new(), None);
-    let room = usize::try_from(frames).ok().and_then(|n| n.checked_mul(scene.counts.channels.max(1)));
-    if room.is_none_or(|n| sound.try_reserve_exact(n).is_err()) {
+    let len = usize::try_from(frames).ok().and_then(|n| n.checked_mul(scene.counts.channels.max(1)));
+    if len.is_none_or(|n| sound.try_reserve_exact(n).is_err()) {
         let e = FileError::new(FileErrorKind::Usage, format!("{seconds} s of sound do not fit into memory"));
         return Err(e.fix("play a shorter time, or play in blocks with `ca_io::perform::Performance`").into());
     }

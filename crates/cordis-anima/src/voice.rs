@@ -50,7 +50,7 @@ impl Voice {
         for p in 0..controls.params().len() {
             let value = controls.params()[p].value;
             // cannot fail: the present value is in range
-            let _ = controls.turn(p, value, &mut self.patch);
+            let _ = controls.set_indexed(p, value, &mut self.patch);
         }
     }
 
@@ -86,7 +86,7 @@ impl Voice {
         // `max` and `min` would make NaN the lower end
         let (was, asked) = (p.value, value);
         let value = asked.max(p.min).min(p.max);
-        if asked.is_nan() || self.running.controls.turn(param.0, value, &mut self.patch).is_err() {
+        if asked.is_nan() || self.running.controls.set_indexed(param.0, value, &mut self.patch).is_err() {
             return was;
         }
         self.running.player.state.apply(&self.patch, over.saturating_mul(self.scene.oversample()));
@@ -127,7 +127,7 @@ impl Voice {
             let Running { player, level, .. } = &mut self.running;
             for (k, channel) in out.iter_mut().enumerate() {
                 channel[i] =
-                    if k < self.scene.counts.channels { level.keep(k, player.state.output[k]) as f32 } else { 0.0 };
+                    if k < self.scene.counts.channels { level.count(k, player.state.output[k]) as f32 } else { 0.0 };
             }
             self.running.player.advance(&self.scene);
         }

@@ -1,8 +1,8 @@
 //! Every law acts along a direction in space as it does on a line. Along an axis of space the bits are the same too,
 //! except those that depend on the square root.
 
-use crate::drawn::{args, built, held, laws};
 use crate::play::{Random, mat, model, within};
+use crate::random_parameters::{args, built, held, laws};
 use ca_compile::Options;
 use ca_core::{Kind, State, tick};
 use ca_model::{Entry, Model, Value};

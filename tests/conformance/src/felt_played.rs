@@ -1,7 +1,7 @@
 //! Plays a contact with memory: [`felt`](crate::felt).
 
-use crate::drawn::{built, read};
 use crate::play::{apart, mat, within};
+use crate::random_parameters::{built, read};
 use ca_compile::Options;
 use ca_core::tick;
 use ca_model::Model;

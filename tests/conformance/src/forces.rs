@@ -1,7 +1,7 @@
 //! Forces of every law: action and reaction, bounds, passivity, and energies.
 
-use crate::drawn::{Loaded, built, laws, only_resists, pair, ways};
 use crate::play::{Random, mat};
+use crate::random_parameters::{Loaded, built, laws, methods, only_resists, pair};
 use ca_compile::Options;
 use ca_core::tick;
 use ca_model::{Entry, Value};
@@ -12,7 +12,7 @@ proptest! {
 
     #[test]
     fn action_is_reaction(seed in 1u64.., x in -2e-3..2e-3f64, y in -2e-3..2e-3f64, v in -1e-5..1e-5f64) {
-        for (kind, way) in ways() {
+        for (kind, way) in methods() {
             let scene = built(&pair(kind, way, &mut Random(seed)), &Options::default());
             let (a, b) = (mat(&scene, "low"), mat(&scene, "high"));
             let mut s = scene.state();
@@ -20,8 +20,8 @@ proptest! {
             for _ in 0..200 {
                 ca_core::compute_forces(&scene, &mut s);
                 // a solved force is rounded at each mass separately
-                let room = if scene.layout.implicit.is_some() { 1e-13 * s.f[a].abs() } else { 0.0 };
-                prop_assert!((s.f[a] + s.f[b]).abs() <= room, "{}: {} and {}", kind.code, s.f[a], s.f[b]);
+                let tolerance = if scene.layout.implicit.is_some() { 1e-13 * s.f[a].abs() } else { 0.0 };
+                prop_assert!((s.f[a] + s.f[b]).abs() <= tolerance, "{}: {} and {}", kind.code, s.f[a], s.f[b]);
                 ca_core::integrate(&scene, &mut s);
             }
         }
@@ -134,7 +134,7 @@ proptest! {
     /// purely resisting laws never accelerate a mass.
     #[test]
     fn ledgers_balance(seed in 1u64.., x in -1e-3..1e-3f64, v in -0.2..0.2f64) {
-        for (kind, way) in ways() {
+        for (kind, way) in methods() {
             let mut m = pair(kind, way, &mut Random(seed));
             m.add("SOL", "ground", []);
             m.add("RES", "tie", [Entry::new("between", Value::from(vec!["ground", "low"])), Entry::new("k", 1e4)]);

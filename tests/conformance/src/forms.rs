@@ -1,7 +1,7 @@
 //! Every form of a law, batch, run or single link, gives the same result.
 
-use crate::drawn::{MASSES, built, row, ways};
 use crate::play::{Random, mat, reference};
+use crate::random_parameters::{MASSES, built, methods, row};
 use ca_compile::Options;
 use ca_core::tick;
 
@@ -10,7 +10,7 @@ fn all_forms_of_a_law_give_the_same_bits() {
     let mut seen = std::collections::BTreeSet::new();
     // with a method, laws of two worlds and falling laws are refused on shared masses
     let alone = |kind: &str, way: &str| (kind.starts_with("LPR") || kind == "ATT") && way != "ca";
-    for (kind, way) in ways().into_iter().filter(|(kind, way)| !alone(kind.code, way)) {
+    for (kind, way) in methods().into_iter().filter(|(kind, way)| !alone(kind.code, way)) {
         for apart in [false, true] {
             for seed in 1..6 {
                 let m = row(kind, way, apart, &mut Random(seed * 977));

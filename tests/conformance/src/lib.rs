@@ -4,10 +4,10 @@
 //! crate would add it. `cargo test -p ca-conformance` builds only the language, the compiler and the run-time, so it is
 //! quick after a change of a law.
 
-pub mod drawn;
 pub mod felt;
 pub mod models;
 pub mod play;
+pub mod random_parameters;
 
 #[cfg(test)]
 mod axes;

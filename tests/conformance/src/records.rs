@@ -1,7 +1,7 @@
 //! Catalog records are complete, with an example that sounds and known names.
 
-use crate::drawn::{built, catalog, read as model, texts};
 use crate::models::gesture;
+use crate::random_parameters::{built, catalog, read as model, texts};
 use ca_compile::Options;
 use ca_core::{Location, Need, SOURCES, Type, tick};
 use ca_model::{read, render};

@@ -1,7 +1,7 @@
 //! Live changes, snapshots and blocks during play.
 
-use crate::drawn::{built, catalog, read as model, texts};
 use crate::models::gesture;
+use crate::random_parameters::{built, catalog, read as model, texts};
 use ca_compile::{KernelClass, Options, compile};
 use ca_core::{State, Type, process, tick};
 use ca_model::{Entry, Model, Value, quantity};

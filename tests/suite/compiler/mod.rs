@@ -1,14 +1,14 @@
 //! The compiler: passes, certificate, both sides of every limit, modes, and the oracle, a plain interpreter.
 
-mod any_order;
 mod certificate;
-mod chance;
 mod compile_fuzz;
-mod depth;
+mod contact_depth;
 mod fused;
 mod growth;
+mod link_order;
 mod modes;
 mod oracle;
+mod random_networks;
 mod reach;
 mod sets;
 mod single;

@@ -29,7 +29,7 @@ fn names(from: usize, to: usize) -> String {
     format!("[{}]", all.join(", "))
 }
 
-fn heard(text: &str) -> String {
+fn with_output(text: &str) -> String {
     format!("{text}\n[SOX]\nout = {{ from = \"room.g0\", along = \"x\" }}\n")
 }
 
@@ -38,7 +38,7 @@ fn shaken(contact: &str) -> String {
     let (all, body) = (names(0, 40), grains(40, 0.012, 1.0, &mut Random(7)));
     let shell =
         format!("[BUT]\nshell = {{ between = [\"room.middle\", {all}], k = 2000, d = 0.012, sense = \"inside\" }}");
-    heard(&format!("{body}{shell}\n{contact}"))
+    with_output(&format!("{body}{shell}\n{contact}"))
 }
 
 fn hits() -> String {
@@ -216,7 +216,8 @@ fn a_distance_that_moves_keeps_every_pair() {
 fn momentum_is_kept() {
     let all = names(0, 60);
     let body = grains(60, 0.013, 1.0, &mut Random(11));
-    let scene = scene(&heard(&format!("{body}[BUT]\nhits = {{ between = [{all}, {all}], k = 5000, d = 0.006 }}")));
+    let scene =
+        scene(&with_output(&format!("{body}[BUT]\nhits = {{ between = [{all}, {all}], k = 5000, d = 0.006 }}")));
     let mut s = scene.state();
     let sum = |s: &State, k: usize| s.d.chunks(3).map(|d| d[k]).sum::<f64>();
     let size = s.d.iter().map(|d| d.abs()).sum::<f64>();
@@ -284,7 +285,7 @@ fn the_rule_for_contacts_takes_the_lightest_pair() {
     for (between, c) in
         [(format!("[{all}, {all}]"), 1.0 + 0.5), (format!("[{a}, {b}], pairs = \"all\""), 1.0 + 1.0 / 3.0)]
     {
-        let text = heard(&format!("{body}hits = {{ between = {between}, k = 4e5, d = 1e-3 }}"));
+        let text = with_output(&format!("{body}hits = {{ between = {between}, k = 4e5, d = 1e-3 }}"));
         let (set, pairs) = (scene(&text), with(&text, &reference()));
         assert_eq!(set.links.pair_sets.len(), 1);
         within("kT²/m", (set.certificate.rules.contact / (4e5 * c / 1e-3 / 48e3 / 48e3) - 1.0).abs(), 1e-14);

@@ -2,7 +2,7 @@
 //! thousandth above it the finding is there. A limit that moves in either direction is detected.
 
 use ca_compile::{Options, compile};
-use ca_conformance::drawn::catalog;
+use ca_conformance::random_parameters::catalog;
 use ca_core::{Kind, Role, Type, Unit};
 use ca_model::diag::Diags;
 use ca_model::{Entry, Value, read};
@@ -16,10 +16,10 @@ fn found(text: &str) -> String {
         Ok(scene) => scene.findings.list,
         Err(diags) => diags.list,
     });
-    said(&diags)
+    messages(&diags)
 }
 
-fn said(diags: &Diags) -> String {
+fn messages(diags: &Diags) -> String {
     let mut all = String::new();
     for d in &diags.list {
         let _ = writeln!(all, "{}: {} ({})", d.code, d.title, d.help.as_deref().unwrap_or(""));
@@ -274,8 +274,8 @@ fn with(kind: &Kind, key: &str, value: Value) -> String {
     item.args.retain(|e| e.key != key);
     item.args.push(Entry::new(key, value));
     match compile(&model, &catalog(), &Options::default()) {
-        Ok(scene) => said(&scene.findings),
-        Err(diags) => said(&diags),
+        Ok(scene) => messages(&scene.findings),
+        Err(diags) => messages(&diags),
     }
 }
 

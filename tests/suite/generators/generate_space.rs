@@ -7,7 +7,7 @@ use ca_core::{Scene, compute_forces};
 use ca_io::cloud::{of_model, open};
 
 /// A body in a room. A tie from the origin to every mass comes first, so the reach of the ties gives the rest places.
-fn room(body: &str) -> String {
+fn in_space(body: &str) -> String {
     format!(
         "[room]\ndim = 3\n[room.SOL]\no = {{}}\n[room.RES]\ntie = {{ between = [\"room.o\", \"room.p[*]\"], k = 1e-9 }}\n\
          {body}\n[SOX]\nout = {{ from = \"room.p[*]\", along = \"x\" }}\n"
@@ -16,7 +16,7 @@ fn room(body: &str) -> String {
 
 /// Rest places of `p[0] …`, from the origin.
 fn places(body: &str, n: usize) -> Vec<[f64; 3]> {
-    let scene = with(&room(body), &reference());
+    let scene = with(&in_space(body), &reference());
     assert_eq!(mats(&scene, "room.p").len(), n);
     (0..n).map(|i| [0, 1, 2].map(|k| scene.layout.links.reach[i][k])).collect()
 }
@@ -65,7 +65,7 @@ fn a_tetrahedron_is_regular_and_centred() {
 
 #[test]
 fn a_tetrahedron_starts_as_a_rigid_body() {
-    let text = room(&tetra("v = [1, 2, -3], spin = [\"3 Hz\", \"-1 Hz\", 2], turn = [0.1, 0.2, 0.3]"));
+    let text = in_space(&tetra("v = [1, 2, -3], spin = [\"3 Hz\", \"-1 Hz\", 2], turn = [0.1, 0.2, 0.3]"));
     let scene = with(&text, &reference());
     let (s, tau) = (scene.state(), std::f64::consts::TAU);
     let [wx, wy, wz] = [3.0 * tau, -tau, 2.0 * tau];
@@ -80,7 +80,7 @@ fn a_tetrahedron_starts_as_a_rigid_body() {
 #[test]
 fn a_tetrahedron_weighs_what_is_asked() {
     let mobility = |body: &str| {
-        let scene = scene(&room(body));
+        let scene = scene(&in_space(body));
         let places = mats(&scene, "room.p");
         places
             .iter()
@@ -315,7 +315,7 @@ fn a_cloud_becomes_masses_and_springs() {
     let dir = tempfile::tempdir().unwrap();
     std::fs::write(dir.path().join("pyramid.obj"), obj()).unwrap();
     let build = |body: &str| {
-        let model = crate::play::model(&room(body));
+        let model = crate::play::model(&in_space(body));
         let clouds = of_model(&model, &ca_tests::catalog(), dir.path());
         compile(&model, &ca_tests::catalog(), &Options { clouds, ..reference() })
     };
@@ -359,8 +359,8 @@ fn neighbours_are_all_pairs_that_are_near() {
     let near: Vec<[u32; 2]> =
         pairs.filter(|[i, j]| norm(minus(points[*i as usize], points[*j as usize])) <= 0.4).collect();
     assert!(near.len() > 100);
-    assert_eq!(cloud.within(0.4, near.len()).as_ref(), Some(&near));
-    assert_eq!(cloud.within(0.4, near.len() - 1), None);
+    assert_eq!(cloud.pairs_within(0.4, near.len()).as_ref(), Some(&near));
+    assert_eq!(cloud.pairs_within(0.4, near.len() - 1), None);
 }
 
 /// Displaces a mesh in its lowest mode along `axis`. Returns the stiffness, the deviation from the mode, and the scene.
@@ -422,7 +422,7 @@ fn probes_are_called_by_the_modules_they_hear() {
         let scene = with(text, &options);
         (scene.names.probe_names.clone(), scene.names.probe_of.clone())
     };
-    let (names, of) = probe(&room(&tetra("k = 1000")), &["room.p[*]", "room.p[2]", "room.p.link[1..3]"]);
+    let (names, of) = probe(&in_space(&tetra("k = 1000")), &["room.p[*]", "room.p[2]", "room.p.link[1..3]"]);
     let want: Vec<String> = (0..4).flat_map(|i| ["x", "y", "z"].map(|a| format!("room.p[{i}].{a}"))).collect();
     assert_eq!(names[..12], want);
     assert_eq!(names[12..], ["room.p[2].x", "room.p[2].y", "room.p[2].z", "room.p.link[1]", "room.p.link[2]"]);

@@ -12,7 +12,7 @@ fn ring(args: &str) -> String {
 }
 
 /// Frequency of mode `j` of `n` with warping, for a = kT²/m.
-fn heard(a: f64, j: usize, n: usize) -> f64 {
+fn warped(a: f64, j: usize, n: usize) -> f64 {
     FS / PI * (a.sqrt() * (PI * j as f64 / n as f64).sin()).asin()
 }
 
@@ -26,7 +26,7 @@ fn its_modes_are_those_of_the_closed_form_each_twice() {
         assert_eq!(found.len(), n);
         assert_eq!(found[0].heard, 0.0, "nothing holds it");
         for (at, mode) in found.iter().enumerate().skip(1) {
-            within(&format!("{n}: mode {at}"), off(mode.heard, heard(0.3, at.div_ceil(2), n)), 1e-10);
+            within(&format!("{n}: mode {at}"), off(mode.heard, warped(0.3, at.div_ceil(2), n)), 1e-10);
         }
     }
 }
@@ -39,7 +39,7 @@ fn cos_and_sin_around_it_sound_the_same() {
     let places = mats(&scene, "hoop");
     assert_eq!(places.len(), n);
     for j in [1, 2] {
-        let theta = 2.0 * PI * heard(0.3, j, n) / FS;
+        let theta = 2.0 * PI * warped(0.3, j, n) / FS;
         for quarter in [0.0, 0.25] {
             let at = |i: usize| (2.0 * PI * (j as f64 * i as f64 / n as f64 - quarter)).cos();
             let mut s = scene.state();
@@ -66,7 +66,7 @@ fn a_pitch_that_is_asked_for_is_that_of_the_first_mode() {
         within(&format!("{n}: the mode of equal frequency"), off(found[2].heard, 440.0), 1e-10);
         if t60.is_empty() && n > 4 {
             let a = ((PI * 440.0 / FS).sin() / (PI / n as f64).sin()).powi(2);
-            within(&format!("{n}: second"), off(found[3].heard, heard(a, 2, n)), 1e-10);
+            within(&format!("{n}: second"), off(found[3].heard, warped(a, 2, n)), 1e-10);
         }
     }
 }

@@ -57,7 +57,7 @@ fn a_port_does_what_a_live_parameter_does() {
     let (mut controls, mut patch) = (by_name.controls(), Patch::default());
     let pressure = controls.params().iter().position(|p| p.name == "pressure").expect("live");
     let (_, set) = play(&by_name, 48_000, |s, tick| {
-        controls.turn(pressure, pressed(tick), &mut patch).expect("in range");
+        controls.set_indexed(pressure, pressed(tick), &mut patch).expect("in range");
         assert!(s.apply(&patch, if tick == 0 { 1 } else { by_name.rates.frame }));
         damp(&mut controls, s, by_name.rates.frame, tick);
     });

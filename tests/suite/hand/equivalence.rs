@@ -2,7 +2,7 @@
 
 use crate::play::{case, num, off, within};
 use ca_compile::{Options, load};
-use ca_core::equivalence::{Class, Gains, Pair, Quantity, ROWS, anchor_for, keep, row, solve};
+use ca_core::equivalence::{Class, Gains, Pair, Quantity, ROWS, anchor_for, row, solve, solve_keeping};
 use ca_core::{Scene, State, compute_forces, integrate};
 use ca_haptic::equivalence::gains;
 use ca_tests::catalog;
@@ -242,7 +242,7 @@ proptest! {
         let held = Gains { alpha: 10f64.powf(a), beta: 10f64.powf(b) };
         let pair = Pair { row, ratio: ratio * row.factor(held, TIME_UNIT) };
         for anchor in [Class::Position, Class::Force, Class::Impedance, Class::Energy] {
-            let Some(g) = keep(pair, anchor, held, TIME_UNIT) else {
+            let Some(g) = solve_keeping(pair, anchor, held, TIME_UNIT) else {
                 prop_assert_eq!(anchor, row.class());
                 continue;
             };
@@ -251,6 +251,6 @@ proptest! {
                 prop_assert!((r.factor(g, TIME_UNIT) / r.factor(held, TIME_UNIT) - 1.0).abs() < 1e-13);
             }
         }
-        prop_assert!(keep(pair, anchor_for(row.class()), held, TIME_UNIT).is_some());
+        prop_assert!(solve_keeping(pair, anchor_for(row.class()), held, TIME_UNIT).is_some());
     }
 }

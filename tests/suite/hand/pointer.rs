@@ -6,7 +6,7 @@ use crate::play::{Random, audited, mat, scene, with};
 use ca_compile::{Options, compile};
 use ca_core::pointer::{Pointer, Refused};
 use ca_core::{Level, Scene, State, compute_forces, integrate};
-use ca_haptic::engine::{Engine, EngineCommand, GLIDE, Options as EngineOptions, OwnGesture, Touch, Touched};
+use ca_haptic::engine::{Engine, EngineCommand, GLIDE, ManualEvent, ManualInput, Options as EngineOptions, OwnGesture};
 use ca_model::read;
 use ca_tests::long_form::long_form;
 use ca_tests::{catalog, texts};
@@ -169,7 +169,7 @@ fn no_hand_makes_a_bundled_model_diverge() {
         let step = (scene.mats() / if bundled(&name) { of_bundled } else { of_others }).max(1);
         let by = |step: usize| -> Vec<_> {
             let all = (0..scene.mats()).step_by(step);
-            all.filter_map(|mass| Some((mass, Touched::Grab(mass as u32).again(&scene)?))).collect()
+            all.filter_map(|mass| Some((mass, ManualEvent::Grab(mass as u32).to_input(&scene)?))).collect()
         };
         let mut grabs = by(step);
         if grabs.is_empty() {
@@ -178,7 +178,7 @@ fn no_hand_makes_a_bundled_model_diverge() {
         for (mass, grab) in grabs {
             held += 1;
             let mut engine = Engine::new(scene.clone(), Vec::new(), EngineOptions::default());
-            engine.command(EngineCommand::Touch(grab));
+            engine.command(EngineCommand::Manual(grab));
             let frame = |engine: &mut Engine| {
                 let _ = engine.answer().count();
                 engine.finish();
@@ -189,11 +189,11 @@ fn no_hand_makes_a_bundled_model_diverge() {
                         if r.uniform() < -0.4 { wild[(r.uniform().abs() * 6.0) as usize % 6] } else { r.uniform() }
                     };
                     let to = [any(&mut random), any(&mut random), any(&mut random)];
-                    engine.command(EngineCommand::Touch(Touch::Pull(to)));
+                    engine.command(EngineCommand::Manual(ManualInput::Pull(to)));
                 }
                 frame(&mut engine);
             }
-            engine.command(EngineCommand::Touch(Touch::Release));
+            engine.command(EngineCommand::Manual(ManualInput::Release));
             for _ in 0..300 {
                 frame(&mut engine);
             }
@@ -227,20 +227,20 @@ fn ports_glide_and_a_gesture_begins_where_they_are() {
         engine.state.input[input]
     };
     let at = run(&mut engine, 0.05);
-    engine.command(EngineCommand::Touch(Touch::Port(input as u32, 4e-3, GLIDE)));
+    engine.command(EngineCommand::Manual(ManualInput::Port(input as u32, 4e-3, GLIDE)));
     assert_eq!(run(&mut engine, 0.05), 4e-3, "from {at}");
-    engine.command(EngineCommand::Touch(Touch::Play(Box::new(OwnGesture::new(&scene).unwrap()))));
+    engine.command(EngineCommand::Manual(ManualInput::Play(Box::new(OwnGesture::new(&scene).unwrap()))));
     assert_eq!(run(&mut engine, 0.3), 5e-3, "the end of the gesture");
     // played again and stopped half-way: the port stays there
-    engine.command(EngineCommand::Touch(Touch::Play(Box::new(OwnGesture::new(&scene).unwrap()))));
+    engine.command(EngineCommand::Manual(ManualInput::Play(Box::new(OwnGesture::new(&scene).unwrap()))));
     let half = run(&mut engine, 0.1);
     assert!(half > 2.5e-3 && half < 4.5e-3, "{half}");
-    assert!(engine.command(EngineCommand::Touch(Touch::Stop)).is_some(), "its memory is given back");
+    assert!(engine.command(EngineCommand::Manual(ManualInput::Stop)).is_some(), "its memory is given back");
     assert_eq!(run(&mut engine, 0.1), half);
     // the fastest motion is 3 mm in 17 ms: 60 µm a frame
     assert!(moved < 8e-5, "a jump of {moved} m");
-    engine.command(EngineCommand::Touch(Touch::Port(99, 1.0, GLIDE)));
-    engine.command(EngineCommand::Touch(Touch::Port(input as u32, f64::NAN, GLIDE)));
+    engine.command(EngineCommand::Manual(ManualInput::Port(99, 1.0, GLIDE)));
+    engine.command(EngineCommand::Manual(ManualInput::Port(input as u32, f64::NAN, GLIDE)));
     assert_eq!(engine.counts.refused, 2);
 }
 
@@ -257,7 +257,7 @@ fn a_key_that_its_device_does_not_have_is_moved_while_that_plays() {
         rig.go(&[1e-3]);
     }
     for input in inputs {
-        rig.engine.command(EngineCommand::Touch(Touch::Port(input as u32, 4e-3, GLIDE)));
+        rig.engine.command(EngineCommand::Manual(ManualInput::Port(input as u32, 4e-3, GLIDE)));
     }
     for _ in 0..100 {
         rig.go(&[1e-3]);

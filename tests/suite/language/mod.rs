@@ -1,10 +1,10 @@
 //! The language: reader and writer, names, quantities, selectors, parts, diagnostics.
 
+mod bundled_parts;
 mod diagnostics;
 mod large;
+mod part_limits;
 mod parts;
-mod parts_apart;
-mod parts_shipped;
 mod quantity;
 mod reader;
 mod scaled;

@@ -8,8 +8,8 @@ use serde_json::Value;
 
 /// Checks an error against its expected value, where the case gives two or three digits.
 #[track_caller]
-fn about(what: &str, error: f64, should_be: f64, room: f64) {
-    within(&format!("{what}: error {error:.4e}, {should_be:.3e} expected"), off(error, should_be), room);
+fn about(what: &str, error: f64, should_be: f64, tolerance: f64) {
+    within(&format!("{what}: error {error:.4e}, {should_be:.3e} expected"), off(error, should_be), tolerance);
 }
 
 /// B01: error of a plucked chain over 0.1 s by `method`, run at `r` times 48 kHz and sampled at 48 kHz.
@@ -295,8 +295,8 @@ fn bow(id: &str, method: &str, column: impl Fn(&[f64]) -> usize) {
             within(&format!("{id} {method} at {fs} Hz"), error, 5.0 * should_be);
         } else if should_be < 0.9 {
             // near the limit of a method the error depends on the start, and the table of the curve adds a little
-            let room = if method == "newton" { 0.08 } else { 0.02 };
-            about(&format!("{id} {method} at {fs} Hz"), error, should_be, room + 1e-5 / should_be);
+            let tolerance = if method == "newton" { 0.08 } else { 0.02 };
+            about(&format!("{id} {method} at {fs} Hz"), error, should_be, tolerance + 1e-5 / should_be);
         } else {
             // the solution is lost: the digits of an error of about 100 % mean nothing
             assert!(error > 0.5 && error < 2.0, "{id} {method} at {fs} Hz: {error}");

@@ -75,7 +75,7 @@ proptest! {
         // starts at most three ticks away, or pressed by up to one tick
         let (x, sense, way) = (reach * (phase - begins), ["outside", "inside"][usize::from(inside)], [1.0, -1.0][usize::from(inside)]);
         // √(kη^(p−1)T²/m) is the energy of the rounding of a position, at the depth of a tick
-        let room = 1e-12 + 1e-14 * 10f64.powf(0.5 * hard);
+        let tolerance = 1e-12 + 1e-14 * 10f64.powf(0.5 * hard);
         for method in ["stable", "stable3d"] {
             let text = format!(
                 "[SOL]\nwall = {{}}\n[MAS]\nball = {{ m = {m:?}, x = {:?}, v = {:?} }}\n[HRZ]\nhit = {{ between = [\"wall\", \"ball\"], \
@@ -85,12 +85,12 @@ proptest! {
             let scene = audited(&text);
             let stiff = scene.findings.list.iter().any(|d| d.code == "W119");
             prop_assert_eq!(scene.certificate.level, if stiff { Level::RuleOfThumb } else { Level::Proven });
-            let s = only_falls(&scene, 400, room, &text, |s| {
+            let s = only_falls(&scene, 400, tolerance, &text, |s| {
                 assert!(s.links.tap.iter().all(|f| way * f <= 0.0), "{method} pulls\n{text}");
             });
             let b = s.ledger.as_ref().expect("a ledger").balance();
-            prop_assert!(b.scheme_error <= room * b.peak, "{method}: made {:e}\n{text}", b.scheme_error / b.peak);
-            prop_assert!(!lossless || off(b.h, b.h0) <= room, "{method}: {b:?}\n{text}");
+            prop_assert!(b.scheme_error <= tolerance * b.peak, "{method}: made {:e}\n{text}", b.scheme_error / b.peak);
+            prop_assert!(!lossless || off(b.h, b.h0) <= tolerance, "{method}: {b:?}\n{text}");
         }
     }
 }

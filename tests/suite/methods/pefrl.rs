@@ -24,7 +24,7 @@ fn oscillators(a: f64) -> [String; 2] {
 }
 
 /// First output over `ticks` ticks.
-fn heard(scene: &Scene, ticks: usize) -> Vec<f64> {
+fn output(scene: &Scene, ticks: usize) -> Vec<f64> {
     let mut s = scene.state();
     let mut all = Vec::with_capacity(ticks);
     for _ in 0..ticks {
@@ -43,7 +43,7 @@ fn missed(rate: f64) -> f64 {
         w * w,
         0.5 * w
     ));
-    let played = heard(&scene, rate as usize);
+    let played = output(&scene, rate as usize);
     let error = |(n, x): (usize, &f64)| {
         let t = n as f64 / rate;
         (x - (w * t).cos() - 0.5 * (w * t).sin()).abs()
@@ -186,14 +186,14 @@ fn two_ways_to_write_it() {
                = 1, dx0 = 1 }\n[SOX]\nout = { from = \"low[2]\" }\n";
     // five masses between two walls: the middle one is at 0.5
     let tie = |to: &str| scene(&format!("{HEAD}{low}[RES]\ntie = {{ between = [\"bob\", \"{to}\"], k = 20000 }}\n"));
-    let (mass, point) = (heard(&tie("low[2]"), 2000), heard(&tie("low@0.5"), 2000));
+    let (mass, point) = (output(&tie("low[2]"), 2000), output(&tie("low@0.5"), 2000));
     assert!(mass.iter().any(|x| x.abs() > 0.1));
     within("a point on a mass", apart(&mass, &point), 1e-13);
-    let [spring, cell] = oscillators(1.3).map(|t| heard(&scene(&t), 2000));
+    let [spring, cell] = oscillators(1.3).map(|t| output(&scene(&t), 2000));
     within("a cell is a mass and a spring", apart(&spring, &cell), 1e-13);
     let bob =
         "[rate]\nsound = 1000\ngesture = 1000\n[CEL]\nbob = { m = 2, k = 5000 }\n[SOX]\nout = { from = \"bob\" }\n";
-    let weight = heard(&scene(&format!("{HEAD}gravity = 9.81\n{bob}")), 2000);
+    let weight = output(&scene(&format!("{HEAD}gravity = 9.81\n{bob}")), 2000);
     let pushed = scene(&format!("{HEAD}{bob}[ENF]\npush = {{ to = \"bob\" }}\n"));
     let mut s = pushed.state();
     s.input[0] = -2.0 * 9.81;

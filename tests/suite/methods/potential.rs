@@ -26,7 +26,7 @@ fn laws(k: f64) -> [(&'static str, String); 6] {
 }
 
 /// Largest energy that rounding of positions makes, relative to the peak.
-fn room(a: f64) -> f64 {
+fn tolerance(a: f64) -> f64 {
     (1e-14 * a).max(1e-11)
 }
 
@@ -43,9 +43,9 @@ fn nothing_is_made_at_any_stiffness() {
                 );
                 let scene = audited(&text);
                 assert_eq!(scene.certificate.level, Level::Proven, "{text}");
-                let s = only_falls(&scene, 20_000, room(a), &text, |_| {});
+                let s = only_falls(&scene, 20_000, tolerance(a), &text, |_| {});
                 let made = made(&s);
-                assert!(made <= room(a), "kT²/m = {a:e}: made {made:e} of the peak\n{text}");
+                assert!(made <= tolerance(a), "kT²/m = {a:e}: made {made:e} of the peak\n{text}");
             }
         }
     }
@@ -54,7 +54,7 @@ fn nothing_is_made_at_any_stiffness() {
 /// Rows of such links between different masses, beside a contact and friction, make no energy together.
 #[test]
 fn nothing_is_made_where_masses_are_shared() {
-    for (a, room) in [(0.26, 1e-11), (10.0, 1e-11), (1e3, 1e-9), (1e4, 1e-8)] {
+    for (a, tolerance) in [(0.26, 1e-11), (10.0, 1e-11), (1e3, 1e-9), (1e4, 1e-8)] {
         let mut most = 0.0f64;
         let all = laws(a * 1e-3 * 48e3 * 48e3);
         let rising: Vec<&(&str, String)> = all.iter().filter(|(kind, _)| *kind != "ATT").collect();
@@ -88,10 +88,10 @@ fn nothing_is_made_where_masses_are_shared() {
                 // beside friction, contacts use energy quadratisation
                 let contact = if more.is_empty() { "BUT stable, shared" } else { "BUT stable3d" };
                 assert!(ran(&scene).contains(&contact), "{:?}", ran(&scene));
-                let s = only_falls(&scene, 20_000, room, &text, |_| {});
+                let s = only_falls(&scene, 20_000, tolerance, &text, |_| {});
                 let made = made(&s);
                 most = most.max(made);
-                assert!(made <= room, "kT²/m = {a:e}: made {made:e} of the peak\n{text}");
+                assert!(made <= tolerance, "kT²/m = {a:e}: made {made:e} of the peak\n{text}");
                 assert_eq!(s.links.touches.unsolved, 0, "{text}");
             }
         }

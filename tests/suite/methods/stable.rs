@@ -20,15 +20,15 @@ pub fn made(s: &State) -> f64 {
 }
 
 /// Plays `ticks` of an audited scene without input, calls `each` at every tick, and returns the final state. The energy
-/// only falls, within `room` of its peak, and the ledger balances.
-pub fn only_falls(scene: &Scene, ticks: u64, room: f64, text: &str, mut each: impl FnMut(&State)) -> State {
+/// only falls, within `tolerance` of its peak, and the ledger balances.
+pub fn only_falls(scene: &Scene, ticks: u64, tolerance: f64, text: &str, mut each: impl FnMut(&State)) -> State {
     let mut s = scene.state();
     let mut last = f64::INFINITY;
     for n in 0..ticks {
         tick(scene, &mut s);
         let ledger = s.ledger.as_ref().expect("a ledger");
         assert!(
-            ledger.h.is_finite() && (n == 0 || ledger.h <= last + room * ledger.extremes.peak),
+            ledger.h.is_finite() && (n == 0 || ledger.h <= last + tolerance * ledger.extremes.peak),
             "{} after {last}\n{text}",
             ledger.h
         );

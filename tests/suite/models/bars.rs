@@ -1,7 +1,7 @@
 //! Bars: modes of struck bars, and their decay.
 
 use super::closed_forms::eigenvalues;
-use super::heard::{blows, by_hand, load, perform, play, scene};
+use super::rendering::{by_hand, count_contacts, load, perform, play, scene};
 use crate::acoustics::{centroid, cents, damping, mode, partial, peak, rms, t60};
 
 pub fn iron_bar() {
@@ -29,12 +29,12 @@ pub fn iron_bar() {
     let mut bare = load("iron_bar");
     assert!(bare.set("felts.z", "0") && bare.set("bar.z", "0"));
     let scene = scene(&bare, &[]);
-    perform(bare, &scene, None, 4.5).stands(0, [2.5, 4.4], tones[2..8].iter().copied(), 8.0, 1.0);
+    perform(bare, &scene, None, 4.5).assert_partials(0, [2.5, 4.4], tones[2..8].iter().copied(), 8.0, 1.0);
     // with losses the first mode stays, near B2
     let first = partial(h.at(1, 2.5, 3.6), h.rate, tones[2], 12.0).0;
     assert!(cents(first, tones[2]).abs() < 15.0);
     // three strokes of one contact each; a louder one is brighter
-    assert_eq!(blows(&h.probe[0], h.rate), 3);
+    assert_eq!(count_contacts(&h.probe[0], h.rate), 3);
     let strokes = [0.1, 1.2, 2.3].map(|t| peak(h.at(0, t, t + 0.3)));
     assert!(strokes[1] > 1.2 * strokes[0] && strokes[2] > 1.2 * strokes[1], "{strokes:?}");
     let colour = [0.1, 1.2, 2.3].map(|t| centroid(h.at(0, t + 0.03, t + 0.3), h.rate));
@@ -61,7 +61,7 @@ pub fn marimba() {
         assert!(rms(g.probed(1, 0.3, 0.6)) > 2.0 * rms(g.probed(0, 0.3, 0.6)), "{bar}: the air is still");
         let (with, without) = (t60(g.probed(0, 0.3, 1.2), h.rate, f), h.numbers(&format!("{bar}.wood"), "t60")[0]);
         assert!(with < 0.8 * without, "{bar}: T60 {with:.2} s, alone {without:.2} s");
-        assert_eq!(blows(&g.probe[2], h.rate), 1, "{bar} is struck once");
+        assert_eq!(count_contacts(&g.probe[2], h.rate), 1, "{bar} is struck once");
     }
     let struck = [0.03, 0.013, 0.008].map(|time| {
         let g = by_hand(&h.model, &[&strikes[0]], &[("key[0].key", &press(time))], 0.6);

@@ -1,6 +1,6 @@
 //! Bowed models: string, plate and glasses under a hand, and two strings under a pendulum.
 
-use super::heard::{Heard, by_hand, play};
+use super::rendering::{Rendering, by_hand, play};
 use crate::acoustics::{centroid, cents, db, envelope, partial, peak, period, rms, velocity};
 use ca_model::Model;
 
@@ -26,7 +26,7 @@ fn motion(x: &[f64], rate: f64, bow: f64) -> Motion {
 }
 
 /// A steady stroke of `speed` [m/s] with `force` [N] for two seconds.
-fn stroke(model: &Model, probes: &[&str], speed: f64, force: f64) -> Heard {
+fn stroke(model: &Model, probes: &[&str], speed: f64, force: f64) -> Rendering {
     let draw = [(0.0, -0.22), (0.1, -0.22), (2.1, -0.22 + 2.0 * speed)];
     let press = [(0.0, 0.0), (0.1, force / 24.0)];
     by_hand(model, probes, &[("bow.draw", &draw), ("bow.press", &press)], 2.0)

@@ -1,7 +1,7 @@
 //! Piano keys: forces at the finger, repetition, and the wires they play.
 
-use super::heard::{blows, by_hand, play};
 use super::piano::{BED, Finger, UP, felt, one_key};
+use super::rendering::{by_hand, count_contacts, play};
 use crate::acoustics::{centroid, cents, db, partial, peak, rms};
 
 /// Frequency [Hz] in equal temperament, `steps` from C4.
@@ -13,14 +13,14 @@ pub fn piano_key() {
     let names = ["key[0].strike", "key[1].strike", "key[2].strike"];
     let h = play("piano_key", &names);
     // one contact per stroke; the slow press at 5 s makes none, and each of the five from half release makes one
-    assert_eq!([0, 1, 2].map(|i| blows(&h.probe[i], h.rate)), [8, 3, 3]);
+    assert_eq!([0, 1, 2].map(|i| count_contacts(&h.probe[i], h.rate)), [8, 3, 3]);
     assert_eq!(peak(h.probed(0, 4.9, 5.6)), 0.0);
-    assert_eq!(blows(h.probed(0, 5.65, 6.6), h.rate), 5);
+    assert_eq!(count_contacts(h.probed(0, 5.65, 6.6), h.rate), 5);
     // the chord at the bridge, one note at a time and together, and louder with speed
     for (key, t) in [(0, 0.2), (4, 0.65), (7, 1.15)] {
         let f = tempered(key);
-        h.stands(0, [t, t + 0.4], [f], 12.0, 5.0);
-        h.stands(0, [3.4, 4.3], [f], 12.0, 5.0);
+        h.assert_partials(0, [t, t + 0.4], [f], 12.0, 5.0);
+        h.assert_partials(0, [3.4, 4.3], [f], 12.0, 5.0);
     }
     assert!(peak(h.at(0, 3.2, 3.5)) > 2.0 * peak(h.at(0, 2.0, 2.4)), "a faster key is louder");
     // force along the travel: weight, damper and hammer, let-off, drop and bed
@@ -40,7 +40,7 @@ pub fn piano_key() {
         let (up, bed) = (UP + back, 1.3e-3);
         let way = [(0.0, UP), (0.1, UP), (0.131, bed), (0.2, bed), (0.24, up), (0.34, up), (0.36, bed), (0.5, bed)];
         let h = by_hand(&h.model, &["key[0].strike"], &[("key[0].key", &way)], 0.6);
-        blows(&h.probe[0], h.rate)
+        count_contacts(&h.probe[0], h.rate)
     };
     assert_eq!([4e-3, 4.5e-3, 6e-3].map(again), [2, 2, 1]);
     let mut way = vec![(0.0, UP), (0.1, UP)];
@@ -49,7 +49,7 @@ pub fn piano_key() {
         way.extend([(t + 0.02, 1.3e-3), (t + 0.04, 1.3e-3), (t + 0.07, -4e-3), (t + 0.1, -4e-3)]);
     }
     let ten = by_hand(&h.model, &["key[0].strike"], &[("key[0].key", &way)], 1.3);
-    assert_eq!(blows(&ten.probe[0], h.rate), 10);
+    assert_eq!(count_contacts(&ten.probe[0], h.rate), 10);
 }
 
 /// Sharpness [cents] of partial `j` against harmonics of `first` [Hz], searched near its place for stiffness `b`.
@@ -61,7 +61,7 @@ fn sharp(x: &[f64], rate: f64, first: f64, j: u32, b: f64) -> f64 {
 
 pub fn piano_wire() {
     let h = play("piano_wire", &["strike"]);
-    assert_eq!(blows(&h.probe[0], h.rate), 2, "one contact a stroke");
+    assert_eq!(count_contacts(&h.probe[0], h.rate), 2, "one contact a stroke");
     let (c2, x) = (tempered(-24), h.at(0, 2.5, 7.9));
     let first = partial(x, h.rate, c2, 4.0).0;
     assert!(cents(first, c2).abs() < 2.0, "{first:.3} Hz");
@@ -76,7 +76,7 @@ pub fn piano_wire() {
     assert!((3.0..5.5).contains(&early) && (9.0..16.0).contains(&late), "T60 {early:.2} s, then {late:.2} s");
     let colour = [0.08, 0.25, 0.58].map(|speed| {
         let g = one_key(&h.model, "key", &["strike"], speed, 1.2, 1.2);
-        assert_eq!(blows(&g.probe[0], h.rate), 1, "{speed} m/s");
+        assert_eq!(count_contacts(&g.probe[0], h.rate), 1, "{speed} m/s");
         centroid(g.at(0, 0.1, 1.2), h.rate)
     });
     for (is, f) in colour.into_iter().zip([202.0, 427.0, 545.0]) {
@@ -94,7 +94,7 @@ pub fn piano24() {
         .map(|i| {
             // each key once, and five of them again in the chord
             let strokes = 1 + usize::from([0, 7, 12, 16, 19].contains(&i));
-            assert_eq!(blows(&h.probe[2 * i], h.rate), strokes, "key {i}");
+            assert_eq!(count_contacts(&h.probe[2 * i], h.rate), strokes, "key {i}");
             let (f, t) = (tempered(i as i32 - 12), 0.1 + 0.2 * i as f64);
             let found = partial(h.probed(2 * i + 1, t + 0.12, t + 0.5), h.rate, f, 8.0).0;
             assert!(cents(found, f).abs() < 5.0, "key {i}: {found:.2} Hz, not {f:.2} Hz");

@@ -1,6 +1,6 @@
 //! The mallet part shipped with the program, checked against its header: soft notes, light and heavy strings.
 
-use super::heard::by_hand;
+use super::rendering::by_hand;
 use crate::play::model;
 
 /// Number of contacts at this velocity. The key travels 8 mm; its speed is linear in velocity, a fifth at 0.

@@ -4,7 +4,6 @@
 mod bars;
 mod bowed;
 mod closed_forms;
-mod heard;
 mod keys;
 mod mallet;
 mod piano;
@@ -12,6 +11,7 @@ mod plates;
 mod played;
 mod presets;
 mod proven;
+mod rendering;
 mod renders;
 mod space;
 mod strings;
@@ -19,11 +19,11 @@ mod velocities;
 
 use bars::{iron_bar, kalimba, marimba};
 use bowed::{bowed_plate, bowed_string, glass, physical_lfo};
-use heard::{file_names, load};
 use keys::{piano_key, piano_wire, piano24};
 use piano::hammer_piano;
 use plates::{gong, membrane, plate, snare, tam_tam};
 use played::{rain_stick, wind};
+use rendering::{file_names, load};
 use space::{chimes, crystal, jack, maracas, rattle, rattle_stick, tossed_grains};
 use std::collections::BTreeSet;
 use strings::{

@@ -3,7 +3,7 @@
 //! The page is measured with a finger that follows a list of positions, through the engine and the guard of a TGR:
 //! force at the key, sound, and energy flow. `UPDATE=1 cargo test $ALL --test suite -- hammer_piano` rewrites it.
 
-use super::heard::{Heard, blows, by_hand, load, play};
+use super::rendering::{Rendering, by_hand, count_contacts, load, play};
 use crate::acoustics::{centroid, cents, db, partial, peak, rms, t60};
 use ca_compile::{Options, compile};
 use ca_core::Scene;
@@ -29,7 +29,7 @@ pub fn press(speed: f64, to: f64) -> Vec<(f64, f64)> {
 }
 
 /// Plays one key of a model alone, pressed at `speed` and held until `to`.
-pub fn one_key(model: &Model, key: &str, probes: &[&str], speed: f64, to: f64, seconds: f64) -> Heard {
+pub fn one_key(model: &Model, key: &str, probes: &[&str], speed: f64, to: f64, seconds: f64) -> Rendering {
     by_hand(model, probes, &[(key, &press(speed, to))], seconds)
 }
 
@@ -40,7 +40,7 @@ pub fn hammer_piano() {
     // one contact per stroke of the gesture
     let strokes = [3, 1, 2, 1, 3, 2, 1, 3, 1, 2, 1, 2];
     for (i, n) in strokes.into_iter().enumerate() {
-        assert_eq!(blows(&h.probe[2 * i], h.rate), n, "key {i}");
+        assert_eq!(count_contacts(&h.probe[2 * i], h.rate), n, "key {i}");
     }
     // una corda leaves the second string unstruck
     assert!(peak(h.probed(0, 3.6, 4.0)) > 0.0 && peak(h.probed(1, 0.1, 0.4)) > 0.0);
@@ -54,7 +54,7 @@ pub fn hammer_piano() {
         let want = 440.0 * 2f64.powf((f64::from(i) - 9.0) / 12.0);
         let alone = one_key(&h.model, &format!("key[{i}].key"), &[&strikes[2 * i as usize]], 0.3, 2.0, 1.6);
         let found = partial(alone.at(0, 0.3, 1.5), alone.rate, want, 10.0).0;
-        assert_eq!(blows(&alone.probe[0], h.rate), 1, "key {i}");
+        assert_eq!(count_contacts(&alone.probe[0], h.rate), 1, "key {i}");
         assert!(cents(found, want).abs() < 2.0, "key {i}: {found:.2} Hz, not {want:.2} Hz");
     }
     if !long {
@@ -80,7 +80,7 @@ pub fn hammer_piano() {
     // twelve keys that are pressed when their device connects are silent too
     let mut found = Finger::at("hammer_piano", 0.0);
     found.stay(1.5);
-    assert_eq!(found.engine.ports[0].hand.met, u32::MAX);
+    assert_eq!(found.engine.ports[0].hand.arrived, u32::MAX);
     assert!(peak(&found.sound) < 2e-3, "{:.1} dBFS", db(peak(&found.sound)));
 }
 

@@ -1,7 +1,7 @@
 //! Membranes, plates and gongs: modes of meshes, and the effect of hardening springs.
 
 use super::closed_forms::sin2;
-use super::heard::{Heard, blows, by_hand, play, scene};
+use super::rendering::{Rendering, by_hand, count_contacts, play, scene};
 use crate::acoustics::{centroid, cents, damping, db, density, mode, partial, peak, rms, stiffness, t60};
 use ca_tests::long_form::long_form;
 
@@ -25,7 +25,7 @@ pub fn membrane() {
     let a = stiffness(h.number("skin", "f"), zo, h.rate) / mesh(1, 1, nx, ny);
     let tone = |p, q| mode(a * mesh(p, q, nx, ny), zo + z * mesh(p, q, nx, ny), h.rate);
     let modes = [(1, 1), (2, 1), (1, 2), (2, 2), (3, 1)].map(|(p, q)| tone(p, q).0);
-    h.stands(0, [2.4, 3.4], modes, 6.0, 3.0);
+    h.assert_partials(0, [2.4, 3.4], modes, 6.0, 3.0);
     assert!(cents(modes[0], 147.0).abs() < 0.1);
     // strings have ratios 2, 3, 4; a skin does not
     assert!((modes[1] / modes[0] - 2.0).abs() > 0.3);
@@ -34,7 +34,7 @@ pub fn membrane() {
     let colour = [0.1, 0.8, 1.5, 1.85].map(|t| centroid(h.at(0, t + 0.01, t + 0.3), h.rate));
     assert!((colour[0] / 470.0 - 1.0).abs() < 0.2 && (colour[3] / 900.0 - 1.0).abs() < 0.2, "{colour:.0?} Hz");
     // five strokes; a stick that rests on the skin mutes it
-    assert_eq!(blows(&h.probe[0], h.rate), 5);
+    assert_eq!(count_contacts(&h.probe[0], h.rate), 5);
     let way = |up: f64| [(0.0, -9e-3), (0.1, -9e-3), (0.112, 3e-3), (0.124, up), (1.0, up)];
     let level = |up: f64| rms(by_hand(&h.model, &[], &[("stick", &way(up))], 1.0).at(0, 0.6, 0.9));
     assert!(level(3e-3) < 0.4 * level(-9e-3), "{:.1} dB", db(level(3e-3) / level(-9e-3)));
@@ -60,11 +60,11 @@ pub fn plate() {
     let fell = db(rms(h.at(0, 4.1, 4.2)) / rms(h.at(0, 4.75, 4.85)));
     assert!((fell - 22.0).abs() < 4.0, "the palm takes {fell:.1} dB");
     let strokes = [0.1, 1.2, 2.3].map(|t| peak(h.at(0, t, t + 0.3)));
-    assert_eq!(blows(&h.probe[1], h.rate), 3);
+    assert_eq!(count_contacts(&h.probe[1], h.rate), 3);
     assert!(strokes[0] < strokes[1] && strokes[1] < strokes[2], "{strokes:?}");
 }
 
-fn both(h: &Heard) -> Vec<f64> {
+fn both(h: &Rendering) -> Vec<f64> {
     h.sound[0].iter().zip(&h.sound[1]).map(|(a, b)| a + b).collect()
 }
 
@@ -120,7 +120,7 @@ pub fn tam_tam() {
 
 pub fn snare() {
     let h = play("snare", &["centre.strike", "edge.strike", "wire[2].rattle[5]"]);
-    assert_eq!([0, 1].map(|i| blows(&h.probe[i], h.rate)), [8, 12], "one contact a stroke");
+    assert_eq!([0, 1].map(|i| count_contacts(&h.probe[i], h.rate)), [8, 12], "one contact a stroke");
     // the same strokes with and without wires: a noisy tail, and a tom of the given pitch
     for t in [0.2, 0.7] {
         let tail = |t: f64| share(h.at(0, t + 0.06, t + 0.23), h.rate, 1500.0, 24e3);

@@ -1,6 +1,6 @@
 //! Wind and rain stick: noise and rhythm from colliding masses.
 
-use super::heard::{by_hand, play};
+use super::rendering::{by_hand, play};
 use crate::acoustics::{cents, db, flatness, partial, peak, period, rms, slope, velocity};
 
 pub fn wind() {

@@ -1,6 +1,6 @@
 //! Presets of the bundled models: each sounds unlike the others, at a level that fits, and makes no energy.
 
-use super::heard::{file_names, load, perform, scene};
+use super::rendering::{file_names, load, perform, scene};
 use crate::acoustics::{db, peak};
 use std::collections::BTreeMap;
 

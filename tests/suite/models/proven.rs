@@ -1,6 +1,6 @@
 //! The bundled models by `method = "auto"`: none is refused, and none is proven less than as it is written.
 
-use super::heard::{file_names, load};
+use super::rendering::{file_names, load};
 use ca_compile::{Options, compile};
 use ca_tests::catalog;
 

@@ -1,8 +1,8 @@
 //! Instruments in space: the rattle in two manipulations, maracas, wind chimes, and a dropped jack.
 
 use super::closed_forms::eigenvalues;
-use super::heard::{Heard, blows, by_hand, load, perform, play, scene};
 use super::plates::share;
+use super::rendering::{Rendering, by_hand, count_contacts, load, perform, play, scene};
 use crate::acoustics::{cents, db, mode, partial, peak, rms};
 use ca_core::{Location, Scene};
 use ca_io::gesture::{Gesture, Track};
@@ -10,22 +10,22 @@ use ca_model::Model;
 
 /// Absolute positions [m] of the modules `names` over time, from probes of the same names in the same order.
 struct Motion<'a> {
-    heard: &'a Heard,
+    rendering: &'a Rendering,
     rest: Vec<[f64; 3]>,
 }
 
 impl<'a> Motion<'a> {
-    fn new(heard: &'a Heard, scene: &Scene, names: &[String]) -> Motion<'a> {
+    fn new(rendering: &'a Rendering, scene: &Scene, names: &[String]) -> Motion<'a> {
         let rest = names.iter().map(|n| {
             let symbol = scene.symbols.iter().find(|s| s.name == *n).unwrap_or_else(|| panic!("no `{n}`"));
             let Location::Mat(at) = symbol.location else { panic!("`{n}` is a link") };
             [0, 1, 2].map(|k| scene.places.rest[at as usize + k])
         });
-        Motion { rest: rest.collect(), heard }
+        Motion { rest: rest.collect(), rendering }
     }
 
     fn at(&self, i: usize, n: usize) -> [f64; 3] {
-        [0, 1, 2].map(|k| self.rest[i][k] + self.heard.probe[3 * i + k][n])
+        [0, 1, 2].map(|k| self.rest[i][k] + self.rendering.probe[3 * i + k][n])
     }
 
     fn apart(&self, i: usize, j: usize, n: usize) -> f64 {
@@ -34,11 +34,11 @@ impl<'a> Motion<'a> {
     }
 
     fn ticks(&self) -> usize {
-        self.heard.probe[0].len()
+        self.rendering.probe[0].len()
     }
 }
 
-fn played(name: &str) -> Heard {
+fn played(name: &str) -> Rendering {
     let corners = ["low", "mid", "high"].iter().flat_map(|p| (0..4).map(move |i| format!("toy.{p}[{i}]")));
     let names: Vec<String> = std::iter::once("toy.ball".to_string()).chain(corners).collect();
     let mut probes: Vec<&str> = names.iter().map(String::as_str).collect();
@@ -64,7 +64,7 @@ fn played(name: &str) -> Heard {
     let first = (0..motion.ticks()).find(|n| keep.iter().any(|f| f[*n] != 0.0)).expect("a blow");
     let loudest = peak(&h.sound[0]);
     assert!(first > 200 && peak(&h.sound[0][..first]) < 1e-9 * loudest, "{name}: a sound of nothing");
-    let count: usize = keep.iter().map(|f| blows(f, h.rate)).sum();
+    let count: usize = keep.iter().map(|f| count_contacts(f, h.rate)).sum();
     assert!((60..5000).contains(&count), "{name}: {count} blows");
     let level = |t0: f64, t1: f64| db(rms(h.at(0, t0, t1)));
     assert!(bent < 0.016, "{name}: an edge bends by {bent}");
@@ -171,7 +171,7 @@ pub fn chimes() {
     let knocks: Vec<String> = tubes.iter().map(|t| format!("knock_{t}")).collect();
     let probes: Vec<&str> = knocks.iter().map(String::as_str).collect();
     let h = play("chimes", &probes);
-    let struck: Vec<usize> = (0..5).filter(|i| blows(&h.probe[*i], h.rate) > 0).collect();
+    let struck: Vec<usize> = (0..5).filter(|i| count_contacts(&h.probe[*i], h.rate) > 0).collect();
     assert!(struck.len() >= 3, "the wind reaches {struck:?}");
     for i in struck {
         // at its pitch, in the second after its last blow
@@ -201,7 +201,7 @@ pub fn jack() {
     let land = &h.probe[21..];
     let any: Vec<f64> = (0..motion.ticks()).map(|n| land.iter().map(|f| f[n]).sum()).collect();
     let struck = land.iter().filter(|f| f.iter().any(|f| *f != 0.0)).count();
-    assert!(struck >= 4 && blows(&any, h.rate) >= 20, "{struck} tips, {} blows", blows(&any, h.rate));
+    assert!(struck >= 4 && count_contacts(&any, h.rate) >= 20, "{struck} tips, {} blows", count_contacts(&any, h.rate));
     // it falls from 9 cm and ends on the skin with its weight alone
     let first = any.iter().position(|f| *f != 0.0).unwrap() as f64 / h.rate;
     assert!((0.13..0.14).contains(&first), "{first}");

@@ -1,19 +1,19 @@
 //! Struck, plucked, touched and stopped strings: partials, decay, and the effects of playing.
 
 use super::closed_forms::sin2;
-use super::heard::{Heard, blows, by_hand, perform, play, scene};
+use super::rendering::{Rendering, by_hand, count_contacts, perform, play, scene};
 use crate::acoustics::{centroid, cents, damping, db, mode, partial, peak, period, rms, stiffness, t60};
 use crate::play::PI;
 
 pub fn hammered_string() {
     let h = play("hammered_string", &["strike"]);
-    h.stands(0, [4.2, 6.8], (1..=8).map(|j| h.string("low", j).0), 20.0, 1.0);
+    h.assert_partials(0, [4.2, 6.8], (1..=8).map(|j| h.string("low", j).0), 20.0, 1.0);
     let (f, t) = h.string("low", 1);
     let measured = t60(h.at(0, 4.2, 6.9), h.rate, f);
     assert!((measured / t - 1.0).abs() < 0.01, "T60 {measured:.3} s, analytic {t:.3} s");
     // five strokes of one contact each, each harder than the last
     let strokes = [0.1, 0.9, 1.7, 2.5, 3.3];
-    assert_eq!(blows(&h.probe[0], h.rate), 5);
+    assert_eq!(count_contacts(&h.probe[0], h.rate), 5);
     let force = strokes.map(|t| peak(h.probed(0, t, t + 0.2)));
     assert!(force.windows(2).all(|w| w[1] > 1.1 * w[0]), "{force:?}");
     let colour = strokes.map(|t| centroid(h.at(0, t + 0.05, t + 0.25), h.rate));
@@ -24,13 +24,13 @@ pub fn hammered_string() {
     let mut lively = h.model.clone();
     assert!(lively.set("rest", "2 N s/m"));
     let scene = scene(&lively, &["strike"]);
-    assert!(blows(&perform(lively, &scene, None, 7.0).probe[0], h.rate) > 5);
+    assert!(count_contacts(&perform(lively, &scene, None, 7.0).probe[0], h.rate) > 5);
 }
 
 pub fn plucked_string() {
     let h = play("plucked_string", &["pick.pluck"]);
     let tones: Vec<(f64, f64)> = (0..=20).map(|j| if j == 0 { (0.0, 0.0) } else { h.string("low", j) }).collect();
-    h.stands(1, [5.7, 7.8], tones[1..=8].iter().map(|t| t.0), 20.0, 1.0);
+    h.assert_partials(1, [5.7, 7.8], tones[1..=8].iter().map(|t| t.0), 20.0, 1.0);
     assert!(cents(tones[1].0, 146.8324).abs() < 0.1, "D3");
     for j in [1, 10, 20] {
         let (f, t) = tones[j];
@@ -80,7 +80,7 @@ pub fn natural_harmonic() {
         }
         let loudest = (1..=10).max_by(|a, b| level(*a, after[0], after[1]).total_cmp(&level(*b, after[0], after[1])));
         assert_eq!(loudest.map(|j| j % n), Some(0), "1/{n}: {loudest:?}");
-        h.stands(0, after, [n, 2 * n].map(|j| h.string("low", j).0), 15.0, 1.0);
+        h.assert_partials(0, after, [n, 2 * n].map(|j| h.string("low", j).0), 15.0, 1.0);
     }
     let pitch_is = partial(h.at(0, 1.4, 2.3), h.rate, 330.0, 30.0).0;
     assert!(cents(pitch_is, 330.0).abs() < 2.0);
@@ -121,7 +121,7 @@ pub fn wave_guitar() {
     let whole = (h.number("low", "tension") * h.number("low", "mu")).sqrt() / (2.0 * f);
     let slower = |j: f64| at.iter().map(|b| m * (j * PI * b).sin().powi(2)).sum::<f64>() / whole;
     let partials = (1..=12).map(f64::from).map(|j| j * f * (1.0 + slower(1.0) - slower(j)));
-    h.stands(0, [1.0, 2.9], partials, 20.0, 0.3);
+    h.assert_partials(0, [1.0, 2.9], partials, 20.0, 0.3);
     let measured = t60(h.at(0, 0.2, 2.9), h.rate, f);
     assert!((measured / h.number("low", "t60") - 1.0).abs() < 0.01, "T60 {measured:.3} s");
     // beads reflect high partials slightly, which changes their decay; near 4.4 kHz the mean decay is the one given
@@ -190,7 +190,7 @@ pub fn hoop() {
     let shape = |j: usize| 4.0 * sin2(2 * j, n);
     let a = stiffness(h.number("hoop", "f"), zo, h.rate) / shape(1);
     let tone = |j: usize| mode(a * shape(j), zo + z * shape(j), h.rate);
-    h.stands(0, [0.4, 1.9], [1, 2, 4, 5].map(|j| tone(j).0), 6.0, 3.0);
+    h.assert_partials(0, [0.4, 1.9], [1, 2, 4, 5].map(|j| tone(j).0), 6.0, 3.0);
     let measured = t60(h.at(0, 2.4, 4.8), h.rate, tone(1).0);
     assert!((measured / tone(1).1 - 1.0).abs() < 0.03, "T60 {measured:.3} s, analytic {:.3} s", tone(1).1);
     let strokes = [0.1, 2.0].map(|t| peak(h.at(1, t, t + 0.3)));
@@ -201,7 +201,7 @@ pub fn prepared_string() {
     let h = play("prepared_string", &["hammer.strike", "rattle", "hop", "loose.ring"]);
     // free; with the screw; with screw and rubber, each soft and loud; and free again
     let strokes = [0.1, 1.1, 2.6, 3.6, 5.1, 6.1, 7.0];
-    assert_eq!(blows(&h.probe[0], h.rate), strokes.len(), "one contact a stroke");
+    assert_eq!(count_contacts(&h.probe[0], h.rate), strokes.len(), "one contact a stroke");
     let rattles = strokes.map(|t| touches(h.probed(1, t, if t < 6.6 { (t + 0.9).min(6.6) } else { t + 0.9 })));
     assert_eq!([rattles[0], rattles[1], rattles[6]], [0; 3], "the screw is away");
     assert!(rattles[2..6].iter().all(|n| *n > 5), "the screw rattles: {rattles:?}");
@@ -218,10 +218,10 @@ pub fn prepared_string() {
     assert_eq!(peak(&loud.probe[0]), 0.0);
     let colour = [&soft, &loud].map(|g| centroid(g.at(0, 0.1, 0.6), h.rate));
     assert!(colour[1] > 1.2 * colour[0], "{colour:.0?} Hz");
-    let fall = |g: &Heard| db(rms(g.at(0, 0.2, 0.3)) / rms(g.at(0, 0.8, 0.9)));
+    let fall = |g: &Rendering| db(rms(g.at(0, 0.2, 0.3)) / rms(g.at(0, 0.8, 0.9)));
     let (with, without) = (fall(&stroke("1.5 g", 0.007, 8e-3)), fall(&loud));
     assert!(with > without + 10.0, "{with:.1} dB with the rubber, {without:.1} dB without");
-    let spread = |g: &Heard| {
+    let spread = |g: &Rendering| {
         let tones = (1..=8).map(|j| h.string("low", j).0);
         tones.map(|f| cents(partial(g.at(0, 0.4, 1.9), h.rate, f, 0.06 * f).0, f).abs()).fold(0.0, f64::max)
     };

@@ -1,7 +1,7 @@
 //! Every bundled instrument with MIDI notes, from the softest to the loudest velocity: each note is audible, a higher
 //! velocity is never softer, and no new sound begins at its end.
 
-use super::heard::{file_names, load};
+use super::rendering::{file_names, load};
 use crate::acoustics::{db, peak};
 use ca_compile::{Options, compile};
 use ca_core::Scene;

@@ -4,7 +4,7 @@
 //! beside the model that the import writes. The link of mi.lib gets the delayed positions of its ends, x₋₂, as from the
 //! exporter; `first_samples` in `peers.rs` describes the effect in the first sample.
 
-use crate::outside::peers::{Heard, Played, SECOND, agree, by_faust};
+use crate::outside::peers::{Channels, Played, SECOND, agree, by_faust};
 use crate::play::{Random, scene};
 use ca_core::{Scene, tick};
 use ca_import::mims::import;
@@ -20,20 +20,20 @@ fn imported(text: &str) -> (Scene, Vec<String>) {
 }
 
 /// Output of the imported scene for one second.
-fn ours(scene: &Scene, played: Played) -> Heard {
+fn by_engine(scene: &Scene, played: Played) -> Channels {
     let mut s = scene.state();
     let ports: Vec<usize> = played.iter().map(|(name, _)| scene.input(name).expect("a port")).collect();
-    let mut heard = vec![Vec::with_capacity(SECOND); scene.counts.channels];
+    let mut channels = vec![Vec::with_capacity(SECOND); scene.counts.channels];
     for n in 0..SECOND {
         for (port, (_, values)) in ports.iter().zip(played) {
             s.input[*port] = values[n];
         }
         tick(scene, &mut s);
-        for (row, value) in heard.iter_mut().zip(&s.output) {
+        for (row, value) in channels.iter_mut().zip(&s.output) {
             row.push(*value);
         }
     }
-    heard
+    channels
 }
 
 /// The Faust program of a MIMS model. Its inputs: all `posInput`, then all `frcInput`.
@@ -131,7 +131,7 @@ fn faust(text: &str) -> String {
 fn same(text: &str, played: Played) {
     let (scene, _) = imported(text);
     let Some(theirs) = by_faust(&faust(text), played) else { return };
-    let ours = ours(&scene, played);
+    let ours = by_engine(&scene, played);
     assert_eq!(ours.len(), theirs.len());
     for (i, (ours, theirs)) in ours.iter().zip(&theirs).enumerate() {
         agree(&format!("output {i} of\n{text}"), ours, theirs, 1e-12);
@@ -144,7 +144,7 @@ const AWAY: &str = "@g ground 0.\n@m mass 1 0.1 0.1\n@s springDamper @g @m 0.1 0
 #[test]
 fn a_start_speed_is_the_step_before_the_first_sample() {
     let (scene, _) = imported(SPEED);
-    let ours = ours(&scene, &[]);
+    let ours = by_engine(&scene, &[]);
     for (n, theirs) in [-0.1, -0.19, -0.252, -0.2826].into_iter().enumerate() {
         assert!((ours[0][n] - theirs).abs() < 1e-15, "{n}: {} {theirs}", ours[0][n]);
     }
@@ -154,7 +154,7 @@ fn a_start_speed_is_the_step_before_the_first_sample() {
 #[test]
 fn a_displaced_mass_rings_about_the_place_where_it_rests() {
     let (scene, _) = imported(AWAY);
-    let ours = ours(&scene, &[]);
+    let ours = by_engine(&scene, &[]);
     // the first link force: from the stretch, and from the delayed position taken for a speed
     assert_eq!(ours[0][0], 0.1);
     assert!((ours[0][1] - (0.1 - 0.01 - 0.02)).abs() < 1e-15);

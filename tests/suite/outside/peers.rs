@@ -35,7 +35,7 @@ const SAME: f64 = 1e-9;
 pub type Played<'a> = &'a [(&'a str, Vec<f64>)];
 
 /// Outputs, one row each.
-pub type Heard = Vec<Vec<f64>>;
+pub type Channels = Vec<Vec<f64>>;
 
 fn run(command: &mut Command) -> Result<(), String> {
     let out = command.output().map_err(|e| format!("{}: {e}", command.get_program().display()))?;
@@ -57,14 +57,14 @@ fn tools() -> Result<&'static str, (&'static str, String)> {
 
 /// Output of `peers/NAME.dsp` for one second; `None` if it cannot be compiled here.
 #[track_caller]
-fn theirs(name: &str, played: Played) -> Option<Heard> {
+fn by_peer(name: &str, played: Played) -> Option<Channels> {
     let here = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("peers");
     by_faust(&std::fs::read_to_string(here.join(format!("{name}.dsp"))).unwrap(), played)
 }
 
 /// Output of a Faust program for one second; `None` if it cannot be compiled here.
 #[track_caller]
-pub fn by_faust(text: &str, played: Played) -> Option<Heard> {
+pub fn by_faust(text: &str, played: Played) -> Option<Channels> {
     let compiler = match tools() {
         Ok(compiler) => compiler,
         Err((needs, why)) => {
@@ -100,7 +100,7 @@ pub fn by_faust(text: &str, played: Played) -> Option<Heard> {
 
 /// Output of a model in per-sample units for one second. It begins at rest without displacement, except for the masses
 /// in `start`, which are at x after a step d.
-fn ours(text: &str, start: &[(&str, f64, f64)], played: Played) -> Heard {
+fn by_engine(text: &str, start: &[(&str, f64, f64)], played: Played) -> Channels {
     let scene = scene(&format!("[rate]\nsound = {SECOND}\n[model]\nunits = \"alg\"\n{text}"));
     let mut s = scene.state();
     s.x.fill(0.0);
@@ -110,17 +110,17 @@ fn ours(text: &str, start: &[(&str, f64, f64)], played: Played) -> Heard {
         (s.x[i], s.d[i]) = (*x, *d);
     }
     let ports: Vec<usize> = played.iter().map(|(name, _)| scene.input(name).expect("a port")).collect();
-    let mut heard = vec![Vec::with_capacity(SECOND); scene.counts.channels];
+    let mut channels = vec![Vec::with_capacity(SECOND); scene.counts.channels];
     for n in 0..SECOND {
         for (port, (_, values)) in ports.iter().zip(played) {
             s.input[*port] = values[n];
         }
         tick(&scene, &mut s);
-        for (row, value) in heard.iter_mut().zip(&s.output) {
+        for (row, value) in channels.iter_mut().zip(&s.output) {
             row.push(*value);
         }
     }
-    heard
+    channels
 }
 
 /// Compares one row with the other, to a part of the largest value.
@@ -148,7 +148,7 @@ fn push() -> Vec<f64> {
 
 #[test]
 fn first_samples() {
-    let Some(theirs) = theirs("first", &[]) else { return };
+    let Some(theirs) = by_peer("first", &[]) else { return };
     let [damper, contact, pluck, tied, cell] = &theirs[..] else { panic!("{} outputs", theirs.len()) };
     // a damper on an end at rest at 10, declared to have been at 3: not the force of 7, but of 10 + 3
     assert_eq!((damper[0], damper[1]), (-13.0, 0.0));
@@ -165,24 +165,24 @@ fn first_samples() {
 #[test]
 fn a_string() {
     let played = [("push", push())];
-    let Some(theirs) = theirs("string", &played) else { return };
+    let Some(theirs) = by_peer("string", &played) else { return };
     let text = "[STRING]\ns = { n = 24, m = 1, k = 0.25, z = 2e-3, zo = 1e-4 }\n[ENF]\npush = { to = \"s[4]\" }\n\
                 [SOX]\na = { from = \"s[2]\" }\nb = { from = \"s[18]\" }\n";
-    all_agree("a string", &ours(text, &[], &played), &theirs);
+    all_agree("a string", &by_engine(text, &[], &played), &theirs);
 }
 
 #[test]
 fn a_mesh() {
     let played = [("push", push())];
-    let Some(theirs) = theirs("mesh", &played) else { return };
+    let Some(theirs) = by_peer("mesh", &played) else { return };
     let text = "[MESH]\ns = { nx = 6, ny = 5, m = 1, k = 0.1, z = 5e-5, edges = \"closed\" }\n\
                 [ENF]\npush = { to = \"s[2,1]\" }\n[SOX]\na = { from = \"s[1,3]\" }\nb = { from = \"s[4,2]\" }\n";
-    all_agree("a mesh", &ours(text, &[], &played), &theirs);
+    all_agree("a mesh", &by_engine(text, &[], &played), &theirs);
 }
 
 #[test]
 fn cells_and_linear_links() {
-    let Some(theirs) = theirs("cells", &[]) else { return };
+    let Some(theirs) = by_peer("cells", &[]) else { return };
     let g = 1e-6;
     let text = format!(
         "gravity = {g:?}\n[SOL]\nwall = {{ x = 0.3 }}\n[MAS]\nb = {{ m = 0.7 }}\n[CEL]\n\
@@ -199,31 +199,31 @@ fn cells_and_linear_links() {
     };
     let (a, b, c) = (first(0.01, 5e-4, [0.19, 0.2]), first(0.0, 0.0, [-0.1, -0.1]), first(5e-3, 2e-4, [-0.01, 0.0]));
     let start = [("a", a.0, a.1), ("b", b.0, b.1), ("c", c.0, c.1)];
-    all_agree("cells", &ours(&text, &start, &[]), &theirs);
+    all_agree("cells", &by_engine(&text, &start, &[]), &theirs);
 }
 
 #[test]
 fn springs_that_stiffen() {
-    let Some(theirs) = theirs("springs", &[]) else { return };
+    let Some(theirs) = by_peer("springs", &[]) else { return };
     let text = "[SOL]\nwall = {}\n[MAS]\na = { m = 1 }\nb = { m = 1 }\n\
                 [CUB]\ncubic = { between = [\"wall\", \"a\"], k = 0.01, k3 = 0.2, z = 3e-4 }\n\
                 [POW]\nquadratic = { between = [\"wall\", \"b\"], k = 0.01, q = 0.05, p = 2, z = 3e-4 }\n\
                 [SOX]\nx = { from = \"a\" }\ny = { from = \"b\" }\n";
-    all_agree("springs", &ours(text, &[("a", 0.5, 0.0), ("b", 0.5, 0.0)], &[]), &theirs);
+    all_agree("springs", &by_engine(text, &[("a", 0.5, 0.0), ("b", 0.5, 0.0)], &[]), &theirs);
 }
 
 /// The clipped cubic spring of mi.lib changes to its linear bound where the forces differ, at √(k − s)/c instead of
 /// √((k − s)/c), and damps by 0.3 k beyond. We lack such a law; up to that point it is a CUB.
 #[test]
 fn a_clipped_spring() {
-    let Some(theirs) = theirs("clipped", &[]) else { return };
+    let Some(theirs) = by_peer("clipped", &[]) else { return };
     let (s, c, k, z) = (0.01f64, 0.5f64, 0.03f64, 1e-5f64);
     let text = format!(
         "[SOL]\nwall = {{}}\n[MAS]\nsoft = {{ m = 1 }}\nloud = {{ m = 1 }}\n[CUB]\n\
          spring = {{ between = [\"wall\", [\"soft\", \"loud\"]], k = {s:?}, k3 = {c:?}, z = {z:?} }}\n\
          [SOX]\nx = {{ from = \"soft\" }}\ny = {{ from = \"loud\" }}\n"
     );
-    let ours = ours(&text, &[("soft", 0.01, 0.01), ("loud", 0.06, 0.06)], &[]);
+    let ours = by_engine(&text, &[("soft", 0.01, 0.01), ("loud", 0.06, 0.06)], &[]);
     agree("a clipped spring, softly", &ours[0], &theirs[0], SAME);
 
     let (right, wrong) = (((k - s) / c).sqrt(), (k - s).sqrt() / c);
@@ -243,7 +243,7 @@ fn a_clipped_spring() {
 #[test]
 fn bows() {
     let played = [("bow", (0..SECOND).map(|n| 1.2e-3 * n as f64).collect())];
-    let Some(theirs) = theirs("bow", &played) else { return };
+    let Some(theirs) = by_peer("bow", &played) else { return };
     let (z, scale) = (0.1, 2e-3);
     let v0 = scale / 8f64.sqrt();
     let text = format!(
@@ -257,7 +257,7 @@ fn bows() {
         scale / 3.0,
         0.63 * 0.01 * v0,
     );
-    let ours = ours(&text, &[], &played);
+    let ours = by_engine(&text, &[], &played);
     agree("a bow of straight pieces", &ours[0], &theirs[0], SAME);
     agree("a smooth bow", &ours[1], &theirs[1], 1e-5);
 }
@@ -266,14 +266,14 @@ fn bows() {
 /// long flights between them, in which the positions of mi.lib lose digits.
 #[test]
 fn contacts() {
-    let Some(theirs) = theirs("contact", &[]) else { return };
+    let Some(theirs) = by_peer("contact", &[]) else { return };
     let text = "[CEL]\nx = { m = 3, k = 0.02, z = 1e-3 }\ny = { m = 3, k = 0.02, z = 1e-3 }\n\
                 a = { m = 0.5, k = 1e-4, z = 2e-3 }\nb = { m = 0.5, k = 1e-4, z = 2e-3 }\n\
                 [BUT]\nhit = { between = [[\"x\", \"y\"], [\"a\", \"b\"]], k = 0.05, z = 5e-3, d = -0.05 }\n\
                 [SOX]\no0 = { from = \"x\" }\no1 = { from = \"a\" }\no2 = { from = \"y\" }\no3 = { from = \"b\" }\n";
     // thrown at 0.01, reduced by the hammer's own viscosity in the first step
     let d = (2e-3 / 0.5 - 1.0) * 0.01;
-    let ours = ours(text, &[("a", d, d), ("b", d, d)], &[]);
+    let ours = by_engine(text, &[("a", d, d), ("b", d, d)], &[]);
     let touching: Vec<bool> = theirs[0].iter().zip(&theirs[1]).map(|(cell, hammer)| hammer - cell < -0.05).collect();
     let blows = touching.windows(2).filter(|t| !t[0] && t[1]).count();
     assert!(!touching[0] && (2..10).contains(&blows), "{blows} contacts");
@@ -288,7 +288,7 @@ fn contacts() {
 fn a_pluck() {
     let way = |n: usize| 0.6 * n.min(10_000) as f64 / 10_000.0;
     let played = [("pick", (0..SECOND).map(|n| way(n) - way(n.saturating_sub(24_000)) - 0.3).collect())];
-    let Some(theirs) = theirs("pluck", &played) else { return };
+    let Some(theirs) = by_peer("pluck", &played) else { return };
     let (k, scale) = (0.02, 0.1);
     let model = |law: &str| {
         format!(
@@ -301,7 +301,7 @@ fn a_pluck() {
          spring = [[{:?}, 0], [{:?}, {most:?}], [{tip:?}, {:?}], [{scale:?}, 0]] }}\n",
         -scale, -tip, -most
     ));
-    let pluck = ours(&table, &[], &played);
+    let pluck = by_engine(&table, &[], &played);
     all_agree("a pluck", &pluck, &theirs);
     // the sign of the first sound shows the direction of the push
     let pulling = model(&format!(
@@ -309,5 +309,5 @@ fn a_pluck() {
         0.9 * k
     ));
     let first = |row: &[f64]| row.iter().copied().find(|x| x.abs() > 1e-6).expect("a sound");
-    assert!(first(&theirs[0]) > 0.0 && first(&ours(&pulling, &[], &played)[0]) < 0.0);
+    assert!(first(&theirs[0]) > 0.0 && first(&by_engine(&pulling, &[], &played)[0]) < 0.0);
 }

@@ -59,7 +59,7 @@ fn file(path: &Path, records: &[u8]) -> PathBuf {
 }
 
 /// The error of a file that is not a take.
-fn said(path: &Path) -> String {
+fn error_text(path: &Path) -> String {
     Take::open(path).expect_err("no take").to_string()
 }
 
@@ -69,14 +69,14 @@ fn a_record_of_any_kind_may_be_cut_anywhere() {
     let path = dir.path().join("cut.mcap");
     for (kind, body) in bodies() {
         // complete, it is read; the file is then only not a take
-        let whole = said(&file(&path, &record(kind, &body)));
+        let whole = error_text(&file(&path, &record(kind, &body)));
         assert!(whole.contains("not a take of `ca`") || [0x02, 0x05].contains(&kind), "{kind:#x}: {whole}");
         for end in 0..body.len() {
             let cut = record(kind, &body[..end]);
             // by itself, in a chunk, and in a chunk that ends within it
             let torn = chunk(&record(kind, &body)[..9 + end]);
             for bytes in [&cut, &chunk(&cut), &torn] {
-                let what = said(&file(&path, bytes));
+                let what = error_text(&file(&path, bytes));
                 assert!(!what.is_empty(), "{kind:#x}, {end}");
             }
         }
@@ -86,18 +86,18 @@ fn a_record_of_any_kind_may_be_cut_anywhere() {
 #[test]
 fn an_attachment_without_its_sum_is_named() {
     let made = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("data/inputs/attachment-without-crc.mcap");
-    let what = said(&made);
+    let what = error_text(&made);
     assert!(what.contains("attachment length (38) exceeds space in record (34)"), "{what}");
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("a.mcap");
     let (_, body) = bodies().into_iter().find(|b| b.0 == ATTACHMENT).unwrap();
     for end in 0..body.len() {
-        let what = said(&file(&path, &record(ATTACHMENT, &body[..end])));
+        let what = error_text(&file(&path, &record(ATTACHMENT, &body[..end])));
         assert!(what.contains("ttachment length"), "{end}: {what}");
     }
     let mut vast = body.clone();
     vast[32..40].fill(0xff);
-    assert!(said(&file(&path, &record(ATTACHMENT, &vast))).contains("ttachment length"));
+    assert!(error_text(&file(&path, &record(ATTACHMENT, &vast))).contains("ttachment length"));
 }
 
 #[test]
@@ -107,7 +107,7 @@ fn a_record_ends_where_its_chunk_does() {
     let (_, message) = bodies().into_iter().find(|b| b.0 == 0x05).unwrap();
     let mut records = record(0x80, &message);
     records[1] += 1;
-    let what = said(&file(&path, &[chunk(&records), record(0x80, b"more")].concat()));
+    let what = error_text(&file(&path, &[chunk(&records), record(0x80, b"more")].concat()));
     assert!(what.contains("chunk"), "{what}");
 }
 

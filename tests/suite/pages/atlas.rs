@@ -2,7 +2,7 @@
 //! non-finite numbers at every input.
 
 use crate::play::{case, list, num, off, within};
-use ca_benches::atlas::page::{DOORS, door, row};
+use ca_benches::atlas::page::{DOORS, entry_point, row};
 use ca_benches::atlas::survival::{CASES, Case, METHODS, Outcome};
 use ca_benches::atlas::{Cell, MAPS, contact, exact, limit, ratio, svg};
 use std::collections::BTreeSet;
@@ -17,7 +17,7 @@ fn no_cell_of_any_map_contradicts_theory() {
         assert!(wrong.is_empty(), "{}: {wrong:?}", map.name);
         assert!(field.judged() >= 40, "{}: theory says something of {} cells only", map.name, field.judged());
         // the map covers both sides of each boundary in theory
-        let said = |grows: bool| field.cells.iter().filter(|c| c.said == Some(grows)).count();
+        let said = |grows: bool| field.cells.iter().filter(|c| c.theory == Some(grows)).count();
         if (map.lines)().is_empty() {
             continue;
         }
@@ -170,7 +170,7 @@ fn nothing_that_is_no_number_comes_in() {
     for (name, what, try_it) in DOORS {
         let tried = try_it();
         assert!(tried.through.is_empty() && tried.tried >= 6, "{name}: {:?}", tried.through);
-        let row = door(name, what, &tried);
+        let row = entry_point(name, what, &tried);
         // the row of a new kind is written by `UPDATE`, since nothing else on the page depends on it
         if std::env::var_os("UPDATE").is_some() {
             let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/measured/atlas.md");

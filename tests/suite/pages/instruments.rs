@@ -76,8 +76,8 @@ fn what_is_claimed_stands_in_the_header() {
     for i in all() {
         let header = one_line(&i.load().model.header);
         for c in i.claims {
-            if !header.contains(&one_line(c.says)) {
-                wrong.push(format!("{}: its header does not say “{}”", i.model, c.says));
+            if !header.contains(&one_line(c.sentence)) {
+                wrong.push(format!("{}: its header does not say “{}”", i.model, c.sentence));
             }
             assert_eq!(c.shows.matches("{}").count(), 1, "{}: a figure has one place in “{}”", i.model, c.shows);
         }
@@ -93,9 +93,9 @@ fn what_is_claimed_is_so() {
     let mut wrong = Vec::new();
     for (i, f) in measured() {
         for (c, figure) in i.claims.iter().zip(&f.claims) {
-            let [least, most] = c.keeps;
+            let [least, most] = c.range;
             if !(least..=most).contains(figure) {
-                wrong.push(format!("{}: “{}”: {figure} is not within {least} to {most}", i.model, c.says));
+                wrong.push(format!("{}: “{}”: {figure} is not within {least} to {most}", i.model, c.sentence));
             }
         }
     }

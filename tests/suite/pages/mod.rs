@@ -2,7 +2,7 @@
 
 mod accuracy;
 mod atlas;
-mod begin;
-mod beside;
 mod costs;
 mod instruments;
+mod peers;
+mod start_orders;

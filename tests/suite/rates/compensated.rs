@@ -338,7 +338,7 @@ fn the_ledger_counts_what_the_border_makes() {
                 let half: f64 =
                     ports().zip(&before).map(|(p, f)| 0.5 * f * (p.to - p.from) / f64::from(scene.rates.frame)).sum();
                 if n > 1 {
-                    open = open.max((ledger.under_way() - half).abs());
+                    open = open.max((ledger.in_transit() - half).abs());
                 }
             }
             for ((sum, p), given) in sums.iter_mut().zip(ports()).zip(&slow.state.input) {

@@ -175,7 +175,7 @@ fn the_ledger_closes_over_both_rates() {
             if scene.oversample() == 1 && n > 1 && (n - 1) % u64::from(scene.rates.ratio) == 0 {
                 let half = slow.ports.iter().zip(&before).take(group.coupled);
                 let half: f64 = half.map(|(p, f)| 0.5 * f * (p.to - p.from) / f64::from(scene.rates.frame)).sum();
-                open = open.max((ledger.under_way() - half).abs());
+                open = open.max((ledger.in_transit() - half).abs());
             }
             peak = ledger.balance().peak;
         }

@@ -1,5 +1,5 @@
 //! Scenes in three dimensions.
 
-mod absent;
-mod kept;
 mod reference;
+mod stored_lengths;
+mod unused_features;

@@ -284,13 +284,16 @@ fn ledgers_balance(text: &str, scene: &Scene, ticks: u64) {
         // free modules drift, and the last digit of their position counts as work of each force
         far = s.x.iter().fold(far, |m, x| m.max(x.abs()));
         pull = pull.max(strongest(scene, &s));
-        let room = rounding * b.peak + n as f64 * f64::EPSILON * far * pull * scene.counts.n_lia as f64;
+        let tolerance = rounding * b.peak + n as f64 * f64::EPSILON * far * pull * scene.counts.n_lia as f64;
         // an explicit damper at a port with jerks may hold negative energy (docs/numerics.md §2.1)
-        let least = if scene.inputs.len() > 1 { f64::NEG_INFINITY } else { -room };
-        assert!(b.h >= least && b.h <= b.h0 + b.work + room && b.residual.abs() <= room, "{n}: {b:?}\n{text}");
+        let least = if scene.inputs.len() > 1 { f64::NEG_INFINITY } else { -tolerance };
+        assert!(
+            b.h >= least && b.h <= b.h0 + b.work + tolerance && b.residual.abs() <= tolerance,
+            "{n}: {b:?}\n{text}"
+        );
         // the push of the last tick is booked in the next
         if n > ticks / 4 * 3 + 3 {
-            assert!(b.h <= released + room, "{n}: {b:?}\n{text}");
+            assert!(b.h <= released + tolerance, "{n}: {b:?}\n{text}");
             released = b.h;
         }
     }

@@ -15,7 +15,7 @@ fn string(f: f64, more: &str) -> Arc<Scene> {
 }
 
 /// Sound of `frames` gesture frames.
-fn heard(engine: &mut Engine, frames: usize) -> Vec<f64> {
+fn rendered(engine: &mut Engine, frames: usize) -> Vec<f64> {
     let mut all = Vec::new();
     for _ in 0..frames {
         let _ = engine.answer().count();
@@ -32,7 +32,7 @@ fn swap(engine: &mut Engine, to: &Arc<Scene>, number: u32) -> Option<Retired> {
 fn playing(scene: &Arc<Scene>) -> Engine {
     let mut engine = Engine::new(scene.clone(), Vec::new(), Options::default());
     engine.state.input[0] = 0.3;
-    heard(&mut engine, 200);
+    rendered(&mut engine, 200);
     engine
 }
 
@@ -42,7 +42,7 @@ fn the_same_version_goes_on_to_the_bit() {
     let first = string(110.0, "");
     let [mut with, mut without] = [playing(&first), playing(&first)];
     assert_eq!(swap(&mut with, &string(110.0, ""), 1), None, "there was none before");
-    assert_eq!(heard(&mut with, 600), heard(&mut without, 600));
+    assert_eq!(rendered(&mut with, 600), rendered(&mut without, 600));
     assert_eq!((with.state.tick, with.state.input[0]), (without.state.tick, 0.3));
     // the next swap returns the first one, which then has nothing left to give
     let Some(Retired::Swap(gone)) = swap(&mut with, &first, 2) else { panic!("one came out") };
@@ -66,7 +66,7 @@ fn another_version_goes_on_from_where_masses_are_without_a_click() {
         let at = s.symbols.iter().position(|m| m.name == name).expect(name);
         s.symbols.places()[at] as usize
     };
-    let last = heard(&mut engine, 1);
+    let last = rendered(&mut engine, 1);
     let names = ["s[7]", "s[20]", "bob"];
     let at = |e: &Engine| names.map(|n| (e.state.x[place(&e.scene, n)], e.state.d[place(&e.scene, n)]));
     let before = at(&engine);
@@ -74,10 +74,10 @@ fn another_version_goes_on_from_where_masses_are_without_a_click() {
     assert_eq!(at(&engine), before);
     assert!(before.iter().all(|(x, d)| *x != 0.0 && *d != 0.0), "they move");
     assert_eq!(engine.state.x[place(&engine.scene, "new")], 0.0);
-    let sound = heard(&mut engine, 200);
+    let sound = rendered(&mut engine, 200);
     let step = |s: &[f64]| s.windows(3).step_by(2).map(|w| (w[2] - w[0]).abs()).fold(0.0, f64::max);
     let all = [&last[..], &sound].concat();
-    let alone = step(&heard(&mut playing(&first), 200)).max(step(&heard(&mut engine, 200)));
+    let alone = step(&rendered(&mut playing(&first), 200)).max(step(&rendered(&mut engine, 200)));
     assert!(step(&all) < 2.0 * alone, "{} {alone}", step(&all));
     assert_eq!(engine.scene.about.title, other.about.title);
     assert!(Arc::ptr_eq(&engine.scene, &other));
@@ -88,10 +88,10 @@ fn a_version_of_what_diverged_begins_as_at_load() {
     let first = string(110.0, "");
     let mut engine = playing(&first);
     engine.state.x[5] = 1e9;
-    heard(&mut engine, 3);
+    rendered(&mut engine, 3);
     assert!(engine.has_diverged());
     swap(&mut engine, &first, 1);
-    let sound = heard(&mut engine, 300);
+    let sound = rendered(&mut engine, 300);
     assert!(!engine.has_diverged() && sound.iter().all(|x| x.abs() <= 1.0));
     assert!(sound[0].abs() < 1e-3 && sound.iter().any(|x| x.abs() > 0.01), "it fades in");
 }
@@ -141,14 +141,14 @@ fn group_goes_on(border: &str) {
     let first = slow(900.0);
     let playing = |scene: &Arc<Scene>| {
         let mut engine = Engine::new(scene.clone(), Vec::new(), Options::default());
-        heard(&mut engine, 200);
+        rendered(&mut engine, 200);
         engine
     };
     let [mut with, mut without] = [playing(&first), playing(&first)];
     swap(&mut with, &slow(900.0), 1);
-    assert_eq!(heard(&mut with, 600), heard(&mut without, 600));
+    assert_eq!(rendered(&mut with, 600), rendered(&mut without, 600));
     swap(&mut with, &slow(1800.0), 2);
     let places = |e: &Engine| e.state.slow.as_ref().expect("a group").state.x.to_vec();
     assert_eq!(places(&with), places(&without));
-    assert_ne!(heard(&mut with, 600), heard(&mut without, 600));
+    assert_ne!(rendered(&mut with, 600), rendered(&mut without, 600));
 }

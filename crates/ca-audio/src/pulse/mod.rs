@@ -8,14 +8,14 @@
 //! refused, as is a sink that does not switch to the rate of the model. A thread answers the server; between messages
 //! it neither allocates nor locks.
 
-mod line;
+mod connection;
 
-use super::{Output, Playing};
+use super::{OpenOutput, Output};
 use crate::AudioError;
 use ca_core::Scene;
 use ca_haptic::rt::{self, RtRequest, now_ns};
-use ca_haptic::serve::audio::{Counts, Follow, PlaybackDevice, Player, Watch, link};
-use line::{Line, News, wrong};
+use ca_haptic::serve::audio::{Counts, DeviceClock, PlaybackDevice, Player, Watch, link};
+use connection::{Connection, ServerMessage, wrong};
 use pulseaudio::protocol::{
     self, ChannelMap, Command, CorkStreamParams, CreatePlaybackStreamReply, GetSinkInfo, LatencyParams,
     PlaybackLatency, PlaybackStreamParams, Prop, Props, SampleFormat, SampleSpec, SinkInfo,
@@ -49,7 +49,7 @@ const MOST: usize = 16384;
 const DUMMY: &[u8] = b"auto_null";
 
 struct Stream {
-    line: Line,
+    line: Connection,
     made: CreatePlaybackStreamReply,
     sink: SinkInfo,
     latency: PlaybackLatency,
@@ -63,13 +63,14 @@ pub(super) fn open(
     scene: &Scene,
     buffer: Option<u32>,
     request: RtRequest,
-) -> std::result::Result<(Playing, Follow, Watch), AudioError> {
+) -> std::result::Result<(OpenOutput, DeviceClock, Watch), AudioError> {
     let buffer = buffer.unwrap_or(BUFFER);
     let absent = |why: &str| {
         let how = "start one, e.g. `pulseaudio --start`, or set PULSE_SERVER to its address";
         AudioError::Failed(format!("no PulseAudio server answers{why}; {how}"))
     };
-    let opened = within(PATIENCE, || Line::open(PATIENCE).map(default_sink)).ok_or_else(|| absent(" in time"))?;
+    let opened =
+        with_timeout(PATIENCE, || Connection::open(PATIENCE).map(default_sink)).ok_or_else(|| absent(" in time"))?;
     let (line, sink) = opened.map_err(|_| absent(""))?;
     let refused = |e: Error| AudioError::Unfit(format!("{NAME} cannot play this model: {e}"));
     let Some(sink) = sink.filter(|s| s.name.as_bytes() != DUMMY) else {
@@ -82,7 +83,7 @@ pub(super) fn open(
         return Err(AudioError::Unfit(why));
     }
     let map = ChannelMap::new((&sink.channel_map).into_iter().take(wide));
-    let made = within(WAKING, move || stream(line, sink.index, hz as u32, map, buffer));
+    let made = with_timeout(WAKING, move || stream(line, sink.index, hz as u32, map, buffer));
     let made = made.unwrap_or_else(|| Err(Error::other("the server does not answer in time")));
     let Stream { line, made, sink, latency } = made.map_err(refused)?;
     let plays = sink.sample_spec.sample_rate;
@@ -102,17 +103,17 @@ pub(super) fn open(
     let (counts, (tell, words)) = (watch.counts.clone(), channel());
     let pulse = speak(line, made.channel, player, (counts.clone(), tell), wide, hz as usize, request);
     let output = Output::Pulse(pulse.map_err(refused)?);
-    Ok((Playing { output, counts, words, name: NAME.into(), host: NAME, events: None }, follow, watch))
+    Ok((OpenOutput { output, counts, words, name: NAME.into(), host: NAME, events: None }, follow, watch))
 }
 
 #[cfg(feature = "devices")]
 pub(super) fn is_there() -> bool {
-    within(PATIENCE, || Line::open(PATIENCE).is_ok()) == Some(true)
+    with_timeout(PATIENCE, || Connection::open(PATIENCE).is_ok()) == Some(true)
 }
 
 /// Runs `ask` on a new thread and abandons it after `patience`: a hanging server, or one that never stops talking, may
 /// block any call.
-fn within<T: Send + 'static>(patience: Duration, ask: impl FnOnce() -> T + Send + 'static) -> Option<T> {
+fn with_timeout<T: Send + 'static>(patience: Duration, ask: impl FnOnce() -> T + Send + 'static) -> Option<T> {
     let (tell, told) = channel();
     let asked = thread::Builder::new().name("ca pulse".into()).spawn(move || {
         let _ = tell.send(ask());
@@ -133,14 +134,14 @@ fn channels(sink: &SinkInfo, scene: &Scene) -> std::result::Result<usize, AudioE
 }
 
 /// Returns the default sink; `None` if there is none.
-fn default_sink(mut line: Line) -> (Line, Option<SinkInfo>) {
+fn default_sink(mut line: Connection) -> (Connection, Option<SinkInfo>) {
     let name = Some(protocol::DEFAULT_SINK.to_owned());
-    let sink = line.ask(&Command::GetSinkInfo(GetSinkInfo { index: None, name })).ok();
+    let sink = line.request(&Command::GetSinkInfo(GetSinkInfo { index: None, name })).ok();
     (line, sink)
 }
 
 /// Creates a stream with its queue full of silence, and starts it.
-fn stream(mut line: Line, sink: u32, hz: u32, map: ChannelMap, buffer: u32) -> Result<Stream> {
+fn stream(mut line: Connection, sink: u32, hz: u32, map: ChannelMap, buffer: u32) -> Result<Stream> {
     let wide = map.num_channels();
     let at_once = 4 * u32::from(wide) * buffer;
     let mut props = Props::new();
@@ -164,18 +165,18 @@ fn stream(mut line: Line, sink: u32, hz: u32, map: ChannelMap, buffer: u32) -> R
         },
         ..PlaybackStreamParams::default()
     };
-    let made: CreatePlaybackStreamReply = line.ask(&Command::CreatePlaybackStream(params))?;
+    let made: CreatePlaybackStreamReply = line.request(&Command::CreatePlaybackStream(params))?;
     if made.requested_bytes.max(made.buffer_attr.minimum_request_length) > LARGEST {
         return Err(wrong("it requested too many samples at once"));
     }
     // now at the rate of the stream, if the sink has switched
     let info = Command::GetSinkInfo(GetSinkInfo { index: Some(made.sink_index), name: None });
-    let sink = line.ask(&info)?;
+    let sink = line.request(&info)?;
     let mut silence = vec![0; protocol::DESCRIPTOR_SIZE + made.requested_bytes as usize];
     head(&mut silence, made.channel);
     line.send(&silence)?;
     line.order(&Command::CorkPlaybackStream(CorkStreamParams { channel: made.channel, cork: false }))?;
-    let latency = line.ask(&latency(made.channel))?;
+    let latency = line.request(&latency(made.channel))?;
     Ok(Stream { line, made, sink, latency })
 }
 
@@ -193,7 +194,7 @@ fn head(message: &mut [u8], channel: u32) {
 }
 
 fn speak(
-    mut line: Line,
+    mut line: Connection,
     channel: u32,
     player: Player,
     (counts, tell): (Arc<Counts>, Sender<String>),
@@ -220,7 +221,7 @@ fn speak(
 
 /// State of the thread that answers the server.
 struct Speaker {
-    line: Line,
+    line: Connection,
     channel: u32,
     player: Player,
     counts: Arc<Counts>,
@@ -242,15 +243,15 @@ impl Speaker {
     /// Runs until the connection ends, and returns the reason.
     fn run(mut self) -> String {
         loop {
-            if let Err(e) = self.give() {
+            if let Err(e) = self.write_samples() {
                 return format!("lost connection to the server ({e})");
             }
             match self.line.next() {
-                Ok(News::Answer(n, at)) if n == self.query.0 => self.measure(at),
-                Ok(News::Underflow) => {
+                Ok(ServerMessage::Answer(n, at)) if n == self.query.0 => self.measure(at),
+                Ok(ServerMessage::Underflow) => {
                     self.counts.xruns.fetch_add(1, Relaxed);
                 }
-                Ok(News::Killed) => return "the server ended the stream".into(),
+                Ok(ServerMessage::Killed) => return "the server ended the stream".into(),
                 Ok(_) => {}
                 Err(e) => return format!("lost connection to the server ({e})"),
             }
@@ -258,11 +259,11 @@ impl Speaker {
     }
 
     /// Sends the samples requested.
-    fn give(&mut self) -> Result<()> {
+    fn write_samples(&mut self) -> Result<()> {
         let frame = 4 * self.wide;
         let at = now_ns();
-        while self.line.owed >= frame {
-            let n = (self.line.owed / frame).min(MOST);
+        while self.line.pending_bytes >= frame {
+            let n = (self.line.pending_bytes / frame).min(MOST);
             let sound = &mut self.sound[..n * self.wide];
             self.player.fill(sound, self.wide, at);
             self.message.clear();
@@ -270,7 +271,7 @@ impl Speaker {
             self.message.extend(sound.iter().flat_map(|x| x.to_le_bytes()));
             head(&mut self.message, self.channel);
             self.line.send(&self.message)?;
-            self.line.owed -= n * frame;
+            self.line.pending_bytes -= n * frame;
             (self.given, self.last) = (self.given + n, n);
         }
         if self.given >= self.rate {

@@ -69,7 +69,7 @@ pub(super) fn share(text: &str) -> Result<f64, String> {
 pub fn run(args: &AccuracyArgs) -> Outcome {
     if let Some(path) = &args.output {
         page::is_page(path)?;
-        outputs::apart(&[("-o", path)], &[("the model", Path::new(&args.source.model))])?;
+        outputs::check_distinct(&[("-o", path)], &[("the model", Path::new(&args.source.model))])?;
     }
     let loaded = load::load(&args.source)?;
     let probes = if args.probe.is_empty() { ca_accuracy::heard(&loaded.model) } else { args.probe.clone() };
@@ -125,19 +125,19 @@ impl Page<'_> {
     /// Says whether a row meets the requested error.
     fn verdict(&self) -> Option<String> {
         let (asked, reference) = (self.asked?, &self.found.reference);
-        let (known, aim) = (reference.known, format!("an error of at most {asked:e}"));
+        let (known, error_target) = (reference.known, format!("an error of at most {asked:e}"));
         Some(match (self.best, reference.origin) {
-            (Some(r), _) => format!("fastest with {aim}: {}", r.name()),
-            (None, _) if known <= asked => format!("no row has {aim}; try larger multiples with `--times`"),
+            (Some(r), _) => format!("fastest with {error_target}: {}", r.name()),
+            (None, _) if known <= asked => format!("no row has {error_target}; try larger multiples with `--times`"),
             (None, Origin::Modes) => {
                 format!(
-                    "{aim} cannot be confirmed: the closed form is accurate only to {known:.1e}; choose a larger \
+                    "{error_target} cannot be confirmed: the closed form is accurate only to {known:.1e}; choose a larger \
                      `--error`"
                 )
             }
             (None, Origin::Rate(n, _) | Origin::Open(n)) => {
                 format!(
-                    "{aim} cannot be confirmed: the reference is accurate only to {known:.1e}; raise `--reference` \
+                    "{error_target} cannot be confirmed: the reference is accurate only to {known:.1e}; raise `--reference` \
                      above {n}"
                 )
             }

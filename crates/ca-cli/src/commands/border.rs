@@ -6,7 +6,7 @@ use crate::term;
 use ca_core::Scene;
 use ca_core::internal::border::{Delays, delays};
 use ca_core::internal::op::layout::Shape;
-use ca_lab::facts::border::{asked, latency, quantity};
+use ca_lab::facts::border::{key_demands, latency, quantity};
 use ca_model::quantity::short;
 use serde_json::{Value as Json, json};
 use std::io::Write;
@@ -22,7 +22,7 @@ pub(crate) fn text(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
 }
 
 pub(crate) fn keys(out: &mut impl Write, scene: &Scene) -> Result<(), Failure> {
-    let (d, keys) = (delays(scene), asked(scene));
+    let (d, keys) = (delays(scene), key_demands(scene));
     let mut lead = "keys       ";
     for (name, k, b) in keys.iter().take(KEYS) {
         let (k, b) = (quantity(*k), short(*b));
@@ -50,7 +50,7 @@ pub(crate) fn json(scene: &Scene) -> Json {
     let d = delays(scene);
     let device = !scene.ports.tgr.is_empty();
     let keys: Vec<Json> =
-        asked(scene).iter().map(|(name, k, b)| json!({"name": name, "k": k, "friction": b})).collect();
+        key_demands(scene).iter().map(|(name, k, b)| json!({"name": name, "k": k, "friction": b})).collect();
     let border = device.then(|| {
         json!({
             "shape": if scene.rates.frame == 1 { "synchronous" } else { shape(scene) }, "latency": scene.ports.crossing.latency,

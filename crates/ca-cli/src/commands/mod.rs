@@ -1,12 +1,11 @@
 //! The commands. Each has a file or folder with its arguments and `run`, except that `control.rs` holds the six that
-//! talk to a running server. `border.rs` and `aim.rs` serve several
+//! talk to a running server. `border.rs` and `error_target.rs` serve several
 //! commands.
 
 use crate::outcome::Outcome;
 use clap::Subcommand;
 
 pub(crate) mod accuracy;
-mod aim;
 pub(crate) mod bench;
 mod border;
 pub(crate) mod check;
@@ -14,6 +13,7 @@ pub(crate) mod completions;
 pub(crate) mod control;
 pub(crate) mod device;
 pub(crate) mod equiv;
+mod error_target;
 pub(crate) mod explain;
 pub(crate) mod fit;
 pub(crate) mod import;

@@ -56,7 +56,7 @@ const HEAR: &str = "add an output for it to include it";
 /// Runs the command.
 pub fn run(args: &ModesArgs) -> Outcome {
     if let Some(path) = &args.shapes {
-        outputs::apart(&[("--shapes", path)], &[("the model", Path::new(&args.source.model))])?;
+        outputs::check_distinct(&[("--shapes", path)], &[("the model", Path::new(&args.source.model))])?;
     }
     let loaded = load::load(&args.source)?;
     let options = Options { rate: args.source.rate, clouds: loaded.clouds.clone(), ..Options::default() };

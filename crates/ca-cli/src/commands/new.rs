@@ -6,7 +6,7 @@
 use crate::args::completions;
 use crate::load::{self, BUNDLED};
 use crate::outcome::{Ended, Failure, Outcome};
-use ca_io::{atomic_file, reading};
+use ca_io::{atomic_file, read_limited};
 use ca_lab::catalog;
 use ca_model::schema;
 use ca_model::suggest::nearest;
@@ -65,7 +65,8 @@ pub fn run(args: &NewArgs) -> Outcome {
 /// Writes the schema for editors and replaces an older version. Refuses to replace any other file.
 fn describe(path: &Path) -> Result<(), Failure> {
     let own = schema::schema(&catalog());
-    let read = |path| serde_json::from_slice::<serde_json::Value>(&reading::text(path, reading::MODEL).ok()?).ok();
+    let read =
+        |path| serde_json::from_slice::<serde_json::Value>(&read_limited::text(path, read_limited::MODEL).ok()?).ok();
     let there = path.exists().then(|| read(path).unwrap_or_default());
     if there.is_some_and(|s| s["title"] != own["title"]) {
         let what = format!("`{}` exists and is not a schema of models", path.display());

@@ -62,7 +62,7 @@ pub fn run(args: &ReportArgs) -> Outcome {
     let is_take = has_extension(source, "mcap");
     if let Some(path) = &args.output {
         page::is_page(path)?;
-        outputs::apart(&[("-o", path)], &render::inputs(&args.source.model, &args.playing.gesture))?;
+        outputs::check_distinct(&[("-o", path)], &render::inputs(&args.source.model, &args.playing.gesture))?;
     }
     let (name, report) = if is_take { take(args, source)? } else { model(args)? };
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{name}.html")));

@@ -57,14 +57,14 @@ fn line(group: &Group) -> String {
     let who = group.alive.iter().map(|(id, name)| format!("{id} ({name})")).collect::<Vec<_>>().join(", ");
     let who = if who.is_empty() { "not in use".into() } else { format!("used by {who}") };
     let version = format!("frames {} over iceoryx2 {}", group.frames, group.iox);
-    let version = if group.ours { version } else { format!("{version}, another version") };
+    let version = if group.current { version } else { format!("{version}, another version") };
     format!("{version}: {} files, {}, {who}", group.files.len(), size(group.bytes()))
 }
 
 fn as_json(group: &Group) -> Value {
     let files: Vec<_> = group.files.iter().map(|(p, b)| json!({"path": p, "bytes": b})).collect();
     let alive: Vec<_> = group.alive.iter().map(|(id, name)| json!({"process": id, "name": name})).collect();
-    json!({"prefix": group.prefix, "frames": group.frames, "iceoryx2": group.iox, "ours": group.ours, "alive": alive,
+    json!({"prefix": group.prefix, "frames": group.frames, "iceoryx2": group.iox, "ours": group.current, "alive": alive,
            "bytes": group.bytes(), "files": files})
 }
 
@@ -97,14 +97,14 @@ fn clean(site: &Site, json: bool) -> Outcome {
     if json {
         let removed: Vec<_> = cleaned.removed.iter().map(|(p, b)| json!({"path": p, "bytes": b})).collect();
         let failed: Vec<_> = cleaned.failed.iter().map(|(p, why)| json!({"path": p, "why": why})).collect();
-        let kept: Vec<_> = cleaned.kept.iter().map(as_json).collect();
+        let kept: Vec<_> = cleaned.in_use.iter().map(as_json).collect();
         writeln!(out, "{:#}", json!({"root": site.root(), "removed": removed, "failed": failed, "kept": kept}))?;
     } else {
         for (path, size) in &cleaned.removed {
             writeln!(out, "removed {} ({size} bytes)", path.display())?;
         }
         writeln!(out, "{} files removed, {}", cleaned.removed.len(), size(bytes))?;
-        for group in &cleaned.kept {
+        for group in &cleaned.in_use {
             writeln!(out, "kept {}", line(group))?;
         }
     }

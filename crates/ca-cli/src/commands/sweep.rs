@@ -7,7 +7,7 @@ use crate::outcome::{Ended, Failure, Outcome};
 use crate::term;
 use ca_model::quantity::short;
 use ca_sweep::folder::Folder;
-use ca_sweep::plan::{self, Plan};
+use ca_sweep::plan::{self, SweepPlan};
 use clap::Args;
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -134,7 +134,7 @@ pub fn run(args: &SweepArgs) -> Outcome {
 }
 
 /// Plays `chunks` and counts the runs by status.
-fn played(plan: &Plan, folder: &Folder, chunks: &[u64], threads: usize) -> Result<BTreeMap<String, u64>, Failure> {
+fn played(plan: &SweepPlan, folder: &Folder, chunks: &[u64], threads: usize) -> Result<BTreeMap<String, u64>, Failure> {
     let bar = term::progress(chunks.iter().map(|c| folder.span(*c).1 - folder.span(*c).0).sum());
     let next = AtomicUsize::new(0);
     let counts: Mutex<BTreeMap<String, u64>> = Mutex::default();
@@ -174,7 +174,7 @@ fn played(plan: &Plan, folder: &Folder, chunks: &[u64], threads: usize) -> Resul
 }
 
 /// Formats the message after Ctrl-C: the runs kept, and how to continue.
-fn left(plan: &Plan, folder: &Folder, path: &Path) -> String {
+fn left(plan: &SweepPlan, folder: &Folder, path: &Path) -> String {
     let there: u64 = (0..folder.chunks()).filter(|c| folder.has(*c)).map(|c| folder.span(c).1 - folder.span(c).0).sum();
     let all = plan.sweep.runs();
     let kept = format!("{there} of {all} runs are kept in `{}`", path.display());
@@ -182,12 +182,12 @@ fn left(plan: &Plan, folder: &Folder, path: &Path) -> String {
 }
 
 /// Shows the plan, plays the first run, and estimates the total time.
-fn dry(plan: &Plan) -> Outcome {
+fn dry(plan: &SweepPlan) -> Outcome {
     let sweep = &plan.sweep;
     let (row, _) = sweep.run(0, &mut || true)?;
     let mut out = std::io::stdout().lock();
     writeln!(out, "{}  {} runs in {} chunks", plan.folder.display(), sweep.runs(), sweep.runs().div_ceil(plan.chunk))?;
-    for (axis, value) in sweep.ask().axes.iter().zip(&row.values) {
+    for (axis, value) in sweep.spec().axes.iter().zip(&row.values) {
         writeln!(out, "  {} = {} in the first run", axis.name, axis.shown(value))?;
     }
     let time = |runs: f64| term::time(row.run_time * runs);

@@ -3,14 +3,14 @@
 //! count time in frames.
 #![cfg(target_os = "linux")]
 
-mod fuzz;
+mod faulty_device;
+mod force_watcher;
+mod helper_process;
+mod iceoryx_client;
 mod in_real_time;
-mod liar;
 #[path = "../../../../tests/src/long_form.rs"]
 mod long_form;
-mod raw;
-mod role;
+mod random_device;
+mod sandbox;
 #[path = "../../../../tests/src/skipped.rs"]
 mod skipped;
-mod stage;
-mod watch;

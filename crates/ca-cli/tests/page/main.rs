@@ -2,14 +2,14 @@
 //! tests run in real time, so `tests/run` runs them with the tests of the haptic loop.
 
 mod browser;
+#[cfg(target_os = "linux")]
+mod browser_start;
 mod host;
+mod inconvenient_times;
 #[cfg(unix)]
 mod midi_osc;
-mod moments;
-#[cfg(target_os = "linux")]
-mod opens;
+mod page_controls;
 mod pictures;
-mod shown;
 
 #[path = "../../../../tests/src/long_form.rs"]
 mod long_form;
@@ -216,48 +216,48 @@ mod in_real_time {
 
     #[test]
     fn it_begins_anew() {
-        moments::it_begins_anew();
+        inconvenient_times::it_begins_anew();
     }
 
     #[test]
     fn a_wrong_change_takes_no_good_one_along() {
-        moments::a_wrong_change_takes_no_good_one_along();
+        inconvenient_times::a_wrong_change_takes_no_good_one_along();
     }
 
     #[test]
     fn a_take_lasts_until_it_is_saved() {
-        moments::a_take_lasts_until_it_is_saved();
+        inconvenient_times::a_take_lasts_until_it_is_saved();
     }
 
     #[test]
     #[cfg(target_os = "linux")]
     fn a_killed_session_leaves_no_take() {
-        moments::a_killed_session_leaves_no_take();
+        inconvenient_times::a_killed_session_leaves_no_take();
     }
 
     #[test]
     fn it_plays_from_its_beginning() {
-        shown::it_plays_from_its_beginning();
+        page_controls::it_plays_from_its_beginning();
     }
 
     #[test]
     fn only_keys_that_sound_are_keys() {
-        shown::only_keys_that_sound_are_keys();
+        page_controls::only_keys_that_sound_are_keys();
     }
 
     #[test]
     fn one_button_plays() {
-        shown::one_button_plays();
+        page_controls::one_button_plays();
     }
 
     #[test]
     fn magnification_settles_and_is_calm() {
-        shown::magnification_settles_and_is_calm();
+        page_controls::magnification_settles_and_is_calm();
     }
 
     #[test]
     fn two_play_side_by_side() {
-        moments::two_play_side_by_side();
+        inconvenient_times::two_play_side_by_side();
     }
 
     #[test]
@@ -275,13 +275,13 @@ mod in_real_time {
     #[cfg(target_os = "linux")]
     #[test]
     fn a_browser_is_led_to_the_page_by_a_file() {
-        opens::by_a_file();
+        browser_start::by_a_file();
     }
 
     #[cfg(target_os = "linux")]
     #[test]
     fn a_browser_that_cannot_read_the_file_is_not_opened() {
-        opens::not_in_a_sandbox();
+        browser_start::not_in_a_sandbox();
     }
 
     #[test]

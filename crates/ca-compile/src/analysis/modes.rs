@@ -174,7 +174,7 @@ pub fn modes(network: &Network) -> Option<Modes> {
             coupled,
             shape,
         };
-        mode.alone(tick_dt, 1.0 + heavier.as_ref().map_or(0.0, |h| h[(j, j)]), network.composed);
+        mode.compute_uncoupled(tick_dt, 1.0 + heavier.as_ref().map_or(0.0, |h| h[(j, j)]), network.composed);
         if network.modal {
             (mode.heard, mode.t60, mode.grows) = (mode.f, mode.t60_free, false);
         }
@@ -203,7 +203,7 @@ fn t60(s: f64, tick_dt: f64, known: f64) -> f64 {
 impl Mode {
     /// Computes pitch and decay of the mode by itself, with the inertia of implicit methods or by the `composed`
     /// method.
-    fn alone(&mut self, tick_dt: f64, heavier: f64, composed: bool) {
+    fn compute_uncoupled(&mut self, tick_dt: f64, heavier: f64, composed: bool) {
         let (a, b) = (self.a, self.b);
         // Continuous: ω² = a/T², s = b/2T.
         let (square, s) = (a - 0.25 * b * b, 0.5 * b / tick_dt);

@@ -2,8 +2,8 @@
 //! one with heavier masses ([`crate::net::Resolved::limit_ratio`]): sums compared with 4 use `scaled_mobility`. Rules
 //! about a single contact use T²/m itself.
 
+use crate::certify::max_elongation::{MaxElongation, max_elongations};
 use crate::certify::negative::Negative;
-use crate::certify::reach::{Reached, reached};
 use crate::net::worst::{WorstMat, worst_bounds, worst_mats};
 use crate::net::{End, LiaNode, Pruned};
 use alloc::vec::Vec;
@@ -59,7 +59,7 @@ pub struct Accumulated {
     /// reach.
     pub links: Vec<Bound>,
     /// The steepest point within reach of each LIA.
-    pub reached: Vec<Option<Reached>>,
+    pub reached: Vec<Option<MaxElongation>>,
     /// Springs between pairs of masses, by sign.
     pub springs: Negative,
 }
@@ -71,12 +71,12 @@ pub fn accumulate(net: &Pruned) -> Accumulated {
     let sums = |(m, alive): (WorstMat, &bool)| if *alive { Sums::new(m, limit_ratio) } else { Sums::default() };
     let worst = worst_mats(net);
     let mut links = worst_bounds(net);
-    let reached = reached(net, &worst, &links);
+    let reached = max_elongations(net, &worst, &links);
     for (b, r) in links.iter_mut().zip(&reached) {
         if let Some(r) = r.filter(|_| !b.contact) {
-            let floor = b.k - b.loose;
+            let floor = b.k - b.varying;
             let k = if b.hardens { b.k.max(r.k) } else { r.k };
-            *b = Bound { k, loose: k - floor, ..*b };
+            *b = Bound { k, varying: k - floor, ..*b };
         }
     }
     let mut mats: Vec<Sums> = worst.into_iter().zip(&net.alive).map(sums).collect();
@@ -121,5 +121,5 @@ fn link(net: &Pruned, l: &LiaNode, b: &Bound, mats: &mut [Sums]) {
 /// Returns the part of [`Bound::h`] that a link has at all elongations \[N/m\].
 fn fixed_share(b: &Bound) -> f64 {
     // The slope of a friction curve exists only at some speed.
-    (if b.curve { b.k } else { b.h() }) - b.loose
+    (if b.curve { b.k } else { b.h() }) - b.varying
 }

@@ -7,7 +7,7 @@
 use super::bound::explicit;
 use crate::analysis::{Factor, Linear, MovingLink, StabilityMatrix};
 use crate::certify::accumulate::Sums;
-use crate::certify::blame::{any, faster, span};
+use crate::certify::cause::{any, faster, span};
 use crate::findings::round_down;
 use crate::net::linear::{Numbers, Points, Pull, dofs, links, rows};
 use crate::net::linearisation::Own;
@@ -108,9 +108,9 @@ impl Exact {
             .reduce(f64::max)
     }
 
-    /// Returns [`Certificate::room`]: 4 − H − h e eᵀ is definite if h eᵀ(4 − H)⁻¹e is below 1, here for the mass with
+    /// Returns [`Certificate::headroom`]: 4 − H − h e eᵀ is definite if h eᵀ(4 − H)⁻¹e is below 1, here for the mass with
     /// the least margin. `None` if it depends on the positions of points or takes too long.
-    pub fn room(&self) -> Option<f64> {
+    pub fn headroom(&self) -> Option<f64> {
         let factor = self.factor.as_ref().filter(|_| self.whole && self.linear.moving_links.is_empty())?;
         let dofs = &self.linear.dofs;
         if dofs.len().saturating_mul(dofs.len()) > WORK {

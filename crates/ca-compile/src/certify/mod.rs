@@ -10,27 +10,27 @@
 //! by rule (docs/numerics.md §3.2), and the certificate says so.
 
 mod accumulate;
-mod blame;
 mod bound;
+mod cause;
 mod decide;
+mod device_keys;
 #[cfg_attr(not(feature = "analysis"), path = "no_exact.rs")]
 mod exact;
-mod keys;
+mod lpr_support;
+mod max_elongation;
 mod negative;
-mod reach;
 mod report;
-mod rigid;
 mod ripple;
 mod rules;
-mod together;
+mod simultaneous_contacts;
 
 use crate::net::Pruned;
 use crate::options::Effort;
-use blame::overflow;
 use ca_core::internal::scene::certificate::Rules;
 use ca_core::{Certificate, Level};
 use ca_model::Model;
 use ca_model::diag::Diags;
+use cause::overflow;
 
 /// Judges the network; warnings name the module and a fix.
 pub fn certify(model: &Model, net: &Pruned, effort: Effort, diags: &mut Diags) -> Certificate {
@@ -45,7 +45,7 @@ pub fn certify(model: &Model, net: &Pruned, effort: Effort, diags: &mut Diags) -
 
 /// Combines the certificates of the sound side and of the groups at the gesture rate. Unless `compensated`, the border
 /// is exact, and each side is as stable as alone with the other side fixed (docs/numerics.md §5.4).
-pub fn beside(own: Certificate, slow: Certificate, compensated: bool) -> Certificate {
+pub fn combine(own: Certificate, slow: Certificate, compensated: bool) -> Certificate {
     let nearer = slow.bound > own.bound;
     let closer = slow.margin() < own.margin();
     let largest = match (own.largest, slow.largest) {

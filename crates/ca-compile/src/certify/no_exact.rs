@@ -27,7 +27,7 @@ impl Exact {
         match *self {}
     }
     /// Never called.
-    pub fn room(&self) -> Option<f64> {
+    pub fn headroom(&self) -> Option<f64> {
         match *self {}
     }
     /// Never called.

@@ -1,12 +1,12 @@
 //! Writes the certificate, with findings that name the responsible module and a fix.
 
 use crate::certify::accumulate::Accumulated;
-use crate::certify::blame::{span, unstable};
 use crate::certify::bound::Bounds;
+use crate::certify::cause::{span, unstable};
 use crate::certify::decide::Decision;
 use crate::certify::exact::Exact;
 use crate::certify::rules::{Decides, at, contacts, devices, frictions, hardening, methods};
-use crate::certify::{keys, rigid, ripple, together};
+use crate::certify::{device_keys, lpr_support, ripple, simultaneous_contacts};
 use crate::findings::round_up;
 use crate::net::{LiaNode, Pruned};
 use alloc::collections::BTreeSet;
@@ -41,7 +41,7 @@ pub fn report(
         ..Certificate::default()
     };
     cert.largest = exact.filter(|_| asked).and_then(|e| e.largest(&cert, true));
-    cert.room = exact.filter(|_| decided.verdict == FactorVerdict::Stable).and_then(Exact::room);
+    cert.headroom = exact.filter(|_| decided.verdict == FactorVerdict::Stable).and_then(Exact::headroom);
     // The MAT nearest to the limit may owe it to links that are not always present, so a certain cause comes first.
     let blamed = bounds.cause.filter(|_| bounds.lower >= 4.0).or(bounds.worst);
     match (cert.level, blamed) {
@@ -53,11 +53,11 @@ pub fn report(
         _ => {}
     }
     cert.ripple = ripple::ripple(net, exact, &cert);
-    rigid::rigid(model, net, diags);
+    lpr_support::lpr_support(model, net, diags);
     let held = |l: &LiaNode, b: &Bound| exact.filter(|_| decided.few)?.mobility(net, l, b);
     let mut decides = Decides::default();
     contacts(model, net, sums, held, (&mut cert, &mut decides), diags);
-    together::together(model, net, sums, &mut cert, diags);
+    simultaneous_contacts::simultaneous(model, net, sums, &mut cert, diags);
     frictions(model, net, sums, held, (&mut cert, &mut decides), diags);
     hardening(net, sums, held, (&mut cert, &mut decides));
     methods(model, net, sums, &mut decides, diags);
@@ -65,7 +65,7 @@ pub fn report(
         cert.rules.decides = decides.name();
     }
     devices(model, net, &sums.links, diags);
-    cert.keys = keys::keys(net, &sums.links);
+    cert.keys = device_keys::keys(net, &sums.links);
     cert
 }
 
@@ -80,9 +80,10 @@ fn not_proven(model: &Model, net: &Pruned, sums: &Accumulated, bounds: &Bounds, 
         d = d.at(span(model, net, net.mats[i].item), "nearest to the limit");
         // Label the steepest non-linear link there.
         let touches = |l: &LiaNode| l.all_ends().any(|e| net.under(e).contains(&(i as u32)));
-        let loose = net.lias.iter().zip(&sums.links).zip(&sums.reached);
-        let loose = loose.filter(|((l, b), _)| !b.linear && !b.contact && l.law.stage.is_explicit() && touches(l));
-        if let Some(((l, b), r)) = loose.max_by(|a, b| a.0.1.h().total_cmp(&b.0.1.h())) {
+        let nonlinear = net.lias.iter().zip(&sums.links).zip(&sums.reached);
+        let nonlinear =
+            nonlinear.filter(|((l, b), _)| !b.linear && !b.contact && l.law.stage.is_explicit() && touches(l));
+        if let Some(((l, b), r)) = nonlinear.max_by(|a, b| a.0.1.h().total_cmp(&b.0.1.h())) {
             let k = quantity::show(round_up(b.h()), Unit::STIFFNESS);
             d = d.at(span(model, net, l.item), format!("decisive: a slope of up to {k}{}", at(r.as_ref())));
         }
@@ -94,6 +95,6 @@ fn not_proven(model: &Model, net: &Pruned, sums: &Accumulated, bounds: &Bounds, 
 /// Returns the items with masses left out because no output depends on them. Masses replaced by modes are not among
 /// them.
 fn not_judged(net: &Pruned) -> Vec<String> {
-    let items: BTreeSet<u32> = net.unheard.iter().map(|m| net.mats[*m as usize].item).collect();
+    let items: BTreeSet<u32> = net.without_output.iter().map(|m| net.mats[*m as usize].item).collect();
     items.into_iter().map(|i| net.items[i as usize].name.to_string()).collect()
 }

@@ -1,8 +1,8 @@
 //! Rules for contacts, friction, hardening springs and device keys, which no eigenvalue bounds.
 
 use crate::certify::accumulate::{Accumulated, Sums};
-use crate::certify::blame::{any, faster, span};
-use crate::certify::reach::{Cause, Reached};
+use crate::certify::cause::{any, faster, span};
+use crate::certify::max_elongation::{Cause, MaxElongation};
 use crate::findings::{round_down, round_up};
 use crate::net::{End, LiaNode, Pruned};
 use alloc::collections::BTreeSet;
@@ -109,7 +109,7 @@ fn methods_of(l: &LiaNode) -> &'static [&'static str] {
 }
 
 /// Returns the elongation of the steepest slope, as the end of a sentence.
-pub fn at(reached: Option<&Reached>) -> String {
+pub fn at(reached: Option<&MaxElongation>) -> String {
     // Within a nanometre it is at rest.
     let Some(r) = reached.filter(|r| r.far > 1e-9) else { return String::new() };
     let far = quantity::show(rounded(r.far, 3), Unit::METRE);
@@ -120,7 +120,7 @@ pub fn at(reached: Option<&Reached>) -> String {
 }
 
 /// Returns the warning for a contact that is unstable while it presses, with slopes `k`, `z` and mobility `c`.
-fn unstable_contact(net: &Pruned, l: &LiaNode, [k, z, c]: [f64; 3], reached: Option<&Reached>) -> Diag {
+fn unstable_contact(net: &Pruned, l: &LiaNode, [k, z, c]: [f64; 3], reached: Option<&MaxElongation>) -> Diag {
     let closed = (k + 2.0 * z) * c;
     let title = format!(
         "contact `{}` {} unstable while it presses: T²k/m + 2Tz/m is {:.3}{}, the limit is 4",
@@ -129,13 +129,13 @@ fn unstable_contact(net: &Pruned, l: &LiaNode, [k, z, c]: [f64; 3], reached: Opt
         quantity::Plain(closed),
         at(reached)
     );
-    let (room, dt) = (4.0 / c, net.tick_dt);
+    let (headroom, dt) = (4.0 / c, net.tick_dt);
     let fix = if reached.is_some() {
         format!("make it at most {} % as stiff", quantity::Plain(round_down(400.0 / closed)))
-    } else if k < room && z > 0.0 {
-        format!("keep `z` below {}", quantity::show(round_down(0.5 * (room - k) * dt), Unit::VISCOSITY))
+    } else if k < headroom && z > 0.0 {
+        format!("keep `z` below {}", quantity::show(round_down(0.5 * (headroom - k) * dt), Unit::VISCOSITY))
     } else if z == 0.0 {
-        format!("keep `k` below {}", quantity::show(round_down(room), Unit::STIFFNESS))
+        format!("keep `k` below {}", quantity::show(round_down(headroom), Unit::STIFFNESS))
     } else {
         format!("make it at most {} % as stiff and viscous", quantity::Plain(round_down(400.0 / closed)))
     };

@@ -124,7 +124,17 @@ impl Wiring<'_> {
                 for (axis, share) in parts.into_iter().flatten() {
                     let (name, share) = (own.clone(), share * factor);
                     let item = Some(id);
-                    self.net.outs.push(OutNode { name, tap, hear, axis, share, channel, gain, item, asked: 0 });
+                    self.net.outs.push(OutNode {
+                        name,
+                        tap,
+                        quantity: hear,
+                        axis,
+                        share,
+                        channel,
+                        gain,
+                        item,
+                        request: 0,
+                    });
                 }
             }
         }
@@ -146,7 +156,7 @@ impl Wiring<'_> {
                 _ => self.next_probe(),
             };
             last = Some((o.channel, channel));
-            self.net.outs.push(OutNode { channel, gain: Source::Const(1.0), item: None, asked, ..o.clone() });
+            self.net.outs.push(OutNode { channel, gain: Source::Const(1.0), item: None, request: asked, ..o.clone() });
         }
         if last.is_some() {
             return;
@@ -170,7 +180,17 @@ impl Wiring<'_> {
                 let name = if axes > 1 { format!("{name}.{}", space::AXES[axis as usize]) } else { name.clone() };
                 let (channel, gain) = (self.next_probe(), Source::Const(1.0));
                 let (hear, share, item) = (Hear::Position, 1.0, None);
-                self.net.outs.push(OutNode { name, tap, hear, axis, share, channel, gain, item, asked });
+                self.net.outs.push(OutNode {
+                    name,
+                    tap,
+                    quantity: hear,
+                    axis,
+                    share,
+                    channel,
+                    gain,
+                    item,
+                    request: asked,
+                });
             }
         }
     }

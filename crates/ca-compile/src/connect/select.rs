@@ -183,7 +183,7 @@ impl<'a> Wiring<'a> {
     /// parts.
     fn is_as_written(&self, w: Written<'_>) -> bool {
         let source = self.model.source(w.span);
-        let at = source.within(w.span);
+        let at = source.to_text_span(w.span);
         !w.span.is_some() || source.text.get(at.start..at.end).is_none_or(|t| t.contains(w.text))
     }
 

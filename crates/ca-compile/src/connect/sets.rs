@@ -20,7 +20,7 @@ use ca_model::{Model, Value};
 const FEWEST: f64 = 1.5;
 
 /// Returns the names that outputs and probes refer to.
-pub fn heard(model: &Model, options: &Options) -> BTreeSet<String> {
+pub fn output_names(model: &Model, options: &Options) -> BTreeSet<String> {
     let from = model.items.iter().flat_map(|i| &i.args).filter(|e| e.key == "from");
     let texts = from.filter_map(|e| if let Value::Text(t) = &e.value { Some(t) } else { None });
     let probes = options.probes.iter().flat_map(|p| instances(model, p).unwrap_or_else(|| alloc::vec![p.clone()]));
@@ -48,7 +48,7 @@ impl Wiring<'_> {
         let plain = law.contact && law.mem == 0 && arg("method").is_none_or(|m| m == 0.0);
         if !plain
             || !enough
-            || self.heard.contains(&*name)
+            || self.output_names.contains(&*name)
             || ["along", "onto", "soften", "l0"].into_iter().any(written)
         {
             return false;

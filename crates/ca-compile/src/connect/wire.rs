@@ -2,7 +2,7 @@
 
 use crate::connect::measure;
 use crate::connect::select::{Meaning, Written};
-use crate::connect::sets::heard;
+use crate::connect::sets::output_names;
 use crate::connect::wiring::{Wiring, broken};
 use crate::findings::type_name;
 use crate::lower::space;
@@ -24,8 +24,17 @@ const LINKED: &str = "a link joins MATs: masses, fixed points, cells, ports move
 
 /// Adds links, force ports, outputs and probes.
 pub fn wire(model: &Model, net: Resolved, options: &Options, diags: &mut Diags) -> Wired {
-    let (heard, broken) = (heard(model, options), broken(model, &net));
-    let mut w = Wiring { model, net: net.into(), diags, heard, points: BTreeMap::new(), broken, over: false, under: 0 };
+    let (heard, broken) = (output_names(model, options), broken(model, &net));
+    let mut w = Wiring {
+        model,
+        net: net.into(),
+        diags,
+        output_names: heard,
+        points: BTreeMap::new(),
+        broken,
+        over: false,
+        under: 0,
+    };
     let links = w.net.items.iter().filter(|i| matches!(i.kind.role, Role::Lia(_))).count();
     w.net.lias.reserve_exact(links);
     for id in 0..w.net.items.len() {

@@ -12,7 +12,7 @@ pub(super) struct Wiring<'a> {
     pub net: Wired,
     pub diags: &'a mut Diags,
     /// Names that outputs and probes refer to.
-    pub heard: BTreeSet<String>,
+    pub output_names: BTreeSet<String>,
     /// Moving points by their text.
     pub points: BTreeMap<String, u32>,
     /// Names of modules that could not be read or made, which was reported.

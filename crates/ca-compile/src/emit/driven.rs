@@ -9,7 +9,7 @@ use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::internal::live::{DrivenParam, LivePlan};
+use ca_core::internal::live::{DrivenParam, LiveTable};
 use ca_core::internal::op::driven::Driven;
 use ca_core::{Controls, Patch};
 use ca_model::diag::{Diag, Diags};
@@ -19,8 +19,8 @@ const ROWS: usize = 257;
 /// Largest deviation from a straight line, relative to the largest coefficient in the column.
 const STRAIGHT: f64 = 1e-12;
 
-/// Returns the tables of all driven parameters, and records their coefficients in `plan`.
-pub fn tables(net: &Resolved, plan: &mut LivePlan, diags: &mut Diags) -> Vec<Driven> {
+/// Returns the tables of all driven parameters, and records their coefficients in `builder`.
+pub fn tables(net: &Resolved, plan: &mut LiveTable, diags: &mut Diags) -> Vec<Driven> {
     if net.driven.is_empty() {
         return Vec::new();
     }
@@ -61,7 +61,7 @@ pub fn tables(net: &Resolved, plan: &mut LivePlan, diags: &mut Diags) -> Vec<Dri
 }
 
 /// Removes driven parameters from the live parameters.
-fn taken_out(net: &Resolved, plan: &mut LivePlan) {
+fn taken_out(net: &Resolved, plan: &mut LiveTable) {
     let driven = |p: usize| net.driven.iter().find(|d| d.param == p);
     let mut number = 0;
     let mut renumber = Vec::new();
@@ -90,7 +90,7 @@ fn rows(controls: &mut Controls, p: usize, rows: usize) -> Result<(Vec<u32>, Vec
     for k in 0..rows {
         let part = k as f64 / (rows - 1) as f64;
         let v = if k + 1 == rows { max } else { min + part * (max - min) };
-        controls.turn(p, v, &mut patch).map_err(|e| format!("{e}"))?;
+        controls.set_indexed(p, v, &mut patch).map_err(|e| format!("{e}"))?;
         all.push(patch.set.iter().map(|s| s.1).collect());
         let written: Vec<u32> = patch.set.iter().map(|s| s.0).collect();
         if k == 0 {
@@ -107,21 +107,21 @@ fn rows(controls: &mut Controls, p: usize, rows: usize) -> Result<(Vec<u32>, Vec
 }
 
 /// Returns the coefficients that parameter `p` changes; if its bounds cannot be compared, all that it writes.
-fn reached(plan: &LivePlan, tick_dt: f64, p: usize) -> BTreeSet<u32> {
+fn reached(plan: &LiveTable, tick_dt: f64, p: usize) -> BTreeSet<u32> {
     let (mut controls, mut patch) = (Controls::new(plan, tick_dt), Patch::default());
     // Other parameters take values inside their range, since a factor of 0 at load would hide changes.
     for (q, param) in plan.params.iter().enumerate().filter(|(q, _)| *q != p) {
-        let _ = controls.turn(q, param.min + 0.37 * (param.max - param.min), &mut patch);
+        let _ = controls.set_indexed(q, param.min + 0.37 * (param.max - param.min), &mut patch);
     }
     if let Ok((places, rows)) = rows(&mut controls, p, 5) {
         let changes = |j: &usize| rows.iter().any(|r| r[*j].to_bits() != rows[0][*j].to_bits());
         return (0..places.len()).filter(changes).map(|j| places[j]).collect();
     }
-    let _ = controls.turn(p, plan.params[p].value, &mut patch);
+    let _ = controls.set_indexed(p, plan.params[p].value, &mut patch);
     patch.set.iter().map(|s| s.0).collect()
 }
 
-fn table(plan: &LivePlan, tick_dt: f64, d: &NetDriven, places: &BTreeSet<u32>) -> Result<Driven, String> {
+fn table(plan: &LiveTable, tick_dt: f64, d: &NetDriven, places: &BTreeSet<u32>) -> Result<Driven, String> {
     let (written, all) = rows(&mut Controls::new(plan, tick_dt), d.param, ROWS)?;
     let columns: Vec<usize> = (0..written.len()).filter(|j| places.contains(&written[*j])).collect();
     let last = ROWS - 1;

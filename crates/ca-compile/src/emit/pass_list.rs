@@ -2,7 +2,7 @@
 //! links in the list of [`forces`] from the same order.
 
 use crate::emit::cost;
-use crate::emit::plan::Plan;
+use crate::emit::layout_builder::LayoutBuilder;
 use crate::net::MatRole;
 use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
@@ -19,7 +19,7 @@ pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
         (!layout.ports.enx.is_empty(), Pass::Enx, layout.ports.enx.len()),
         (
             !layout.ports.tgr.is_empty(),
-            Pass::DevicesIn(layout.way(), layout.ports.crossing.latency > 0),
+            Pass::DevicesIn(layout.border_method(), layout.ports.crossing.latency > 0),
             layout.ports.tgr.len(),
         ),
         (!layout.ports.ahead.is_empty(), Pass::Ahead, layout.ports.ahead.len()),
@@ -100,10 +100,10 @@ pub fn forces(
         list.push(Op::pass(Pass::Mute, keys));
     }
     if keys > 0 && (feedback || kept) {
-        list.push(Op::pass(Pass::DevicesOut(layout.way()), keys));
+        list.push(Op::pass(Pass::DevicesOut(layout.border_method()), keys));
     }
     if keys > 0 && kept {
-        list.push(Op::pass(Pass::LedgerOfBorder(layout.way()), keys));
+        list.push(Op::pass(Pass::LedgerOfBorder(layout.border_method()), keys));
     }
     if aside {
         list.push(Op::pass(Pass::Mute, keys));
@@ -139,7 +139,7 @@ pub fn writes(layout: &Layout, gains: usize) -> Vec<Op> {
     let high = layout.out.blockers.len();
     let [motion, passed] = layout.out.of_motion;
     let plain = layout.out.outputs.len() - high - motion;
-    let again = layout.out.heard.len();
+    let again = layout.out.links.len();
     let position = |(i, o): (usize, &Output)| o.channel as usize == i && matches!(o.tap, Tap::Position(_));
     let each = layout.out.outputs.len() == layout.counts.n_out && layout.out.outputs.iter().enumerate().all(position);
     let outputs = match () {
@@ -148,7 +148,7 @@ pub fn writes(layout: &Layout, gains: usize) -> Vec<Op> {
         () => Pass::ManyOutputs,
     };
     let list = [
-        (again > 0, Pass::HeardLinks, again, 0),
+        (again > 0, Pass::OutputLinks, again, 0),
         // It clears the channels to which the other passes add.
         (plain + motion + high > 0, outputs, plain, 0),
         (motion > 0, Pass::Motions, motion, plain),
@@ -171,7 +171,7 @@ pub enum Class {
     Held,
 }
 
-impl Plan<'_> {
+impl LayoutBuilder<'_> {
     /// Returns the class of each slot for MATs in this order; `None` for slots that do not move.
     pub fn classes(&self, order: &[u32], n_mat: usize) -> Vec<Option<Class>> {
         let live: BTreeSet<u32> = self.live.iter().copied().collect();
@@ -219,7 +219,7 @@ pub fn merged(moves: Vec<Op>) -> Vec<Op> {
 }
 
 /// Gives slots that do not move the class of a neighbour: an unneeded integration costs less than two stretches.
-pub fn spread(classes: &mut [Option<Class>]) {
+pub fn fill_classes(classes: &mut [Option<Class>]) {
     for i in 1..classes.len() {
         classes[i] = classes[i].or(classes[i - 1].filter(|c| *c != Class::Held));
     }

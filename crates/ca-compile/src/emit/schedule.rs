@@ -1,21 +1,21 @@
 //! Schedule: builds the flat arrays and the list of passes of a scene, with entries only for parts that it has.
 
-use crate::emit::cutoff::{blockers, of_motion, plain_first};
 use crate::emit::driven;
+use crate::emit::gesture_rate::{self, Slow};
+use crate::emit::high_pass::{blockers, of_motion, plain_first};
+use crate::emit::layout_builder::LayoutBuilder;
 use crate::emit::masses::{Masses, masses, weigh};
 use crate::emit::methods::oversample::oversample;
 use crate::emit::methods::pefrl;
 use crate::emit::milib;
 use crate::emit::ordering::Storage;
 use crate::emit::pass_list;
-use crate::emit::plan::Plan;
 use crate::emit::points::{self, Points, points};
+use crate::emit::rows::document_order::DocumentOrder;
 use crate::emit::rows::fold::fold;
 use crate::emit::rows::fuse::{self, Passes};
 use crate::emit::rows::links::{Links, own_tables};
 use crate::emit::rows::space::rows;
-use crate::emit::rows::written::Written;
-use crate::emit::slow::{self, Slow};
 use crate::net::{End, LiaNode, MatRole, OutNode, OutputTap, Pruned, Push};
 use crate::options::{KernelClass, Options};
 use crate::passes::implicit;
@@ -29,7 +29,7 @@ use ca_core::internal::live::Loader;
 use ca_core::internal::numeric::{Aligned, VerletList};
 use ca_core::internal::op::energy::empty_ledger;
 use ca_core::internal::op::layout::{
-    Account, AccountFns, Counts, Enf, Enx, Layout, LedgerPlan, LinkArrays, MeasureKind, Output, OutputArrays, Places,
+    Account, AccountFns, Counts, Enf, Enx, Layout, LedgerLayout, LinkArrays, MeasureKind, Output, OutputArrays, Places,
     PortArrays, Rates, Row, SolvedModal, Tap,
 };
 use ca_core::internal::op::{Op, Vectors};
@@ -43,7 +43,7 @@ use ca_core::internal::state::{
 use ca_core::{Certificate, InputRole, Location, Precision, Scene, State};
 use ca_model::Model;
 use ca_model::diag::Diags;
-use ca_model::plain::plain;
+use ca_model::printable::printable;
 use core::ops::Range;
 
 /// Builds the scene, with its groups at the gesture rate if there are any. Returns `None` if there is an error.
@@ -57,47 +57,47 @@ pub fn schedule(
     diags: &mut Diags,
 ) -> Option<Scene> {
     let order = &storage.order[..];
-    let plan = Plan::new(net, order);
-    let (batches, sorted) = plan.batches(options.kernel);
+    let builder = LayoutBuilder::new(net, order);
+    let (batches, sorted) = builder.batches(options.kernel);
     let sorted = sorted || storage.sorted || slow.is_some_and(|slow| slow.scene.passes.sorted);
-    let mut written = Written::new(&batches);
-    let mut batches = plan.chained(options, batches);
-    let settled = plan.settled(order, options, &batches);
+    let mut written = DocumentOrder::new(&batches);
+    let mut batches = builder.chained(options, batches);
+    let settled = builder.settled(order, options, &batches);
     let order = settled.as_deref().unwrap_or(order);
-    let (listed, mut plan) = (plan, Plan::new(net, order));
-    let mut masses = masses(&mut plan);
+    let (listed, mut builder) = (builder, LayoutBuilder::new(net, order));
+    let mut masses = masses(&mut builder);
     let n_mat = masses.x.len();
-    let mut classes = plan.classes(order, n_mat);
-    fuse::mark(&plan, options, &mut classes, &mut batches);
-    pass_list::spread(&mut classes);
-    let mut batches = plan.joined(options, batches);
+    let mut classes = builder.classes(order, n_mat);
+    fuse::mark(&builder, options, &mut classes, &mut batches);
+    pass_list::fill_classes(&mut classes);
+    let mut batches = builder.joined(options, batches);
     // Slots are final from here on.
-    let moved = settled.is_some().then(|| listed.moved(&plan));
-    let folded = fold(&mut plan, &mut masses, &mut classes, &mut batches);
+    let moved = settled.is_some().then(|| listed.moved(&builder));
+    let folded = fold(&mut builder, &mut masses, &mut classes, &mut batches);
     let last = |slot: u32| folded.get(slot as usize).copied().unwrap_or(slot);
     written.slots = moved.map_or_else(|| folded.clone(), |moved| moved.into_iter().map(last).collect());
-    let batches = plan.fanned(options, batches);
+    let batches = builder.fanned(options, batches);
     let Masses { x, v, rest } = masses;
     let n_mat = x.len();
-    let (enx, tgr) = (ports(&plan, PortRole::Enx), ports(&plan, PortRole::Tgr));
+    let (enx, tgr) = (ports(&builder, PortRole::Enx), ports(&builder, PortRole::Tgr));
     let late = enx.iter().chain(&tgr).filter(|p| p.implicit && options.arithmetic.is_none_or(|a| a >= 6));
     let ahead: Vec<u32> = late.map(|p| p.mat).collect();
     let pushes = |on_line: bool| net.pushes.iter().filter(move |p| net.pushes_line(p) == on_line);
-    let pushed = |p: &Push| Some(Enf { input: p.input, mat: plan.alive(p.end, p.axis)? });
+    let pushed = |p: &Push| Some(Enf { input: p.input, mat: builder.alive(p.end, p.axis)? });
     let in_space: Vec<Enf> = pushes(false).filter_map(pushed).collect();
     let on_line: Vec<Enf> = pushes(true).filter_map(pushed).collect();
     // This order makes the coefficients contiguous.
-    let (weight, weighed) = weigh(&mut plan);
-    let first_of_links = plan.coef.len();
-    let links = plan.links(batches, options, diags, model);
-    written.coefs(n_mat, first_of_links..plan.coef.len(), &links);
-    let Points { nodes, moving: moving_points, modal, shares, aimed } = points(&mut plan);
-    let solved_modal = points::solved(&mut plan, n_mat, links.tap, (&modal, &shares));
-    let (gains, outputs) = outputs(&mut plan, &links)?;
-    let implicit = plan.implicit(n_mat, &links, model, diags);
+    let (weight, weighed) = weigh(&mut builder);
+    let first_of_links = builder.coef.len();
+    let links = builder.links(batches, options, diags, model);
+    written.coefs(n_mat, first_of_links..builder.coef.len(), &links);
+    let Points { nodes, moving: moving_points, modal, shares, aimed } = points(&mut builder);
+    let solved_modal = points::solved(&mut builder, n_mat, links.tap, (&modal, &shares));
+    let (gains, outputs) = outputs(&mut builder, &links)?;
+    let implicit = builder.implicit(n_mat, &links, model, diags);
     // Passes before the links shift all of them in the list of forces; passes after them shift only the late links. The
     // same order as in `pass_list::forces`.
-    let waves = plan.waves(links.mem);
+    let waves = builder.waves(links.mem);
     let lead = [!in_space.is_empty(), !weighed.is_empty(), !waves.delays.is_empty()].into_iter().filter(|b| *b).count();
     let solved = implicit.as_ref().map_or([false; 2], |(a, _)| [!a.places.is_empty(), !a.pairs.is_empty()]);
     let behind = [!on_line.is_empty(), !moving_points.is_empty(), !modal.is_empty()];
@@ -105,11 +105,11 @@ pub fn schedule(
     let back = behind.into_iter().chain(solved).filter(|b| *b).count();
     let (in_space, enf) = (in_space.len(), [in_space, on_line].concat());
     let place = |op: usize| op + lead + if op >= links.late { back } else { 0 };
-    let slow = slow.map(|slow| (slow, slow.group(&plan), slow.reach(&plan)));
+    let slow = slow.map(|slow| (slow, slow.group(&builder), slow.reach(&builder)));
     let copies = slow.iter().flat_map(|(_, group, _)| group.ports.iter().map(|p| p.at));
     let ported: BTreeSet<u32> = enx.iter().chain(&tgr).map(|p| p.mat).chain(copies).collect();
     let ledger = options.energy.then(|| {
-        let mut live = plan.live.clone();
+        let mut live = builder.live.clone();
         live.sort_unstable();
         let turns = |coefs: Range<usize>| {
             let next = live.get(live.partition_point(|c| (*c as usize) < coefs.start));
@@ -125,14 +125,14 @@ pub fn schedule(
             turns(a.coef..a.coef + a.n * a.law.coefs) || of_ends(&links.ends, a.first, a.n) || second
         };
         let accounts = accounts.into_iter().map(|a| Account { live: live(&a), ..a }).collect();
-        LedgerPlan { accounts, weight, live: turns(0..3 * n_mat) || turns(weight..weight + weighed.len()) }
+        LedgerLayout { accounts, weight, live: turns(0..3 * n_mat) || turns(weight..weight + weighed.len()) }
     });
-    let mut symbols = symbols(&plan, &links, place);
+    let mut symbols = symbols(&builder, &links, place);
     let (moves, own) = pass_list::moves(&classes, n_mat, waves.delays.len());
     let unfused = slow.as_ref().filter(|(_, group, _)| group.compensated).map(|_| moves.clone());
-    let mut live = plan.live_plan(implicit.as_ref());
+    let mut live = builder.live_table(implicit.as_ref());
     let whole = live.implicit.as_ref().map_or(u32::MAX, |a| a.first);
-    let (coef, live_places) = (plan.coef, plan.live);
+    let (coef, live_places) = (builder.coef, builder.live);
     let mut layout = Layout {
         rates: Rates {
             sample_dt: 1.0 / net.rate,
@@ -161,7 +161,7 @@ pub fn schedule(
         },
         out: OutputArrays {
             output_rows: Vec::new(),
-            heard: links.heard.into_iter().map(|(_, h)| h).collect(),
+            links: links.output_links.into_iter().map(|(_, h)| h).collect(),
             outputs,
             of_motion: of_motion(net),
             blockers: blockers(model, net, diags),
@@ -197,7 +197,7 @@ pub fn schedule(
     let sweeps = options.arithmetic.is_none_or(|a| a >= 7);
     let mut forces = pass_list::forces(&layout, links.forces, links.late, weight, in_space, sweeps);
     if let Some((_, group, _)) = &slow {
-        slow::passes(group, &mut reads, &mut forces);
+        gesture_rate::passes(group, &mut reads, &mut forces);
     }
     layout.out.output_rows = pass_list::output_rows(&layout);
     let mut writes = pass_list::writes(&layout, gains);
@@ -212,8 +212,8 @@ pub fn schedule(
     }
     let summed = &forces[..forces.len() - fused];
     let tick = slow.as_ref().map(|_| match unfused {
-        Some(unfused) => slow::Tick::proportional(&listed, unfused),
-        None => slow::Tick { forces: summed.to_vec(), moves: moves.clone() },
+        Some(unfused) => gesture_rate::Tick::proportional(&listed, unfused),
+        None => gesture_rate::Tick { forces: summed.to_vec(), moves: moves.clone() },
     });
     oversample(net, &mut layout, &mut reads, summed, &mut writes, &mut moves);
     milib::check(model, net, &layout, &listed, diags);
@@ -228,8 +228,8 @@ pub fn schedule(
     set_order(&mut loaded, order_of_document);
     if let Some(((slow, mut group, reach), tick)) = slow.zip(tick) {
         let own = slow.state(&group);
-        let blank = slow::blank(&loaded, own.clone());
-        group.response = slow::response(&layout, &group, &tick, &blank, &reach);
+        let blank = gesture_rate::blank(&loaded, own.clone());
+        group.response = gesture_rate::response(&layout, &group, &tick, &blank, &reach);
         loaded.slow = Some(Box::new(own));
         layout.rates.slow = Some(Arc::new(group));
     }
@@ -253,7 +253,7 @@ pub fn schedule(
             gestures: net.gestures.clone(),
             presets: net.presets.clone(),
             left_out: net.left_out.clone(),
-            title: plain(model.title()),
+            title: printable(model.title()),
             seconds: net.seconds,
         },
         symbols: symbols.build(),
@@ -265,14 +265,14 @@ pub fn schedule(
 }
 
 /// Returns the ports of one role that move a MAT, axis by axis.
-fn ports(plan: &Plan, role: PortRole) -> Vec<Enx> {
+fn ports(builder: &LayoutBuilder, role: PortRole) -> Vec<Enx> {
     let mut all = Vec::new();
     // Links that are solved with the coming motion, and their ends.
-    let late = plan.net.lias.iter().filter(|l| l.law.implicit || !l.law.stage.is_explicit());
+    let late = builder.net.lias.iter().filter(|l| l.law.implicit || !l.law.stage.is_explicit());
     let held = late.flat_map(LiaNode::all_ends).filter_map(|e| if let End::Mat(m) = e { Some(m) } else { None });
-    let held: BTreeSet<u32> = held.map(|m| plan.slot[m as usize]).collect();
+    let held: BTreeSet<u32> = held.map(|m| builder.slot[m as usize]).collect();
     let implicit = |at: &u32| held.contains(at);
-    for (m, at) in plan.net.mats.iter().zip(&plan.slot).filter(|(_, at)| **at != u32::MAX) {
+    for (m, at) in builder.net.mats.iter().zip(&builder.slot).filter(|(_, at)| **at != u32::MAX) {
         let MatRole::Port(r, inputs) = m.role else { continue };
         for (k, input) in inputs.iter().enumerate().filter(|_| r == role) {
             all.extend(input.map(|input| Enx { input, mat: at + k as u32, rest: m.rest[k], implicit: implicit(at) }));
@@ -282,26 +282,26 @@ fn ports(plan: &Plan, role: PortRole) -> Vec<Enx> {
 }
 
 /// Returns the index of the first gain, and the outputs. Returns `None` if an output reads something that was left out.
-fn outputs(plan: &mut Plan, links: &Links) -> Option<(usize, Vec<Output>)> {
-    let first = plan.coef.len();
+fn outputs(builder: &mut LayoutBuilder, links: &Links) -> Option<(usize, Vec<Output>)> {
+    let first = builder.coef.len();
     let mut all = Vec::new();
-    for o in plain_first(plan.net) {
+    for o in plain_first(builder.net) {
         let tap = match o.tap {
-            OutputTap::Position(e) => Tap::Position(plan.alive(e, o.axis)?),
-            OutputTap::ForceOn(e) => Tap::ForceOn(plan.alive(e, o.axis)?),
+            OutputTap::Position(e) => Tap::Position(builder.alive(e, o.axis)?),
+            OutputTap::ForceOn(e) => Tap::ForceOn(builder.alive(e, o.axis)?),
             OutputTap::ForceOf(l) => {
                 let (op, k) = links.where_is[l as usize];
-                let again = links.heard.iter().find(|(of, _)| *of == l);
+                let again = links.output_links.iter().find(|(of, _)| *of == l);
                 let kept = || (links.forces[op as usize].tap + k as usize) as u32;
                 Tap::ForceOf(again.map_or_else(kept, |(_, h)| h.tap))
             }
         };
         all.push(Output { channel: o.channel, tap });
-        plan.coef.push(0.0);
-        let to = plan.coef.len() - 1;
+        builder.coef.push(0.0);
+        let to = builder.coef.len() - 1;
         match (o.item, o.gain) {
-            (Some(item), gain) => plan.load(Loader::Times(o.share), item, &[gain], &[to]),
-            (None, gain) => plan.coef[to] = o.share * gain.get(&[]).unwrap_or(1.0),
+            (Some(item), gain) => builder.load(Loader::Times(o.share), item, &[gain], &[to]),
+            (None, gain) => builder.coef[to] = o.share * gain.get(&[]).unwrap_or(1.0),
         }
     }
     Some((first, all))
@@ -340,9 +340,9 @@ fn accounts(links: &Links, n_mat: usize, ported: impl Fn(u32) -> bool, index: im
 }
 
 /// Returns the modules by name: MATs that stay, then links with the `index` of their pass among the forces.
-fn symbols(plan: &Plan, links: &Links, index: impl Fn(usize) -> usize) -> SymbolsBuilder {
-    let net = plan.net;
-    let mats = net.mats.iter().zip(&plan.slot).filter(|(_, at)| **at != u32::MAX);
+fn symbols(builder: &LayoutBuilder, links: &Links, index: impl Fn(usize) -> usize) -> SymbolsBuilder {
+    let net = builder.net;
+    let mats = net.mats.iter().zip(&builder.slot).filter(|(_, at)| **at != u32::MAX);
     let mut all = SymbolsBuilder::with_capacity(mats.clone().count(), net.lias.len());
     mats.for_each(|(m, at)| all.push(&m.name, m.code, m.axes, Location::Mat(*at)));
     for (l, (op, k)) in net.lias.iter().zip(&links.where_is) {
@@ -391,5 +391,5 @@ fn loaded(net: &Pruned, layout: &Layout, x: &[f64], v: &[f64], coef: &[f64], (li
 fn probes(net: &Pruned) -> (Vec<String>, Vec<u32>) {
     let mut all: Vec<&OutNode> = net.outs.iter().filter(|o| o.item.is_none()).collect();
     all.dedup_by_key(|o| o.channel);
-    all.into_iter().map(|o| (o.name.clone(), o.asked)).unzip()
+    all.into_iter().map(|o| (o.name.clone(), o.request)).unzip()
 }

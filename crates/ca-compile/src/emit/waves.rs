@@ -1,11 +1,11 @@
 //! Lays out waveguides and their memory.
 
-use crate::emit::plan::Plan;
+use crate::emit::layout_builder::LayoutBuilder;
 use alloc::vec::Vec;
 use ca_core::internal::op::layout::{Delay, Junction, Termination, Waves};
 use ca_core::internal::tuning::wave::Loss;
 
-impl Plan<'_> {
+impl LayoutBuilder<'_> {
     /// Lays out the waveguides; their memory begins at `memory`.
     pub fn waves(&self, memory: usize) -> Waves {
         let mut all = Waves { first: memory, ..Waves::default() };
@@ -17,7 +17,7 @@ impl Plan<'_> {
         for line in &self.net.lines {
             let Some(tuned) = &line.tuned else { continue };
             let base = all.junctions.len();
-            let z = line.asked.z / self.net.tick_dt;
+            let z = line.spec.z / self.net.tick_dt;
             for m in line.junctions() {
                 all.junctions.push(Junction { mat: self.slot[m as usize], z, memory: take(3) });
             }

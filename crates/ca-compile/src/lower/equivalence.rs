@@ -11,7 +11,9 @@ use alloc::format;
 use alloc::string::String;
 use alloc::string::ToString;
 use alloc::vec::Vec;
-use ca_core::equivalence::{Class, Equivalence, Gains, Pair, Quantity, ROWS, Scale, anchor_for, keep, row, solve};
+use ca_core::equivalence::{
+    Class, Equivalence, Gains, Pair, Quantity, ROWS, Scale, anchor_for, row, solve, solve_keeping,
+};
 use ca_core::internal::kind::{PortRole, alg_to_si};
 use ca_core::{ABOVE_ZERO, InputRole, Unit};
 use ca_model::diag::Diag;
@@ -162,7 +164,7 @@ fn whole(
                 v.diags.push(d.help(format!("with `{}`, choose one of {} as the anchor", p.row.name, others(class))));
                 return None;
             }
-            (keep(*p, held, Gains::default(), time_unit), e)
+            (solve_keeping(*p, held, Gains::default(), time_unit), e)
         }
         [(a, _), (b, e)] => {
             let class = a.row.class();

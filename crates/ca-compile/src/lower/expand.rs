@@ -1,6 +1,6 @@
 //! Expands the output of a generator to modules with names, kinds and parameter sources.
 
-use crate::net::lines::LineNode;
+use crate::net::waveguides::WaveguideNode;
 use crate::net::{End, Family, LiaNode, MatNode, MatRole, Measure, Resolved};
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -95,7 +95,7 @@ pub fn expand(net: &mut Resolved, item: u32, built: &Builder<'_>, (dim, rest): (
             item,
         });
     }
-    net.lines.extend(built.line.clone().map(|asked| LineNode { item, first: base, asked, tuned: None }));
+    net.lines.extend(built.line.clone().map(|asked| WaveguideNode { item, first: base, spec: asked, tuned: None }));
     family.nodes = built.nodes.iter().map(|n| base + n).collect();
     net.families.insert(&name, family);
 }

@@ -1,7 +1,7 @@
 //! Reads `[param]`, named numbers that may be live, and places them in the network.
 
 use crate::findings::{bad_quantity, inside, range_help, type_name, wrong_unit};
-use crate::lower::named::{Named, Raw};
+use crate::lower::parsed_param::{ParsedParam, Raw};
 use crate::lower::values::Values;
 use crate::net::{NetDriven, Resolved};
 use alloc::collections::BTreeSet;
@@ -18,11 +18,11 @@ use ca_model::{Entry, Model, Span, Value, quantity};
 const KEYS: &[&str] = &["value", "unit", "live", "min", "max", "port", "span", "doc"];
 
 /// Reads the parameters of a model.
-pub fn all(model: &Model, diags: &mut Diags) -> Vec<Named> {
-    let lost = model.lost.iter().map(|name| Named::broken(name, Span::NONE));
+pub fn all(model: &Model, diags: &mut Diags) -> Vec<ParsedParam> {
+    let lost = model.lost.iter().map(|name| ParsedParam::broken(name, Span::NONE));
     let keys: BTreeSet<&str> = model.params.iter().map(|e| e.key.as_str()).collect();
     let is_param = |name: &str| keys.contains(name);
-    let mut list: Vec<Named> = model.params.iter().map(|e| named(e, &is_param, diags)).collect();
+    let mut list: Vec<ParsedParam> = model.params.iter().map(|e| named(e, &is_param, diags)).collect();
     list.extend(lost);
     list
 }
@@ -84,9 +84,9 @@ pub fn raw_value(e: &Entry, what: &str, diags: &mut Diags) -> Option<Raw> {
     raw(&in_unit(of("value")?, unit.filter(|u| !u.is_empty())), what, &|_| false, diags)
 }
 
-fn named(e: &Entry, is_param: &dyn Fn(&str) -> bool, diags: &mut Diags) -> Named {
+fn named(e: &Entry, is_param: &dyn Fn(&str) -> bool, diags: &mut Diags) -> ParsedParam {
     let what = format!("parameter `{}`", e.key);
-    let mut n = Named { value_span: e.span, ..Named::broken(&e.key, e.key_span) };
+    let mut n = ParsedParam { value_span: e.span, ..ParsedParam::broken(&e.key, e.key_span) };
     let Value::Table(entries) = &e.value else {
         n.value = raw(e, &what, is_param, diags);
         return n;
@@ -191,7 +191,7 @@ fn named(e: &Entry, is_param: &dyn Fn(&str) -> bool, diags: &mut Diags) -> Named
 
 /// Checks a parameter that a port drives: it needs bounds and a span, and has its smallest value until the port is
 /// read.
-fn driven(n: &mut Named, e: &Entry, what: &str, diags: &mut Diags) {
+fn driven(n: &mut ParsedParam, e: &Entry, what: &str, diags: &mut Diags) {
     let missing = [("min", n.min.is_none()), ("max", n.max.is_none()), ("span", n.span_of_port.is_none())];
     for (key, _) in missing.into_iter().filter(|m| m.1) {
         let broken = matches!(&e.value, Value::Table(t) if t.iter().any(|x| x.key == key));
@@ -213,7 +213,7 @@ fn driven(n: &mut Named, e: &Entry, what: &str, diags: &mut Diags) {
 }
 
 /// Checks that `min` and `max` have the dimension of `value` and are in order, with `value` between them.
-fn limits(n: &mut Named, spans: [Span; 2], what: &str, diags: &mut Diags) {
+fn limits(n: &mut ParsedParam, spans: [Span; 2], what: &str, diags: &mut Diags) {
     let Some(value) = n.value else { return };
     let dim = |r: Raw| match r {
         Raw::Quantity(q) if q.has_unit => Some(q.dim),
@@ -255,7 +255,7 @@ fn limits(n: &mut Named, spans: [Span; 2], what: &str, diags: &mut Diags) {
 
 /// Returns the error for a value and a limit of different units. It blames the plain number of the two, or a value that
 /// was set and so is not in the text.
-fn not_alike(n: &Named, what: &str, key: &str, span: Span, [value, limit]: [Option<Dim>; 2]) -> Diag {
+fn not_alike(n: &ParsedParam, what: &str, key: &str, span: Span, [value, limit]: [Option<Dim>; 2]) -> Diag {
     let [is, of] = [value, limit].map(|d| d.map_or(String::new(), quantity::unit_of));
     let in_unit = |unit: &str| if unit.is_empty() { "a plain number".into() } else { format!("in {unit}") };
     let help = "give the value and its limits in the same unit, e.g. with `unit = \"…\"`";
@@ -303,7 +303,8 @@ pub fn place(v: &mut Values<'_>, net: &mut Resolved) {
             doc: n.doc.clone(),
         });
     }
-    let by_ports: Vec<(usize, Named)> = v.named.iter().cloned().enumerate().filter(|n| n.1.port.is_some()).collect();
+    let by_ports: Vec<(usize, ParsedParam)> =
+        v.named.iter().cloned().enumerate().filter(|n| n.1.port.is_some()).collect();
     for (i, n) in by_ports.iter().filter(|n| renumber[n.0] != usize::MAX) {
         let driven = drives(n, net, v).map(|drive| NetDriven { param: renumber[*i], ..drive });
         net.driven.extend(driven);
@@ -316,7 +317,7 @@ pub fn place(v: &mut Values<'_>, net: &mut Resolved) {
 }
 
 /// Returns the port that drives a parameter, with its span.
-fn drives(n: &Named, net: &Resolved, v: &mut Values<'_>) -> Option<NetDriven> {
+fn drives(n: &ParsedParam, net: &Resolved, v: &mut Values<'_>) -> Option<NetDriven> {
     let (port, span) = (n.port.as_ref()?, n.span_of_port.as_ref()?);
     let Value::Text(name) = &port.value else { return None };
     let Some(input) = net.inputs.iter().position(|i| i.name == *name) else {

@@ -3,8 +3,8 @@
 //! A value is read as the `value` of its parameter: in its unit, within its range.
 
 use crate::findings::{range_help, wrong_unit};
-use crate::lower::named::{Named, Raw};
 use crate::lower::params;
+use crate::lower::parsed_param::{ParsedParam, Raw};
 use crate::net::Resolved;
 use alloc::format;
 use alloc::string::String;
@@ -20,7 +20,7 @@ use ca_model::{Entry, Model, Value, quantity};
 const MOST: usize = 100_000;
 
 /// Reads all presets. `alg` is the tick \[s\] of models in `alg` units.
-pub fn presets(model: &Model, net: &mut Resolved, alg: Option<f64>, named: &[Named], diags: &mut Diags) {
+pub fn presets(model: &Model, net: &mut Resolved, alg: Option<f64>, named: &[ParsedParam], diags: &mut Diags) {
     let mut spent = 0;
     for preset in &model.presets {
         let Value::Table(entries) = &preset.value else { continue };
@@ -65,7 +65,7 @@ fn value(
     let what = format!("`{}` of preset `{}`", e.key, preset.key);
     let as_declared = params::raw_value(declared, &what, &mut Diags::new())?;
     let mut changed = declared.clone();
-    changed.give(e.value.clone(), e.span);
+    changed.set_value(e.value.clone(), e.span);
     let raw = params::raw_value(&changed, &what, diags)?;
     let v = match (raw, as_declared) {
         (Raw::Quantity(q), _) if q.has_unit && !q.dim.same(live.unit.dim) => {
@@ -86,7 +86,7 @@ fn value(
     Some(v)
 }
 
-fn sets_nothing(preset: &Entry, e: &Entry, net: &Resolved, named: &[Named], diags: &mut Diags) {
+fn sets_nothing(preset: &Entry, e: &Entry, net: &Resolved, named: &[ParsedParam], diags: &mut Diags) {
     let of = named.iter().find(|n| n.name == e.key);
     if of.is_some_and(|n| n.value.is_none()) {
         return; // reported where it is declared

@@ -5,7 +5,7 @@
 //! alike. Sums and formulas are not supported: partials and proportions are factors, and more would be a language in
 //! itself.
 
-use crate::lower::named::Named;
+use crate::lower::parsed_param::ParsedParam;
 use crate::lower::values::Values;
 use alloc::format;
 use alloc::string::String;
@@ -41,7 +41,7 @@ impl Values<'_> {
     pub(super) fn near_parameter(&self, d: Diag, what: &str, text: &str, err: &QuantityError) -> Diag {
         let Some((_, word)) = quantity::product(text).filter(|_| err.hint.is_none()) else { return d };
         // Parameters of the model, and parameters of the instance by their names within the part.
-        let here = |n: &Named| n.name.rsplit_once('.').is_none_or(|(of, _)| what.contains(&format!("`{of}.")));
+        let here = |n: &ParsedParam| n.name.rsplit_once('.').is_none_or(|(of, _)| what.contains(&format!("`{of}.")));
         let names: Vec<&str> =
             self.named.iter().filter(|n| here(n)).filter_map(|n| n.name.rsplit('.').next()).collect();
         let Some(near) = nearest(word, names.iter().copied()) else { return d };

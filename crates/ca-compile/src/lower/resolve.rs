@@ -2,10 +2,10 @@
 //! nodes. Links wait until all names are known (`wire.rs`).
 
 use crate::MOST_MODES;
-use crate::lower::crossing::crossing;
 use crate::lower::expand::expand;
 use crate::lower::ports::gesture;
 use crate::lower::ports::port::port;
+use crate::lower::rate_options::crossing;
 use crate::lower::values::Values;
 use crate::lower::{equivalence, params, preset, rates, requirements, space};
 use crate::net::{MatNode, MatRole, NetItem, Resolved};

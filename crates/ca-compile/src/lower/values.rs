@@ -3,8 +3,8 @@
 //! A bare number is in the units of the model, a quantity in its written unit. Both are checked against the dimension
 //! of their place. A `[param]` without a unit takes the dimension of the place where it is used.
 
-use crate::findings::{bad_quantity, instead, quoted, range_help, type_name, unit_span, wanted, wrong_unit};
-use crate::lower::named::{Named, Raw};
+use crate::findings::{bad_quantity, instead, quoted, range_help, type_name, unit_in_sentence, unit_span, wrong_unit};
+use crate::lower::parsed_param::{ParsedParam, Raw};
 use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
@@ -27,7 +27,7 @@ pub struct Values<'a> {
     /// Tick of the reference rate for `alg` units; `None` in SI.
     pub alg: Option<f64>,
     /// Parameters, set by [`Values::name`].
-    pub named: Vec<Named>,
+    pub named: Vec<ParsedParam>,
     /// Index of each parameter by name.
     pub(super) index: HashMap<String, usize>,
     /// Contents of files.
@@ -47,7 +47,7 @@ impl<'a> Values<'a> {
 
 impl Values<'_> {
     /// Sets the named parameters.
-    pub fn name(&mut self, named: Vec<Named>) {
+    pub fn name(&mut self, named: Vec<ParsedParam>) {
         // Of two parameters with the same name, which is reported, the first counts.
         self.index = named.iter().enumerate().rev().map(|(i, n)| (n.name.clone(), i)).collect();
         self.named = named;
@@ -65,7 +65,8 @@ impl Values<'_> {
             Ok(q) if !q.has_unit && (unit.dim.same(Unit::NONE.dim) || q.value == 0.0) => Some(q.value),
             Ok(q) if !q.has_unit => {
                 let d = Diag::error("E008", format!("{what} has no unit: `{}`", text.trim()));
-                let d = d.at(e.span, format!("a number in quotes needs its unit, here {}", wanted(unit.symbol)));
+                let d =
+                    d.at(e.span, format!("a number in quotes needs its unit, here {}", unit_in_sentence(unit.symbol)));
                 let new = format!("\"{} {}\"", text.trim(), unit.symbol);
                 self.diags.push(d.help("write the unit, or leave out the quotes").fix(e.span, new));
                 None
@@ -159,8 +160,10 @@ impl Values<'_> {
             Raw::Quantity(q) if q.has_unit => {
                 let is = quantity::unit_of(q.dim);
                 let d = wrong_unit(what, unit.symbol, &is, e.span).at(self.named[i].value_span, "declared here");
-                self.diags
-                    .push(d.help(format!("give `{name}` in {}, or use another parameter here", wanted(unit.symbol))));
+                self.diags.push(d.help(format!(
+                    "give `{name}` in {}, or use another parameter here",
+                    unit_in_sentence(unit.symbol)
+                )));
                 return None;
             }
             _ => self.bare(unit.dim),

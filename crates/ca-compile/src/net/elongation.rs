@@ -6,7 +6,7 @@ use ca_core::Role;
 /// Returns the constant part of the elongation of two ends at rest, which the kernel does not measure, and their
 /// distance.
 fn at_rest(net: &Wired, ends: [End; 2], measure: Measure) -> (f64, f64) {
-    let v = net.apart(ends);
+    let v = net.rest_vector(ends);
     match measure {
         Measure::Line([a, b]) => {
             let d = net.rest(ends[1])[b as usize] - net.rest(ends[0])[a as usize];
@@ -56,7 +56,7 @@ pub fn at_load(net: &Wired, l: &LiaNode) -> Option<f64> {
             Measure::Line([a, b]) => to[b as usize] - from[a as usize],
             Measure::Along(n) => n[0] * by[0] + n[1] * by[1] + n[2] * by[2],
             Measure::Radial => {
-                let rest = net.apart(ends);
+                let rest = net.rest_vector(ends);
                 let square: f64 = (0..3).map(|k| (rest[k] + by[k]) * (rest[k] + by[k])).sum();
                 libm::sqrt(square + l.soften * l.soften)
             }

@@ -6,7 +6,7 @@
 use crate::analysis::{Dof, Linear, MovingLink, Network, Port};
 use crate::net::linearisation;
 use crate::net::linearisation::Own;
-use crate::net::lines::LineNode;
+use crate::net::waveguides::WaveguideNode;
 use crate::net::{Coordinate, End, LiaNode, MatNode, MatRole, Measure, OutNode, OutputTap, Pruned, Wired};
 use alloc::string::String;
 use alloc::string::ToString;
@@ -97,7 +97,7 @@ pub fn network(net: &Pruned, purpose: Purpose) -> Network {
     let mats = net.mats.iter().zip(&net.alive);
     let mut own: Vec<Own> = mats.map(|(m, alive)| if *alive { of(net, m) } else { Own::default() }).collect();
     // Delays are not a matrix: links at a waveguide are reported as if it stood still.
-    net.lines.iter().flat_map(LineNode::junctions).for_each(|m| own[m as usize] = Own::default());
+    net.lines.iter().flat_map(WaveguideNode::junctions).for_each(|m| own[m as usize] = Own::default());
     let slopes: Vec<Bound> = net.lias.iter().map(|l| linearisation::slopes(net, l)).collect();
     let (mut linear, mut numbers) = dofs(net, &own);
     let mut driven = Vec::new();
@@ -119,7 +119,7 @@ pub fn network(net: &Pruned, purpose: Purpose) -> Network {
     let (mut ports, mut derivatives, mut force_outputs): (Vec<Port>, Vec<Port>, Vec<String>) = Default::default();
     // Last port and channel: a probe may have the name of an output.
     let mut last: Option<(&str, u32)> = None;
-    for OutNode { name, tap, hear, axis, share, channel, .. } in &net.outs {
+    for OutNode { name, tap, quantity: hear, axis, share, channel, .. } in &net.outs {
         let (axis, share, channel) = (*axis, *share, *channel);
         let still = *hear == Hear::Position;
         // Once per output, for any number of modules and axes.
@@ -187,7 +187,7 @@ pub fn network(net: &Pruned, purpose: Purpose) -> Network {
         derivatives,
         force_outputs,
         left_out: left_out.into_iter().map(|(i, code)| (net.items[i as usize].name.to_string(), code)).collect(),
-        unheard: unheard(net),
+        unheard: names_without_output(net),
         linear,
     }
 }
@@ -237,11 +237,11 @@ fn other_scheme(net: &Pruned, linear: &Linear) -> Option<&'static str> {
 }
 
 /// Returns the names of modules that no output depends on; for an item kept in part, the names of its members.
-fn unheard(net: &Pruned) -> Vec<String> {
+fn names_without_output(net: &Pruned) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     let mut all = alloc::vec![0_usize; net.items.len()];
     net.mats.iter().filter(|m| !m.is_fixed()).for_each(|m| all[m.item as usize] += 1);
-    for of in net.unheard.chunk_by(|a, b| net.mats[*a as usize].item == net.mats[*b as usize].item) {
+    for of in net.without_output.chunk_by(|a, b| net.mats[*a as usize].item == net.mats[*b as usize].item) {
         let Some(item) = of.first().map(|m| net.mats[*m as usize].item) else { continue };
         if of.len() == all[item as usize] {
             names.push(net.items[item as usize].name.to_string());
@@ -311,7 +311,7 @@ pub fn rows(net: &Wired, l: &LiaNode, b: &Bound, numbers: &Numbers, points: Poin
 
 /// Returns the extension of a port at load \[m\]: 0 if no end is displaced and no length is written.
 fn stretch(net: &Wired, l: &LiaNode, ends: [End; 2], measure: Measure, first: bool) -> f64 {
-    let rest = net.apart(ends);
+    let rest = net.rest_vector(ends);
     let (from, to) = (moved(net, ends[0]), moved(net, ends[1]));
     let by: [f64; 3] = core::array::from_fn(|k| to[k] - from[k]);
     let written = if first { l.l0 } else { None };
@@ -401,7 +401,7 @@ fn moved(net: &Wired, e: End) -> [f64; 3] {
 
 /// Returns the direction and length from the first to the second end at load.
 fn unit(net: &Wired, ends: [End; 2], soften: f64) -> ([f64; 3], f64) {
-    let (rest, from, to) = (net.apart(ends), moved(net, ends[0]), moved(net, ends[1]));
+    let (rest, from, to) = (net.rest_vector(ends), moved(net, ends[0]), moved(net, ends[1]));
     let v: [f64; 3] = core::array::from_fn(|k| rest[k] + to[k] - from[k]);
     let length = libm::sqrt(v.iter().map(|x| x * x).sum::<f64>() + soften * soften).max(f64::MIN_POSITIVE);
     (v.map(|x| x / length), length)

@@ -6,8 +6,8 @@ pub mod families;
 #[cfg(feature = "analysis")]
 pub mod linear;
 pub mod linearisation;
-pub mod lines;
 mod stage;
+pub mod waveguides;
 pub mod worst;
 
 pub use families::Family;
@@ -235,7 +235,7 @@ pub struct PointNode {
 /// Quantity of an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputTap {
-    /// Displacement, or the derivative of it that [`OutNode::hear`] names.
+    /// Displacement, or the derivative of it that [`OutNode::quantity`] names.
     Position(End),
     /// Sum of the forces on an end.
     ForceOn(End),
@@ -251,7 +251,7 @@ pub struct OutNode {
     /// Quantity it outputs.
     pub tap: OutputTap,
     /// Quantity derived from a position.
-    pub hear: Hear,
+    pub quantity: Hear,
     /// Axis, for an end in space.
     pub axis: u8,
     /// Factor besides the gain: the share of this axis in the direction of the output.
@@ -263,7 +263,7 @@ pub struct OutNode {
     /// Item; `None` for probes.
     pub item: Option<u32>,
     /// For a probe, its index in [`crate::Options::probes`].
-    pub asked: u32,
+    pub request: u32,
 }
 
 /// Medium of the modules of a group.

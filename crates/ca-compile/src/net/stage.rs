@@ -10,7 +10,7 @@
 //! ```
 
 use crate::net::families::Families;
-use crate::net::lines::LineNode;
+use crate::net::waveguides::WaveguideNode;
 use crate::net::{End, LiaNode, MatNode, Medium, NetItem, OutNode, PointNode, Push};
 use alloc::collections::BTreeMap;
 use alloc::string::{String, ToString};
@@ -64,7 +64,7 @@ pub struct Resolved {
     /// LIAs in document order.
     pub lias: Vec<LiaNode>,
     /// Waveguides.
-    pub lines: Vec<LineNode>,
+    pub lines: Vec<WaveguideNode>,
     /// Modules by name.
     pub families: Families,
     /// Shared value lists of modules whose numbers are the slots of their item, by length. Most modules share one.
@@ -134,7 +134,7 @@ pub struct Pruned {
     /// True for each MAT that stays, by document number.
     pub alive: Vec<bool>,
     /// MATs that can move and on which no output depends, by document number.
-    pub unheard: Vec<u32>,
+    pub without_output: Vec<u32>,
     /// True for each MAT that hangs on the line port of a quadripole, by document number; empty without quadripoles.
     pub from_lpr: Vec<bool>,
 }
@@ -275,7 +275,7 @@ impl Wired {
     }
 
     /// Returns the vector from the first to the second end at rest.
-    pub fn apart(&self, [a, b]: [End; 2]) -> [f64; 3] {
+    pub fn rest_vector(&self, [a, b]: [End; 2]) -> [f64; 3] {
         let (a, b) = (self.rest(a), self.rest(b));
         core::array::from_fn(|k| b[k] - a[k])
     }

@@ -6,7 +6,7 @@
 //! whose matrix would change from tick to tick (distances in space, quadripoles, moving points), and links that share a
 //! mass with a link which is solved with the coming motion.
 
-use crate::net::lines::LineNode;
+use crate::net::waveguides::WaveguideNode;
 use crate::net::{End, LiaNode, Wired};
 use crate::passes::auto::Refusals;
 use alloc::collections::{BTreeMap, BTreeSet};
@@ -69,7 +69,7 @@ pub fn choose(net: &mut Wired) {
     let cell = &ca_core::internal::mat::CEL;
     let Some((method, theta)) = cell.param("method").zip(cell.param("theta")) else { return };
     // A waveguide junction stays explicit: its damper represents the waves that leave it.
-    let junctions: BTreeSet<u32> = net.lines.iter().flat_map(LineNode::junctions).collect();
+    let junctions: BTreeSet<u32> = net.lines.iter().flat_map(WaveguideNode::junctions).collect();
     for i in (0..net.mats.len()).filter(|i| !junctions.contains(&(*i as u32))) {
         let m = &net.mats[i];
         if m.code != cell.code {

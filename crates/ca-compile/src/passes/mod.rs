@@ -2,6 +2,7 @@
 //! pruning, solve order of implicit links, waveguides, modes.
 
 pub mod auto;
+pub mod gesture_rate;
 pub mod implicit;
 #[cfg_attr(not(feature = "analysis"), path = "no_modal.rs")]
 pub mod modal;
@@ -10,7 +11,6 @@ pub mod prune;
 pub mod rates;
 pub mod reach;
 pub mod single;
-pub mod slow;
 pub mod solve_order;
 pub mod specialise;
 pub mod waves;

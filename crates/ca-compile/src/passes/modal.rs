@@ -15,7 +15,7 @@ use crate::analysis::{Linear, Network};
 use crate::net::linear::{Points, dofs, links};
 use crate::net::linearisation;
 use crate::net::linearisation::Own;
-use crate::net::lines::LineNode;
+use crate::net::waveguides::WaveguideNode;
 use crate::net::{End, Family, LiaNode, MatNode, MatRole, Measure, Medium, OutputTap, PointNode, Pruned};
 use alloc::collections::BTreeMap;
 use alloc::format;
@@ -92,7 +92,7 @@ fn one(model: &Model, net: &mut Pruned, group: usize, diags: &mut Diags) {
         .map(|(m, alive)| *alive && !m.is_fixed() && !m.in_space() && belongs(net, m.group, group))
         .collect();
     // Waveguide junctions are exact without modes.
-    for m in net.lines.iter().flat_map(LineNode::junctions) {
+    for m in net.lines.iter().flat_map(WaveguideNode::junctions) {
         within[m as usize] = false;
     }
     let Some(first) = within.iter().position(|w| *w) else { return };

@@ -117,12 +117,12 @@ pub fn prune(model: &Model, mut net: Wired, options: &Options, diags: &mut Diags
         alive[i] |= role == PortRole::Tgr || inputs.into_iter().any(drives);
     }
     report(model, &mut net, &alive, &keep, diags);
-    let unheard = (0..n as u32).filter(|m| !alive[*m as usize] && !fixed[*m as usize]).collect();
+    let without_output = (0..n as u32).filter(|m| !alive[*m as usize] && !fixed[*m as usize]).collect();
     if keep.iter().any(|k| !k) {
         let lias = core::mem::take(&mut net.lias);
         net.drop_links(lias, &keep);
     }
-    Pruned { wired: net, alive, unheard, from_lpr: Vec::new() }
+    Pruned { wired: net, alive, without_output, from_lpr: Vec::new() }
 }
 
 fn whole(net: Wired) -> Pruned {

@@ -1,7 +1,7 @@
 //! Splits the network into the groups at the gesture rate and the sound side.
 
 use crate::net::{End, MatRole, Pruned, Push};
-use crate::passes::slow::SlowPart;
+use crate::passes::gesture_rate::SlowPart;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use ca_core::equivalence::Gains;

@@ -2,7 +2,7 @@
 //!
 //! A quadripole transmits any change of a distance in space to its line port, including the slow stretch of a spinning
 //! body (docs/numerics.md §4.3), and so to everything linked to that port. Outputs there have a high-pass unless one is
-//! written (see `emit/cutoff.rs`).
+//! written (see `emit/high_pass.rs`).
 
 use crate::net::{End, Measure, OutNode, OutputTap, Pruned};
 use alloc::vec::Vec;
@@ -48,7 +48,7 @@ pub fn mark(net: &mut Pruned) {
 
 impl Pruned {
     /// Returns whether an output reads a MAT that hangs on the line port of a quadripole.
-    pub fn hears_lpr(&self, out: &OutNode) -> bool {
+    pub fn reads_lpr(&self, out: &OutNode) -> bool {
         let reached = |m: u32| self.from_lpr.get(m as usize).copied().unwrap_or(false);
         if self.from_lpr.is_empty() {
             return false;

@@ -27,18 +27,18 @@ pub fn settle(model: &Model, net: &mut Pruned, diags: &mut Diags) {
     if !lines.is_empty() {
         let needs = needs(net);
         for line in &mut lines {
-            let masses: Vec<f64> = line.junctions().map(|m| line.asked.mass(needs[m as usize], net.tick_dt)).collect();
+            let masses: Vec<f64> = line.junctions().map(|m| line.spec.mass(needs[m as usize], net.tick_dt)).collect();
             let tick_dt = net.tick_dt;
             let item = &mut net.items[line.item as usize];
             for (i, m) in masses.iter().enumerate() {
-                item.slots[1 + i] = Some(line.asked.cell(*m, tick_dt));
+                item.slots[1 + i] = Some(line.spec.cell(*m, tick_dt));
             }
             let item = &net.items[line.item as usize];
             let source = &model.items[item.model];
-            match tune(&line.asked, &masses, net.tick_dt) {
+            match tune(&line.spec, &masses, net.tick_dt) {
                 Ok(tuned) => {
                     let low = masses.iter().fold(0.0f64, |a, b| a.max(*b));
-                    let corner = line.asked.z / (PI * low);
+                    let corner = line.spec.z / (PI * low);
                     if corner < LOW_CORNER * net.rate {
                         let title = format!(
                             "above {:.0} Hz, the mass of a junction of `{}` dominates over the string",
@@ -51,7 +51,7 @@ pub fn settle(model: &Model, net: &mut Pruned, diags: &mut Diags) {
                             d.help("to raise this frequency, use softer links, a larger `z` or a higher sound rate"),
                         );
                     }
-                    if let (Some(t60), Some([f, _])) = (tuned.reached, line.asked.high) {
+                    if let (Some(t60), Some([f, _])) = (tuned.reached, line.spec.high) {
                         let title = format!(
                             "`{}` cannot decay that fast at {} Hz: it takes {:.3} s",
                             item.name,

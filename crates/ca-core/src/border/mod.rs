@@ -12,7 +12,7 @@
 //! frame.
 
 use crate::numeric::Real;
-use crate::op::layout::{Enx, Layout, Way};
+use crate::op::layout::{BorderMethod, Enx, Layout};
 use crate::op::substep::phase;
 use crate::op::{Kernel, Op};
 use crate::state::{Border, State};
@@ -32,29 +32,29 @@ pub fn frame_due<R: Real>(layout: &Layout<R>, sample: u64) -> bool {
 }
 
 /// Returns the pass that moves device ports.
-pub fn position<R: Real>(way: Way, late: bool) -> Kernel<R> {
+pub fn position<R: Real>(way: BorderMethod, late: bool) -> Kernel<R> {
     match (way, late) {
-        (Way::Synchronous, false) => synchronous::position::<R, false>,
-        (Way::Synchronous, true) => synchronous::position::<R, true>,
-        (Way::Linear, false) => linear::position::<R, false>,
-        (Way::Linear, true) => linear::position::<R, true>,
-        (Way::Hold, false) => hold::position::<R, false>,
-        (Way::Hold, true) => hold::position::<R, true>,
+        (BorderMethod::Synchronous, false) => synchronous::position::<R, false>,
+        (BorderMethod::Synchronous, true) => synchronous::position::<R, true>,
+        (BorderMethod::Linear, false) => linear::position::<R, false>,
+        (BorderMethod::Linear, true) => linear::position::<R, true>,
+        (BorderMethod::Hold, false) => hold::position::<R, false>,
+        (BorderMethod::Hold, true) => hold::position::<R, true>,
     }
 }
 
 /// Returns the pass that reads the force on device ports after the forces of a tick.
-pub fn collect<R: Real>(way: Way) -> Kernel<R> {
+pub fn collect<R: Real>(way: BorderMethod) -> Kernel<R> {
     match way {
-        Way::Synchronous => synchronous::collect,
-        Way::Linear => linear::collect,
-        Way::Hold => hold::collect,
+        BorderMethod::Synchronous => synchronous::collect,
+        BorderMethod::Linear => linear::collect,
+        BorderMethod::Hold => hold::collect,
     }
 }
 
 /// Returns the pass of the ledger of the border.
-pub fn ledger<R: Real>(way: Way) -> Kernel<R> {
-    if way == Way::Synchronous { ledger::ledger::<R, true> } else { ledger::ledger::<R, false> }
+pub fn ledger<R: Real>(way: BorderMethod) -> Kernel<R> {
+    if way == BorderMethod::Synchronous { ledger::ledger::<R, true> } else { ledger::ledger::<R, false> }
 }
 
 /// Keeps the force on devices for the ledger without sending it. It runs before and after `collect`. The sum is stored

@@ -36,7 +36,7 @@ pub type Clouds = BTreeMap<String, Result<Arc<Cloud>, Unread>>;
 
 impl Cloud {
     /// Returns all pairs at most `reach` apart, in order, or `None` if there are more than `most`.
-    pub fn within(&self, reach: f64, most: usize) -> Option<Vec<[u32; 2]>> {
+    pub fn pairs_within(&self, reach: f64, most: usize) -> Option<Vec<[u32; 2]>> {
         // sort along the axis of largest extent, where each point has few neighbours
         let extent = |k: &usize| {
             let (low, high) =

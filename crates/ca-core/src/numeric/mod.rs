@@ -10,7 +10,7 @@ mod quarter;
 mod real;
 mod table;
 mod verlet;
-pub(crate) mod words;
+pub(crate) mod word_hash;
 
 pub use aligned::Aligned;
 pub use dual::{Dual, TANGENTS};

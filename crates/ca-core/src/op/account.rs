@@ -12,7 +12,7 @@ use super::wide;
 use crate::law::{Lost, Phi, Stored};
 use crate::numeric::{Precision, Real, Table};
 use crate::state::State;
-use crate::state::ledger::{BLOCK, Block, Room};
+use crate::state::ledger::{BLOCK, Block, LedgerScratch};
 use core::marker::PhantomData;
 use pulp::{Simd, WithSimd};
 
@@ -192,16 +192,16 @@ pub struct Enter<'a, R: Real> {
     /// destination
     pub entries: Entries<'a, R>,
     /// working memory
-    pub room: &'a mut Room<R>,
+    pub scratch: &'a mut LedgerScratch<R>,
 }
 
 impl<R: Real> WithSimd for Enter<'_, R> {
     type Output = Sums<R>;
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Sums<R> {
-        let Enter { layout, s, d0, account, tick, entries, room } = self;
+        let Enter { layout, s, d0, account, tick, entries, scratch } = self;
         let (mut sums, mut from) = (Sums::default(), 0);
-        let Room { e, moved, out, .. } = room;
+        let LedgerScratch { e, moved, out, .. } = scratch;
         let [mut stored_all, mut lost]: [Lanes<R::Outer>; 2] = [Lanes::<R::Outer>::default(); 2];
         while from < account.n {
             let [first, second] = account.rows;
@@ -253,14 +253,14 @@ impl<R: Real> WithSimd for Enter<'_, R> {
 
 fn one_by_one<R: Real>(links: &Links<R>, e: &[Block<R>; 3], [stored, lost]: &mut [Block<R>; 2]) {
     let a = links.account;
-    let mut room = [R::ZERO; COEFS];
+    let mut scratch = [R::ZERO; COEFS];
     let c = a.law.coefs.min(COEFS);
     for i in 0..links.n {
-        room.iter_mut().enumerate().take(c).for_each(|(k, v)| *v = links.column(k)[i]);
+        scratch.iter_mut().enumerate().take(c).for_each(|(k, v)| *v = links.column(k)[i]);
         let mem = &links.memory()[i * a.law.mem..][..a.law.mem];
         let around = [e[0][i], e[1][i], e[2][i]];
-        stored[i] = (a.fns.energies.stored)(&room[..c], mem, links.tables(), around[1], around[2]);
-        lost[i] = (a.fns.energies.lost)(&room[..c], mem, links.tables(), around);
+        stored[i] = (a.fns.energies.stored)(&scratch[..c], mem, links.tables(), around[1], around[2]);
+        lost[i] = (a.fns.energies.lost)(&scratch[..c], mem, links.tables(), around);
     }
 }
 

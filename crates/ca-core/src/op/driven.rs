@@ -31,7 +31,7 @@ pub fn drive<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         let (below, above) = (&d.table[row * n..][..n], &d.table[(row + 1) * n..][..n]);
         for ((place, a), b) in d.places.iter().zip(below).zip(above) {
             let (a, b) = (a.outer(), b.outer());
-            s.turn(*place as usize, R::inner(a + R::Outer::of(part) * (b - a)), ticks);
+            s.ramp_to(*place as usize, R::inner(a + R::Outer::of(part) * (b - a)), ticks);
         }
     }
 }

@@ -124,8 +124,8 @@ fn links<R: Real>(
     let range = account.first..account.first + account.n;
     let [stored, lost, error] = [&mut l.stored, &mut l.lost, &mut l.scheme_error].map(|of| &mut of[range.clone()]);
     let Some(at) = account.ports.pair_set else {
-        let (entries, room) = (Entries { stored, lost, error }, &mut *l.room);
-        return vectors(layout, Enter { layout, s, d0, account, tick, entries, room });
+        let (entries, scratch) = (Entries { stored, lost, error }, &mut *l.scratch);
+        return vectors(layout, Enter { layout, s, d0, account, tick, entries, scratch });
     };
     let Entry { stored: now, heat, work } = set(layout, s, &mut near[at], d0, account, at);
     let [heat, made] = if tick { [heat, now - stored[0] + work + heat] } else { [R::Outer::ZERO; 2] };
@@ -173,7 +173,7 @@ fn set<R: Real>(
     let (mut stored, mut heat) = (R::Outer::ZERO, R::Outer::ZERO);
     let c = &s.coef[a.coef..][..a.law.coefs];
     let (of, tables) = (a.fns.energies, &layout.tables);
-    pair_set::touched(layout, s, near, d0, at, (a.fns.idle)(c), |e| {
+    pair_set::for_each_contact(layout, s, near, d0, at, (a.fns.idle)(c), |e| {
         stored += (of.stored)(c, &[], tables, e[1], e[2]).outer();
         heat += (of.lost)(c, &[], tables, e).outer();
     });
@@ -254,7 +254,7 @@ pub fn ledger<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         }
     }
     if s.tick == 1 {
-        let given: R::Outer = l.kick.iter().zip(0..).map(|(f, m)| f.outer() * moved(m, &l.d0)).sum();
+        let given: R::Outer = l.start_force.iter().zip(0..).map(|(f, m)| f.outer() * moved(m, &l.d0)).sum();
         l.changed += given;
         work += given;
     }
@@ -297,7 +297,7 @@ pub fn ledger_changes<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>
 }
 
 /// Stores what the next tick overwrites, at the end of the forces.
-pub fn keep<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+pub fn store_forces<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some(l) = &mut s.ledger else { return };
     l.d0.copy_from_slice(&s.d);
     for (k, p) in layout.ports.enx.iter().chain(&layout.ports.tgr).enumerate() {

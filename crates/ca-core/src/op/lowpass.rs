@@ -15,7 +15,7 @@ pub fn lowpass<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let n = 2 * sides.len() + 1;
     let at = (s.tick % n as u64) as usize;
     for (out, past) in s.output[..op.n].iter_mut().zip(s.ports.lowpass.chunks_exact_mut(2 * n)) {
-        keep(past, at, n, *out);
+        store(past, at, n, *out);
         let window = &past[at + 1..][..n];
         let mut y = *middle * window[sides.len()];
         for ((h, a), b) in sides.iter().zip(window).zip(window.iter().rev()) {
@@ -31,11 +31,11 @@ pub fn remember<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let n = 2 * sides.len() + 1;
     let at = (s.tick % n as u64) as usize;
     for (out, past) in s.output[..op.n].iter().zip(s.ports.lowpass.chunks_exact_mut(2 * n)) {
-        keep(past, at, n, *out);
+        store(past, at, n, *out);
     }
 }
 
-fn keep<R: Real>(past: &mut [R], at: usize, n: usize, v: R::Outer) {
+fn store<R: Real>(past: &mut [R], at: usize, n: usize, v: R::Outer) {
     past[at] = R::inner(v);
     past[at + n] = past[at];
 }

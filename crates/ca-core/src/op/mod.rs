@@ -8,14 +8,14 @@ use crate::numeric::Real;
 use crate::state::State;
 
 pub mod account;
-pub mod blocker;
+pub mod dc_blocker;
 pub mod driven;
 pub mod energy;
-pub mod heard;
 mod law;
 pub mod layout;
 pub mod links;
 pub mod lowpass;
+pub mod output_links;
 pub mod pass;
 pub mod substep;
 pub mod wave;
@@ -24,7 +24,7 @@ pub(crate) mod wide;
 pub use account::Energies;
 pub use law::{Cheaper, Law, LawEntry, LawFns, Laws, LoadFns, ParamBinding, SolveStage, Together};
 use layout::Layout;
-pub use layout::{MeasureKind, Ports, Way};
+pub use layout::{BorderMethod, MeasureKind, Ports};
 pub use links::law::{family, loaded, started};
 pub use wide::Vectors;
 
@@ -109,7 +109,7 @@ pub enum Pass {
     /// position ports
     Enx,
     /// device ports: how their position enters, and whether late
-    DevicesIn(Way, bool),
+    DevicesIn(BorderMethod, bool),
     /// ports that run a tick late
     Ahead,
     /// positions of modal masses
@@ -157,9 +157,9 @@ pub enum Pass {
     /// without force feedback: keeps the forces on devices for the ledger only
     Mute,
     /// forces on device ports
-    DevicesOut(Way),
+    DevicesOut(BorderMethod),
     /// energy ledger of the border
-    LedgerOfBorder(Way),
+    LedgerOfBorder(BorderMethod),
     /// stores what the ledger reads in the next tick
     LedgerOfForces,
     /// groups at the gesture rate
@@ -173,7 +173,7 @@ pub enum Pass {
         compensated: bool,
     },
     /// forces of links in fused passes that outputs read
-    HeardLinks,
+    OutputLinks,
     /// outputs, one after the other
     Outputs,
     /// outputs summed in lanes
@@ -246,7 +246,7 @@ impl Pass {
             Pass::LedgerOfForces => "ledger of forces",
             Pass::Group { .. } => "gesture group",
             Pass::GroupOut { .. } => "gesture group out",
-            Pass::HeardLinks => "heard links",
+            Pass::OutputLinks => "heard links",
             Pass::Outputs | Pass::ManyOutputs | Pass::Positions => "outputs",
             Pass::Motions => "outputs of motion",
             Pass::HighPass => "high pass",

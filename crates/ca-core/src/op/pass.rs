@@ -25,7 +25,7 @@ pub fn enx<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 
 /// Delays ports that run a tick late. The position just read becomes the next one, so that links know the coming
 /// motion. At the first tick the position before follows from the motion of the port.
-pub fn ahead<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+pub fn delay_ports<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let first = s.tick == 0;
     for (m, way) in layout.ports.ahead[..op.n].iter().zip(&mut s.ports.under_way) {
         let m = *m as usize;
@@ -119,7 +119,7 @@ pub fn project<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 }
 
 /// Distributes the force on moving points to their cells, with the weights of the position, so that no energy is made.
-pub fn spread<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+pub fn distribute_forces<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for (k, p) in layout.places.moving_points[..op.n].iter().enumerate() {
         let c = s.links.cells[k];
         let f = s.f[p.mat as usize];
@@ -167,7 +167,7 @@ pub fn share<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 /// a sum in memory, where each addition waits for the last write.
 pub fn outputs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let State { x, f, links: LinkState { tap, .. }, coef, output, .. } = s;
-    let heard = Heard { x, f, tap };
+    let signals = Signals { x, f, tap };
     let (outputs, gains) = (&layout.out.outputs[..op.n], &coef[op.coef..][..op.n]);
     output.fill(R::Outer::ZERO);
     let (mut channel, mut sum) = (outputs.first().map_or(0, |o| o.channel), R::Outer::ZERO);
@@ -176,7 +176,7 @@ pub fn outputs<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
             output[channel as usize] = sum;
             (channel, sum) = (o.channel, R::Outer::ZERO);
         }
-        sum += (*gain * heard.by(o)).outer();
+        sum += (*gain * signals.read(o)).outer();
     }
     if !outputs.is_empty() {
         output[channel as usize] = sum;
@@ -210,7 +210,7 @@ impl<R: Real> Body<R> for ManyOutputs {
     #[inline(always)]
     fn run<S: Simd>(_: S, op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
         let State { x, f, links: LinkState { tap, .. }, coef, output, .. } = s;
-        let heard = Heard { x, f, tap };
+        let signals = Signals { x, f, tap };
         let (mut outputs, mut gains) = (&layout.out.outputs[..op.n], &coef[op.coef..][..op.n]);
         output.fill(R::Outer::ZERO);
         for row in &layout.out.output_rows {
@@ -219,14 +219,14 @@ impl<R: Real> Body<R> for ManyOutputs {
             (outputs, gains) = (other_outputs, other_gains);
             let pairs = || of_channel.iter().zip(own);
             output[row.channel as usize] = match row.first {
-                Some(first) => dot(own, &heard.x[first as usize..][..own.len()]),
+                Some(first) => dot(own, &signals.x[first as usize..][..own.len()]),
                 None if own.len() < MANY => {
-                    pairs().fold(R::Outer::ZERO, |sum, (o, gain)| sum + (*gain * heard.by(o)).outer())
+                    pairs().fold(R::Outer::ZERO, |sum, (o, gain)| sum + (*gain * signals.read(o)).outer())
                 }
                 None => {
                     let mut lanes = [R::Outer::ZERO; LANES];
                     for (i, (o, gain)) in pairs().enumerate() {
-                        lanes[i % LANES] += (*gain * heard.by(o)).outer();
+                        lanes[i % LANES] += (*gain * signals.read(o)).outer();
                     }
                     in_pairs(lanes)
                 }
@@ -267,20 +267,20 @@ pub fn positions<R: Real>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
 }
 
 /// Signals that outputs can read at this tick: positions, forces on MATs, forces of links.
-pub(super) struct Heard<'a, R: Real> {
+pub(super) struct Signals<'a, R: Real> {
     x: &'a [R],
     f: &'a [R],
     tap: &'a [R],
 }
 
-impl<'a, R: Real> Heard<'a, R> {
+impl<'a, R: Real> Signals<'a, R> {
     #[inline(always)]
-    pub(super) fn of(s: &'a State<R>) -> Heard<'a, R> {
-        Heard { x: &s.x, f: &s.f, tap: &s.links.tap }
+    pub(super) fn of(s: &'a State<R>) -> Signals<'a, R> {
+        Signals { x: &s.x, f: &s.f, tap: &s.links.tap }
     }
 
     #[inline(always)]
-    pub(super) fn by(&self, o: &Output) -> R {
+    pub(super) fn read(&self, o: &Output) -> R {
         match o.tap {
             Tap::Position(m) => self.x[m as usize],
             Tap::ForceOn(m) => self.f[m as usize],

@@ -129,7 +129,7 @@ impl Phi<1, 0> for TableSpring {
     fn bound(&[n]: &[f64; 1], tables: &[Table]) -> Bound {
         let (hi, lo) = tables.get(n as usize).map_or((0.0, 0.0), Table::slopes);
         let k = hi.max(-lo);
-        Bound { k, loose: k, active: lo < 0.0, ..Bound::default() }
+        Bound { k, varying: k, active: lo < 0.0, ..Bound::default() }
     }
     fn steepest(&[n]: &[f64; 1], tables: &[Table], between: [f64; 2]) -> [f64; 2] {
         let (hi, lo) = tables.get(n as usize).map_or((0.0, 0.0), |t| t.slopes_between(between));
@@ -193,7 +193,7 @@ impl Phi<3, 0> for Lnl {
     }
     fn bound(&[a, b, fs]: &[f64; 3], tables: &[Table]) -> Bound {
         let (s, f) = (TableSpring::bound(&[a], tables), TableFriction::bound(&[b, fs], tables));
-        Bound { k: s.k, loose: s.loose, z: f.z, curve: true, active: s.active || f.active, ..Bound::default() }
+        Bound { k: s.k, varying: s.varying, z: f.z, curve: true, active: s.active || f.active, ..Bound::default() }
     }
     fn steepest(&[a, b, fs]: &[f64; 3], tables: &[Table], between: [f64; 2]) -> [f64; 2] {
         let [k, _] = TableSpring::steepest(&[a], tables, between);

@@ -9,8 +9,8 @@ use super::{Before, Scene, start};
 use crate::numeric::{Precision, Real, Table, VerletList};
 use crate::op::energy::empty_ledger;
 use crate::op::layout::{
-    Account, AccountFns, DcBlocker, Delay, Driven, Enx, HeardLink, ImplicitLinks, Junction, Layout, LedgerPlan,
-    LinkArrays, LinkForce, OutputArrays, Places, PortArrays, Rates, SlowGroup, Substeps, Termination, Waves,
+    Account, AccountFns, DcBlocker, Delay, Driven, Enx, ImplicitLinks, Junction, Layout, LedgerLayout, LinkArrays,
+    LinkForce, OutputArrays, OutputLink, Places, PortArrays, Rates, SlowGroup, Substeps, Termination, Waves,
 };
 use crate::op::{Band, Form, Integrate, Laws, Op};
 use crate::scene::{Passes, identify};
@@ -112,10 +112,10 @@ fn reals<R: Real, All: FromIterator<R>>(all: &[f64]) -> All {
 
 fn layout<R: Real>(l: &Layout, laws: &Laws<R>) -> Result<Layout<R>, Unbound> {
     let enx = |p: &Enx| Enx { input: p.input, mat: p.mat, rest: R::Outer::of(p.rest), implicit: p.implicit };
-    let heard = |h: &HeardLink| {
+    let output_link = |h: &OutputLink| {
         let fns = laws.get(h.law).ok_or(Unbound::Law(h.law.code))?;
-        let &HeardLink { law, force: _, ends, e0, coef, step, coefs, tap } = h;
-        Ok(HeardLink { law, force: fns.force, ends, e0: R::of(e0), coef, step, coefs, tap })
+        let &OutputLink { law, force: _, ends, e0, coef, step, coefs, tap } = h;
+        Ok(OutputLink { law, force: fns.force, ends, e0: R::of(e0), coef, step, coefs, tap })
     };
     let account = |a: &Account| {
         let fns = laws.get(a.law).ok_or(Unbound::Law(a.law.code))?;
@@ -137,7 +137,7 @@ fn layout<R: Real>(l: &Layout, laws: &Laws<R>) -> Result<Layout<R>, Unbound> {
         Ok(Account { op, n, ports, first, coef, mem, tap, law, linear, live, fns: AccountFns { energies, idle }, rows })
     };
     let ledger = match &l.ledger {
-        Some(plan) => Some(LedgerPlan {
+        Some(plan) => Some(LedgerLayout {
             accounts: plan.accounts.iter().map(account).collect::<Result<_, _>>()?,
             weight: plan.weight,
             live: plan.live,
@@ -194,7 +194,7 @@ fn layout<R: Real>(l: &Layout, laws: &Laws<R>) -> Result<Layout<R>, Unbound> {
         waves: waves(&l.waves),
         weighed: l.weighed.clone(),
         out: OutputArrays {
-            heard: l.out.heard.iter().map(heard).collect::<Result<_, _>>()?,
+            links: l.out.links.iter().map(output_link).collect::<Result<_, _>>()?,
             outputs: l.out.outputs.clone(),
             of_motion: l.out.of_motion,
             output_rows: l.out.output_rows.clone(),
@@ -257,13 +257,14 @@ fn slow_group<R: Real>(g: &SlowGroup, laws: &Laws<R>) -> Result<SlowGroup<R>, Un
 }
 
 fn state<R: Real>(s: &State, layout: &Layout<R>) -> State<R> {
-    let ledger = s.ledger.as_ref().map(|l| Box::new(Ledger { kick: reals(&l.kick), ..empty_ledger(layout) }));
+    let ledger =
+        s.ledger.as_ref().map(|l| Box::new(Ledger { start_force: reals(&l.start_force), ..empty_ledger(layout) }));
     let slow = s.slow.as_ref().zip(layout.rates.slow.as_ref()).map(|(slow, group)| {
         let SlowState { state: own, ports, unknown, free } = &**slow;
         let own = state(own, &group.layout);
         Box::new(SlowState { state: own, ports: ports.clone(), unknown: unknown.clone(), free: free.clone() })
     });
-    let Ramps { index, whole, .. } = &s.ramps;
+    let Ramps { index, instant: whole, .. } = &s.ramps;
     State {
         scene: s.scene,
         x: reals(&s.x),

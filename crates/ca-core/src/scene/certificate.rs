@@ -100,7 +100,7 @@ pub struct Certificate {
     /// after a factorisation: the largest T²k + 2Tz that one more link from any single mass to ground may have against
     /// its mass \[1\], rounded down to a power of two, since last digits differ between processors; `None` if not
     /// examined
-    pub room: Option<f64>,
+    pub headroom: Option<f64>,
     /// for a linearised scene: the largest rise of the energy above rest, at any time, over any earlier value, relative
     /// to that value. It holds for an undisturbed scene, for motions small against the lengths of links, about a pose
     /// of rest in which links carry no force. `None` if it is not known
@@ -123,7 +123,10 @@ impl Certificate {
     /// It is infinite if nothing has a limit: without links, or with methods without a limit.
     pub fn margin(&self) -> f64 {
         let linear = 4.0 / self.largest.map_or(self.bound, |l| l.1).max(0.0);
-        let room = |limit: f64, now: f64| if now > 0.0 { limit / now } else { f64::INFINITY };
-        linear.min(room(1.0, self.rules.contact)).min(room(4.0, self.rules.closed)).min(room(1.5, self.rules.friction))
+        let factor = |limit: f64, now: f64| if now > 0.0 { limit / now } else { f64::INFINITY };
+        linear
+            .min(factor(1.0, self.rules.contact))
+            .min(factor(4.0, self.rules.closed))
+            .min(factor(1.5, self.rules.friction))
     }
 }

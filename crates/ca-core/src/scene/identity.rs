@@ -7,7 +7,7 @@
 //! [`State::apply`](crate::State::apply) compare it. It detects mistakes, not attacks.
 
 use crate::numeric::Real;
-use crate::numeric::words::word;
+use crate::numeric::word_hash::word;
 use crate::op::layout::{Counts, Layout, LinkArrays, MeasureKind, OutputArrays, Places, PortArrays, Rates};
 use crate::op::{Op, Pass, SolveStage};
 use crate::scene::Scene;
@@ -121,7 +121,7 @@ impl Words {
             waves,
             weighed,
             // output_rows follow from outputs
-            out: OutputArrays { heard, outputs, of_motion, blockers, lowpass, output_rows: _ },
+            out: OutputArrays { links: output_links, outputs, of_motion, blockers, lowpass, output_rows: _ },
             implicit,
             ledger,
             vectors: _,
@@ -135,7 +135,7 @@ impl Words {
         self.places(nodes.iter());
         self.numbers(shares.iter());
         self.places(weighed.iter());
-        self.all(heard.iter().map(|h| (h.ends, h.e0, h.coef, h.step, h.coefs, h.tap)));
+        self.all(output_links.iter().map(|h| (h.ends, h.e0, h.coef, h.step, h.coefs, h.tap)));
         self.debug(&(pair_sets, moving_points, modal, tables));
         self.debug(&(enx, enf, tgr, crossing, waves));
         if !ahead.is_empty() {

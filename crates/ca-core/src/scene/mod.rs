@@ -16,7 +16,7 @@ pub mod symbols;
 use crate::equivalence::Gains;
 use crate::io::midi::MidiMap;
 use crate::kind::name::Name;
-use crate::live::{Controls, LivePlan};
+use crate::live::{Controls, LiveTable};
 use crate::numeric::Real;
 use crate::op::layout::{Account, Layout};
 use crate::op::{Integrate, Op};
@@ -78,7 +78,7 @@ pub struct Coupling {
     /// mass \[kg\]
     pub m: f64,
     /// stiffness at the device when the links are at their stiffest \[N/m\]
-    pub felt: f64,
+    pub device_stiffness: f64,
 }
 
 /// A compiled model.
@@ -94,7 +94,7 @@ pub struct Scene<R: Real = f64> {
     /// names of the outputs
     pub names: OutputNames,
     /// live coefficients and how to compute them
-    pub live: LivePlan,
+    pub live: LiveTable,
     /// title, gestures and other statements of the author
     pub about: About,
     /// name and location of every module, MATs first, in document order

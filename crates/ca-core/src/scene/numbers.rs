@@ -39,7 +39,7 @@ fn layout<R: Real<Outer = R>>(layout: &mut Layout<R>, visit: &mut impl FnMut(&mu
         tables,
         ports: PortArrays { enx, driven, enf: _, tgr: _, ahead: _, crossing: _ },
         waves,
-        out: OutputArrays { heard, blockers, lowpass, outputs: _, of_motion: _, output_rows: _ },
+        out: OutputArrays { links: output_links, blockers, lowpass, outputs: _, of_motion: _, output_rows: _ },
         implicit,
         rates: Rates { sample_dt: _, ratio: _, frame: _, slow: _, substeps: _ },
         counts: Counts { n_mat: _, n_lia: _, n_coef: _, n_mem: _, n_touch: _, n_tap: _, channels: _, n_out: _ },
@@ -68,7 +68,7 @@ fn layout<R: Real<Outer = R>>(layout: &mut Layout<R>, visit: &mut impl FnMut(&mu
             [&mut loss.a, &mut loss.b, &mut loss.c].into_iter().for_each(&mut *visit);
         }
     }
-    for h in heard {
+    for h in output_links {
         visit(&mut h.e0);
     }
     for b in blockers {
@@ -88,6 +88,6 @@ fn state<R: Real<Outer = R>>(s: &mut State<R>, visit: &mut impl FnMut(&mut R)) {
     }
     s.links.mem.iter_mut().for_each(&mut *visit);
     s.links.cells.iter_mut().flat_map(|c| &mut c.weight).for_each(&mut *visit);
-    s.f.iter_mut().chain(s.ledger.iter_mut().flat_map(|l| &mut l.kick)).for_each(visit);
+    s.f.iter_mut().chain(s.ledger.iter_mut().flat_map(|l| &mut l.start_force)).for_each(visit);
     s.output.fill(R::Outer::ZERO);
 }

@@ -14,7 +14,7 @@ pub type Block<R = f64> = [R; BLOCK];
 
 /// Working memory: some blocks of numbers. It is kept because clearing it takes as long as entering a few links.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Room<R: Real = f64> {
+pub struct LedgerScratch<R: Real = f64> {
     /// elongations before, at and after the tick
     pub(crate) e: [Block<R>; 3],
     /// motion of the ends along the force over the two ticks together
@@ -23,9 +23,9 @@ pub struct Room<R: Real = f64> {
     pub(crate) out: [Block<R>; 2],
 }
 
-impl<R: Real> Default for Room<R> {
-    fn default() -> Room<R> {
-        Room { e: [[R::ZERO; BLOCK]; 3], moved: [R::ZERO; BLOCK], out: [[R::ZERO; BLOCK]; 2] }
+impl<R: Real> Default for LedgerScratch<R> {
+    fn default() -> LedgerScratch<R> {
+        LedgerScratch { e: [[R::ZERO; BLOCK]; 3], moved: [R::ZERO; BLOCK], out: [[R::ZERO; BLOCK]; 2] }
     }
 }
 
@@ -104,14 +104,14 @@ pub struct Ledger<R: Real = f64> {
     pub(crate) begun: bool,
     /// whether coefficients were moving at that tick
     pub(crate) turning: bool,
-    pub(crate) room: Box<Room<R>>,
+    pub(crate) scratch: Box<LedgerScratch<R>>,
     /// force \[N\] of the first tick only, for the start of mi.lib (n_mat, or none)
-    pub(crate) kick: Vec<R>,
+    pub(crate) start_force: Vec<R>,
 }
 
 /// Sets the force \[N\] that acts in the first tick only (n_mat).
 pub fn set_kick<R: Real>(ledger: &mut Ledger<R>, kick: Vec<R>) {
-    ledger.kick = kick;
+    ledger.start_force = kick;
 }
 
 /// Energy that crossed the border at one device port, whole frames only \[J\].
@@ -172,7 +172,7 @@ impl<R: Real> Ledger<R> {
         let slow = &self.groups.slow;
         Balance {
             h0: self.h0 + slow.h0,
-            h: self.h + slow.h + self.under_way(),
+            h: self.h + slow.h + self.in_transit(),
             lost: lost + slow.lost,
             scheme_error: scheme_error + self.groups.border + slow.scheme_error,
             work,
@@ -185,7 +185,7 @@ impl<R: Real> Ledger<R> {
 
     /// Returns the energy that one side of the border of groups gave and the other has not entered yet \[J\], a part of
     /// the present energy: when a frame is entered, the work of the links across in half a tick.
-    pub fn under_way(&self) -> R::Outer {
+    pub fn in_transit(&self) -> R::Outer {
         self.groups.border - (self.crossed + self.groups.slow.work)
     }
 

@@ -9,7 +9,7 @@ pub(crate) mod ledger;
 mod parts;
 mod snapshot;
 
-use crate::numeric::words::word;
+use crate::numeric::word_hash::word;
 use crate::numeric::{Aligned, Real};
 pub use active_contacts::ActiveContacts;
 use alloc::boxed::Box;
@@ -111,7 +111,7 @@ pub struct Ramps<R: Real = f64> {
     pub(crate) active: Vec<u32>,
     pub(crate) moving: usize,
     /// entries from here on change in one tick, together with all that depends on them
-    pub(crate) whole: u32,
+    pub(crate) instant: u32,
 }
 
 impl<R: Real> Ramps<R> {
@@ -126,7 +126,7 @@ impl<R: Real> Ramps<R> {
             target: alloc::vec![R::ZERO; n],
             active: alloc::vec![0; n],
             moving: 0,
-            whole,
+            instant: whole,
         }
     }
 

@@ -183,7 +183,7 @@ impl SlowState {
 
 impl Ramps {
     fn each(&mut self, w: &mut impl Words) {
-        let Ramps { index: _, left, step, target, active, moving, whole: _ } = self;
+        let Ramps { index: _, left, step, target, active, moving, instant: _ } = self;
         w.counts(left);
         w.doubles(step);
         w.doubles(target);
@@ -235,8 +235,8 @@ impl Ledger {
             mass,
             begun,
             turning,
-            room: _,
-            kick,
+            scratch: _,
+            start_force: kick,
         } = self;
         w.each_of([
             h0,

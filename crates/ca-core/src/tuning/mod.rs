@@ -133,7 +133,7 @@ impl Scheme {
     }
 
     /// Returns the largest stable stiffness a of a mode, relative to the explicit scheme.
-    pub fn room(self) -> f64 {
+    pub fn stability_limit(self) -> f64 {
         match self {
             Scheme::Explicit => 1.0,
             Scheme::Implicit(theta) if theta < 0.25 => 1.0 / (1.0 - 4.0 * theta),

@@ -148,7 +148,7 @@ pub fn tune(asked: &WaveguideSpec, masses: &[f64], tick_dt: f64) -> Result<Tuned
         );
     }
     let n = libm::floor(left - 1.5);
-    let (mut part, mut g0) = (left - 1.0 - n, turn(asked, asked.t60));
+    let (mut part, mut g0) = (left - 1.0 - n, loss_phase(asked, asked.t60));
     let (mut loss, mut reached) = (Loss { a: 1.0, b: 0.0, c: 0.0 }, None);
     for _ in 0..STEPS {
         (loss, reached) = far(asked, near.as_ref(), wave, g0, tick_dt);
@@ -206,7 +206,7 @@ fn places(asked: &WaveguideSpec, tick_dt: f64) -> Result<Vec<usize>, Problem> {
 }
 
 /// Returns the gain of a round trip that decays by 60 dB in `t60`.
-fn turn(asked: &WaveguideSpec, t60: f64) -> f64 {
+fn loss_phase(asked: &WaveguideSpec, t60: f64) -> f64 {
     libm::exp(-3.0 * LN_10 / (t60 * asked.f))
 }
 
@@ -214,8 +214,8 @@ fn turn(asked: &WaveguideSpec, t60: f64) -> f64 {
 fn near(asked: &WaveguideSpec, tick_dt: f64) -> Option<Loss> {
     let [f, t60] = asked.high?;
     let [low, high] = [asked.f, f].map(|f| 1.0 - libm::cos(TAU * f * tick_dt));
-    let g0 = turn(asked, asked.t60);
-    let half = 1.0 - libm::sqrt(turn(asked, t60) / g0);
+    let g0 = loss_phase(asked, asked.t60);
+    let half = 1.0 - libm::sqrt(loss_phase(asked, t60) / g0);
     let double = (half / high).min(0.5 * (1.0 - g0) / low).min(0.5);
     (double > 0.0).then_some(Loss { a: 1.0 - double, b: 0.5 * double, c: 0.0 })
 }
@@ -226,7 +226,7 @@ fn far(asked: &WaveguideSpec, near: Option<&Loss>, wave: Complex<f64>, g0: f64, 
     let Some([f, t60]) = asked.high else { return (Loss { a: g0, b: 0.0, c: 0.0 }, None) };
     let (low, high) = (wave.re, libm::cos(TAU * f * tick_dt));
     let before = near.map_or(1.0, |l| l.gain(Complex::from(high)).re);
-    let ideal = (g0 - turn(asked, t60) / before) / (low - high);
+    let ideal = (g0 - loss_phase(asked, t60) / before) / (low - high);
     // a ≥ 2b avoids inverting the highest frequencies, a + 2b ≤ 1 avoids growth of the lowest
     let most = (g0 / (1.0 + low)).min((1.0 - g0) / (1.0 - low));
     let double = ideal.min(most).max(0.0);

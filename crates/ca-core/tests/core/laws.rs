@@ -127,9 +127,9 @@ fn slopes_are_within_the_bound() {
             let e = 0.011 * f64::from(i) + 0.0037;
             let at = |e: f64, w: f64| (law.fns.force)(c, &mut [], tables, e, w);
             let (k, z) = ((at(e + h, 0.0) - at(e - h, 0.0)) / (2.0 * h), at(e, h) / h - at(e, 0.0) / h);
-            let room = 1e-4 * (1.0 + b.k.abs() + b.z.abs());
-            assert!(k <= b.k + room, "{} at {e}: k {k} above {}", kind.code, b.k);
-            assert!(z <= b.z + room || !b.linear, "{} at {e}: z {z} above {}", kind.code, b.z);
+            let tolerance = 1e-4 * (1.0 + b.k.abs() + b.z.abs());
+            assert!(k <= b.k + tolerance, "{} at {e}: k {k} above {}", kind.code, b.k);
+            assert!(z <= b.z + tolerance || !b.linear, "{} at {e}: z {z} above {}", kind.code, b.z);
         }
     });
 }

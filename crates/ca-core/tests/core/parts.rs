@@ -152,8 +152,8 @@ fn a_table_is_straight_between_and_constant_beyond() {
         for x in [1e-4, -1e-4, 1e-9, -1e-9] {
             let of = 0.5 * t.slope(x) * x * x;
             // the rounding of values of 3e4
-            let room = 1e-12 * of + 4e-12 * x.abs();
-            assert!((t.integral(x) - of).abs() < room, "{points:?} at {x}: {} and {of}", t.integral(x));
+            let tolerance = 1e-12 * of + 4e-12 * x.abs();
+            assert!((t.integral(x) - of).abs() < tolerance, "{points:?} at {x}: {} and {of}", t.integral(x));
         }
     }
     for bad in [&[[0.0, 1.0]][..], &[[0.0, 1.0], [0.0, 2.0]], &[[1.0, 0.0], [0.0, 0.0]], &[[0.0, f64::NAN], [1.0, 0.0]]]

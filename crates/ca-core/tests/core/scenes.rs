@@ -2,7 +2,7 @@
 
 use crate::numbers;
 use ca_core::equivalence::{Equivalence, Gains};
-use ca_core::internal::live::LivePlan;
+use ca_core::internal::live::LiveTable;
 use ca_core::internal::numeric::Aligned;
 use ca_core::internal::op::layout::{Counts, Enf, Enx, Layout, Output, Places, Rates, Tap};
 use ca_core::internal::op::{Form, Op, Pass};
@@ -80,7 +80,7 @@ impl Row {
             },
             inputs: self.inputs,
             names: OutputNames { channel_names: vec!["out".into()], probe_names: Vec::new(), probe_of: Vec::new() },
-            live: LivePlan::default(),
+            live: LiveTable::default(),
             about: About {
                 gestures: Vec::new(),
                 presets: Vec::new(),

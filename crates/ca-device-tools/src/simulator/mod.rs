@@ -161,7 +161,7 @@ impl Simulator {
             log.finish()?;
         }
         ended?;
-        self.seen.restarts = self.client.watch().restarts;
+        self.seen.restarts = self.client.watchdog().restarts;
         self.seen.loops = self.loops.percentiles();
         Ok(self.seen)
     }
@@ -178,8 +178,8 @@ impl Simulator {
             self.send()?;
             force = self.client.safe_force();
             // the cause of the force just applied, not of one received since
-            let cause = self.client.watch().cause(now_ns());
-            let latest = self.client.watch().last().copied();
+            let cause = self.client.watchdog().cause(now_ns());
+            let latest = self.client.watchdog().last().copied();
             self.note(cause, latest.as_ref(), say)?;
             n += 1;
             let due = start + (n as f64 * period) as u64;
@@ -211,7 +211,7 @@ impl Simulator {
                 self.client.wait(Duration::from_millis(1));
                 self.client.force();
                 let (me, seq) = (self.frame.session, self.frame.seq);
-                if let Some(f) = self.client.watch().last().filter(|f| f.ack_session == me && f.ack == seq) {
+                if let Some(f) = self.client.watchdog().last().filter(|f| f.ack_session == me && f.ack == seq) {
                     break *f;
                 }
                 if patience.is_some_and(|p| now_ns() > asked + p) {
@@ -249,8 +249,8 @@ impl Simulator {
             self.frame.cause = self.cause as u16;
         } else if self.delay > 0 {
             self.client.held(self.held[self.delay]);
-            let heard = self.client.watch().last().is_some();
-            self.frame.cause = if heard { self.client.watch().cause(now_ns()) } else { Cause::Disarmed } as u16;
+            let heard = self.client.watchdog().last().is_some();
+            self.frame.cause = if heard { self.client.watchdog().cause(now_ns()) } else { Cause::Disarmed } as u16;
         }
         let readers = self.client.send(&mut self.frame)?;
         self.sent[self.frame.seq as usize % KEPT] = (self.frame.seq, self.frame.t_host_ns);
@@ -282,7 +282,7 @@ impl Simulator {
         self.held[0] = seq;
         if cause != self.cause {
             self.cause = cause;
-            say(Message::Note(format!("frame {}: {}", self.frame.seq, said(cause))));
+            say(Message::Note(format!("frame {}: {}", self.frame.seq, cause_text(cause))));
         }
         if self.waits {
             self.waits = cause != Cause::None;
@@ -299,6 +299,6 @@ impl Simulator {
     }
 }
 
-fn said(cause: Cause) -> String {
+fn cause_text(cause: Cause) -> String {
     if cause == Cause::None { "receiving forces".into() } else { format!("no force, {}", cause.name()) }
 }

@@ -4,7 +4,7 @@
 //! samples, so that a model with a delay of 0 is compared to the bit.
 
 use super::{Free, Loss, STRETCHES};
-use crate::normal::dot;
+use crate::normal_equations::dot;
 use crate::target::{Samples, Target};
 
 /// Samples of the sinc on either side.

@@ -7,8 +7,8 @@
 
 pub(super) mod partials;
 
-use super::normal::{Normal, dot};
-use super::player::{Heard, Player};
+use super::normal_equations::{Normal, dot};
+use super::player::{AudibleMode, Player};
 use ca_lab::Failure;
 use partials::Partial;
 
@@ -34,7 +34,7 @@ pub(super) struct Placed {
 
 /// Modes and their derivatives by the search coordinates.
 struct Linear {
-    modes: Vec<Heard>,
+    modes: Vec<AudibleMode>,
     /// Derivatives of the logarithms of frequency and of decay: by coordinate, by mode.
     f: Vec<Vec<f64>>,
     t60: Vec<Vec<f64>>,
@@ -49,8 +49,8 @@ impl Linear {
             let step = if places[k] + STEP > ends[k][1] { -STEP } else { STEP };
             moved[k] += step;
             let Some(other) = player.modes(&moved)?.filter(|o| o.len() == modes.len()) else { return Ok(None) };
-            let over = |of: &dyn Fn(&Heard) -> f64| -> Vec<f64> {
-                let slope = |(a, b): (&Heard, &Heard)| {
+            let over = |of: &dyn Fn(&AudibleMode) -> f64| -> Vec<f64> {
+                let slope = |(a, b): (&AudibleMode, &AudibleMode)| {
                     let s = libm::log(of(b) / of(a)) / step;
                     if s.is_finite() && s.abs() > 1e-7 { s } else { 0.0 }
                 };

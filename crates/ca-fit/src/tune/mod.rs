@@ -54,11 +54,11 @@ pub struct Tuned {
     /// Module, with the cell of a bank.
     pub part: String,
     /// Target pitch \[Hz\].
-    pub wanted: f64,
+    pub target: f64,
     /// Pitch before \[Hz\].
     pub before: f64,
     /// Pitch now \[Hz\].
-    pub heard: f64,
+    pub reached: f64,
     /// Number that was written.
     pub number: String,
 }
@@ -66,7 +66,7 @@ pub struct Tuned {
 impl Tuned {
     /// Distance from the target pitch \[cents\].
     pub fn off(&self) -> f64 {
-        1200.0 * (self.heard / self.wanted).log2()
+        1200.0 * (self.reached / self.target).log2()
     }
 }
 
@@ -95,9 +95,10 @@ pub fn tune(loaded: &mut Loaded, targets: &[PitchTarget], mode: u32) -> Result<(
         }
     }
     for (t, (variable, _)) in done.iter_mut().zip(&variables) {
-        t.heard = heard(loaded, &t.part, variable, mode)?;
+        t.reached = sounding_pitch(loaded, &t.part, variable, mode)?;
         if t.off().abs() > NEAR {
-            let what = format!("`{}` cannot be {} Hz together with the others: it is {} Hz", t.part, t.wanted, t.heard);
+            let what =
+                format!("`{}` cannot be {} Hz together with the others: it is {} Hz", t.part, t.target, t.reached);
             return Err(Failure::Failed(format!("{what}; check whether they follow the same parameter")));
         }
     }
@@ -154,7 +155,7 @@ fn one(
     let Some(Number { value: mut v, has_unit }) = number::read(text, &variable.place) else {
         return Err(Failure::Failed(format!("`{name}` cannot be tuned: `{}` is not a number", variable.place)));
     };
-    let before = heard(loaded, &name, variable, mode)?;
+    let before = sounding_pitch(loaded, &name, variable, mode)?;
     let (mut slope, mut now, mut written) = (variable.slope, before, format!("{v:?}"));
     for step in 0..STEPS {
         let off = (wanted / now).log2();
@@ -174,7 +175,7 @@ fn one(
         }
         written = number::write(text, &variable.place, next, variable.unit, DIGITS).ok_or_else(outside)?;
         *loaded = load::reread(loaded, &text.to_string());
-        let f = heard(loaded, &name, variable, mode)?;
+        let f = sounding_pitch(loaded, &name, variable, mode)?;
         let (moved, turned) = ((f / now).log2(), (next / v).log2());
         if turned.abs() > 1e-9 && (0.05..5.0).contains(&(moved / turned)) {
             slope = moved / turned;
@@ -188,11 +189,11 @@ fn one(
             "{what}; modules connected to it fix its pitch, or it is near half the sound rate"
         )));
     }
-    Ok(Tuned { part: name, wanted, before, heard: now, number: written })
+    Ok(Tuned { part: name, target: wanted, before, reached: now, number: written })
 }
 
 /// Pitch of a part: mode number `mode` from below, of the modes that are mostly its.
-fn heard(loaded: &Loaded, name: &str, variable: &Variable, mode: u32) -> Result<f64, Failure> {
+fn sounding_pitch(loaded: &Loaded, name: &str, variable: &Variable, mode: u32) -> Result<f64, Failure> {
     let options = Options { clouds: loaded.clouds.clone(), ..Options::default() };
     let network = ca_compile::linear(&loaded.model, &catalog(), &options)
         .map_err(|diags| Failure::Found(Box::new(Found { diags, model: loaded.model.clone() })))?;

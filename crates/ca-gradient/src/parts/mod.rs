@@ -10,19 +10,19 @@
 //!
 //! Any other pass is refused by name; forward mode over dual numbers does not divide a tick.
 
-pub mod alone;
+pub mod link_in_scene;
 pub mod numbers;
 pub mod outputs;
-pub mod placed;
 pub mod record;
 pub mod rows;
-pub mod small;
+pub mod single_link;
+pub mod small_passes;
 
 use crate::error::Error;
-use alone::slots;
 use ca_core::internal::op::layout::{MeasureKind, Tap};
 use ca_core::internal::op::{Integrate, Op, SolveStage};
 use ca_core::{Law, Scene};
+use single_link::slots;
 
 pub struct Parts {
     /// Linear links whose forces are summed: indices into [`Passes::forces`], with the basis of their law.
@@ -41,7 +41,7 @@ pub struct Parts {
     /// Slots moved by a port, moving points, and masses that go by their modes.
     pub held: Vec<usize>,
     /// Taps of outputs that read forces.
-    pub hears: Vec<Tap>,
+    pub force_taps: Vec<Tap>,
     /// Coefficients driven by ports, ascending: indices into [`State::coef`](ca_core::State::coef).
     pub driven: Vec<usize>,
     /// Passes of weight, as indices into [`Passes::forces`].
@@ -156,7 +156,14 @@ impl Parts {
             solves: Vec::new(),
             sets: Vec::new(),
             driven: Vec::new(),
-            hears: scene.layout.out.outputs.iter().map(|o| o.tap).filter(|t| !matches!(t, Tap::Position(_))).collect(),
+            force_taps: scene
+                .layout
+                .out
+                .outputs
+                .iter()
+                .map(|o| o.tap)
+                .filter(|t| !matches!(t, Tap::Position(_)))
+                .collect(),
             summed: Vec::new(),
         };
         let driven = scene.layout.ports.driven.iter().flat_map(|d| &d.places);

@@ -17,8 +17,8 @@ pub struct Row<'a> {
     pub lengths: &'a [f64],
     /// For each link of [`Parts::last`]: the sum of forces on its ends, then the size of what it adds (any).
     pub sums: &'a [f64],
-    /// Forces read by outputs, as [`Parts::hears`].
-    pub heard: &'a [f64],
+    /// Forces read by outputs, as [`Parts::force_taps`].
+    pub output_forces: &'a [f64],
     /// Nodes and weights under each moving point (points x 8).
     pub cells: &'a [f64],
     /// Coefficients driven by ports, as [`Parts::driven`].
@@ -45,8 +45,8 @@ pub struct Record {
 }
 
 impl Record {
-    /// Allocates rows for `ticks` ticks. Outputs are computed if their `filters` are stored or they are `heard`.
-    pub fn new(scene: &Scene, parts: &Parts, ticks: usize, [filters, heard]: [bool; 2]) -> Record {
+    /// Allocates rows for `ticks` ticks. Outputs are computed if their `filters` are stored or `outputs` is set.
+    pub fn new(scene: &Scene, parts: &Parts, ticks: usize, [filters, outputs]: [bool; 2]) -> Record {
         let (l, start) = (&scene.layout, &scene.initial);
         let remembers = !parts.links.is_empty() || !parts.last.is_empty();
         let (mem, lengths) = if remembers { (start.links.mem.len(), start.links.lengths.len()) } else { (0, 0) };
@@ -60,7 +60,7 @@ impl Record {
             mem,
             lengths,
             sums,
-            parts.hears.len(),
+            parts.force_taps.len(),
             cells,
             driven,
             l.places.modal.len(),
@@ -71,12 +71,12 @@ impl Record {
             width += whole_lines(n);
             first..first + n
         });
-        Record { kinds, width, all: Aligned::zeros((ticks + 1) * width), writes: filters || heard }
+        Record { kinds, width, all: Aligned::zeros((ticks + 1) * width), writes: filters || outputs }
     }
 
     pub fn row(&self, k: usize) -> Row<'_> {
         let row = &self.all[k * self.width..][..self.width];
-        let [x, d, mem, lengths, sums, heard, cells, driven, modal, passed] = &self.kinds;
+        let [x, d, mem, lengths, sums, output_forces, cells, driven, modal, passed] = &self.kinds;
         let of = |kind: &Range<usize>| &row[kind.start..kind.end];
         Row {
             x: of(x),
@@ -84,7 +84,7 @@ impl Record {
             mem: of(mem),
             lengths: of(lengths),
             sums: of(sums),
-            heard: of(heard),
+            output_forces: of(output_forces),
             cells: of(cells),
             driven: of(driven),
             modal: of(modal),
@@ -102,7 +102,7 @@ impl Record {
         (&self.all[k * self.width..][..n * self.width], self.width, self.kinds[1].start)
     }
 
-    /// Plays a stretch on from `s` with the inputs `given` (ticks x inputs); `hears` receives computed outputs. This is
+    /// Plays a stretch on from `s` with the inputs `given` (ticks x inputs); `on_outputs` receives computed outputs. This is
     /// not a `ca_io::player::Player`, since it stores numbers between the passes of a tick.
     pub fn play(
         &mut self,
@@ -111,7 +111,7 @@ impl Record {
         s: &mut State,
         given: &[f64],
         ticks: usize,
-        mut hears: impl FnMut(usize, &[f64]),
+        mut on_outputs: impl FnMut(usize, &[f64]),
     ) {
         let run = |list: &[Op], s: &mut State| {
             for op in list {
@@ -120,9 +120,9 @@ impl Record {
         };
         let last = parts.last.first().map_or(scene.passes.summed().len(), Link::op);
         let (before, behind) = scene.passes.summed().split_at(last);
-        let heard = scene.passes.writes.iter().find(|op| op.name() == "heard links");
+        let output_links = scene.passes.writes.iter().find(|op| op.name() == "heard links");
         let inputs = scene.inputs.len();
-        let [x, d, mem, lengths, sums, heard_forces, cells, driven, modal, passed] = self.kinds.clone();
+        let [x, d, mem, lengths, sums, forces_at, cells, driven, modal, passed] = self.kinds.clone();
         for k in 0..ticks {
             s.input.copy_from_slice(&given[k * inputs..][..inputs]);
             run(&scene.passes.reads, s);
@@ -159,11 +159,11 @@ impl Record {
                 sums[at] = added;
                 at += 1;
             }
-            if !heard_forces.is_empty() {
-                if let Some(op) = heard {
+            if !forces_at.is_empty() {
+                if let Some(op) = output_links {
                     (op.kernel)(op, &scene.layout, s);
                 }
-                for (to, tap) in row[heard_forces.clone()].iter_mut().zip(&parts.hears) {
+                for (to, tap) in row[forces_at.clone()].iter_mut().zip(&parts.force_taps) {
                     *to = match tap {
                         Tap::Position(m) => s.x[*m as usize],
                         Tap::ForceOn(m) => s.f[*m as usize],
@@ -179,7 +179,7 @@ impl Record {
             }
             if self.writes {
                 run(&scene.passes.writes, s);
-                hears(k, &s.output);
+                on_outputs(k, &s.output);
             }
             run(&scene.passes.moves, s);
             s.tick += 1;

@@ -5,7 +5,7 @@
 
 use super::{Gradient, Reverse};
 use crate::parts::no;
-use crate::played::{BLOCK, diverged, frames_of, known, zeros};
+use crate::play_io::{BLOCK, diverged, frames_of, known, zeros};
 use crate::{Error, GoesOn};
 use ca_core::State;
 use ca_core::internal::numeric::Aligned;
@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// Scene played by [`Reverse::play`]: its outputs, and what a backward pass needs.
 pub struct Checkpoints {
     reverse: Arc<Reverse>,
-    kept: Kept,
+    kept: Checkpointed,
     /// Outputs, with the bits of a render (frames x outputs).
     pub output: Vec<f64>,
 }
@@ -37,7 +37,7 @@ impl Reverse {
         let frames = usize::try_from(perform::frames(&self.scene, seconds)).unwrap_or(usize::MAX);
         let mut output = zeros(frames, self.scene.counts.n_out, 1)?;
         output.clear();
-        let kept = Kept::of(self, frames, gesture, &mut |row| output.extend_from_slice(row), goes_on)?;
+        let kept = Checkpointed::of(self, frames, gesture, &mut |row| output.extend_from_slice(row), goes_on)?;
         Ok(Checkpoints { reverse: self.clone(), kept, output })
     }
 }
@@ -66,7 +66,7 @@ impl Checkpoints {
     }
 }
 
-pub(super) struct Kept {
+pub(super) struct Checkpointed {
     pub frames: usize,
     /// Ticks between two states.
     pub stretch: usize,
@@ -77,15 +77,15 @@ pub(super) struct Kept {
     pub given: Vec<f64>,
 }
 
-impl Kept {
-    /// Plays a scene; `heard` receives the outputs of each stretch (its ticks x outputs).
+impl Checkpointed {
+    /// Plays a scene; `on_outputs` receives the outputs of each stretch (its ticks x outputs).
     pub fn of(
         reverse: &Reverse,
         frames: usize,
         gesture: Option<&Gesture>,
-        heard: &mut dyn FnMut(&[f64]),
+        on_outputs: &mut dyn FnMut(&[f64]),
         goes_on: GoesOn,
-    ) -> Result<Kept, Error> {
+    ) -> Result<Checkpointed, Error> {
         let scene = &reverse.scene;
         let mut p = Performance::new(scene, gesture)?;
         known(scene, &p)?;
@@ -93,7 +93,8 @@ impl Kept {
             return Err(no(&format!("its initial state depends on the position of the port `{port}` at load")));
         }
         let (inputs, stretch) = (scene.inputs.len(), stretch(frames));
-        let mut kept = Kept { frames, stretch, states: Vec::new(), coef: None, given: zeros(frames, inputs, 1)? };
+        let mut kept =
+            Checkpointed { frames, stretch, states: Vec::new(), coef: None, given: zeros(frames, inputs, 1)? };
         // no gesture moves a live parameter, so only ports can drive coefficients
         let same = reverse.parts.driven.is_empty();
         let (given, mut row) = (&mut kept.given, Vec::new());
@@ -118,7 +119,7 @@ impl Kept {
                     to.copy_from_slice(&p.state.input);
                 }
             }
-            heard(&row);
+            on_outputs(&row);
             asked += ticks as u64;
             if asked >= BLOCK {
                 asked = 0;

@@ -4,30 +4,30 @@
 //! every √n ticks. Then each stretch between two states, from the last to the first, is played again
 //! ([`crate::parts::record`]) and propagated backwards tick by tick ([`adjoint`]). Linear links take as long backwards
 //! as forwards, since they are their own transposes; every other link is evaluated alone over dual numbers
-//! ([`crate::parts::alone`]). Time does not grow with the number of parameters, and memory grows with √n. Recording
+//! ([`crate::parts::single_link`]). Time does not grow with the number of parameters, and memory grows with √n. Recording
 //! every operation of every tick would take far more.
 //!
 //! The derivatives are those of forward mode; where a contact closes or opens, they are one-sided in the same sense.
 
 mod adjoint;
 mod checkpoints;
-mod heard;
+mod outputs;
 mod single;
 mod sums;
-mod taps;
+mod tapped_links;
 
 use crate::forward::over_dual;
 use crate::parts::numbers::Numbers;
 use crate::parts::record::Record;
 use crate::parts::{Parts, number};
-use crate::played::{BLOCK, frames_of};
+use crate::play_io::{BLOCK, frames_of};
 use crate::{Error, Forward, GoesOn, Parameter};
 use adjoint::Adjoint;
 use ca_core::internal::op::layout::{CoordinateSource, Shape as PortShape};
 use ca_core::{Dual, InputRole, Scene};
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
-use checkpoints::Kept;
+use checkpoints::Checkpointed;
 use cordis_anima::{Loaded, Options};
 
 pub use checkpoints::Checkpoints;
@@ -138,7 +138,7 @@ impl Reverse {
     /// # Errors
     /// As [`Forward::output`].
     pub fn output(&self, seconds: Option<f64>, gesture: Option<&Gesture>, goes_on: GoesOn) -> Result<Vec<f64>, Error> {
-        crate::played::output(&self.scene, seconds, gesture, goes_on)
+        crate::play_io::output(&self.scene, seconds, gesture, goes_on)
     }
 
     /// Returns whether reverse mode supports a gesture. It does not where a link that depends on the sum of all forces
@@ -214,12 +214,12 @@ impl Reverse {
     /// As [`Forward::gradient`].
     pub fn gradient(&self, cotangent: &[f64], gesture: Option<&Gesture>, goes_on: GoesOn) -> Result<Gradient, Error> {
         let frames = frames_of(cotangent, self.scene.counts.n_out.max(1))?;
-        let kept = Kept::of(self, frames, gesture, &mut |_| {}, goes_on)?;
+        let kept = Checkpointed::of(self, frames, gesture, &mut |_| {}, goes_on)?;
         self.back(&kept, cotangent, goes_on)
     }
 
     /// As [`Reverse::gradient`], from the stored play; the cotangent has as many samples.
-    fn back(&self, kept: &Kept, cotangent: &[f64], goes_on: GoesOn) -> Result<Gradient, Error> {
+    fn back(&self, kept: &Checkpointed, cotangent: &[f64], goes_on: GoesOn) -> Result<Gradient, Error> {
         let scene = &self.scene;
         let (inputs, outputs, stretch) = (scene.inputs.len(), scene.counts.n_out.max(1), kept.stretch);
         let (frames, given) = (kept.frames, &kept.given);

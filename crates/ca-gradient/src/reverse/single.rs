@@ -1,8 +1,8 @@
 //! Backward pass over links evaluated alone, one tick at a time.
 
-use crate::parts::alone::{Alone, LinkAdjoints, Port};
-use crate::parts::placed::Placed;
+use crate::parts::link_in_scene::Placed;
 use crate::parts::record::Row;
+use crate::parts::single_link::{LinkAdjoints, Port, SingleLink};
 use crate::parts::{Link, number};
 use ca_core::internal::op::{MeasureKind, Op};
 use ca_core::{Dual, Scene, State};
@@ -46,7 +46,7 @@ impl Single {
         driven: &[usize],
     ) -> Option<Single> {
         let mut link = Placed::new(scene, link, dual, place)?;
-        let sh = &link.alone.shape;
+        let sh = &link.single.shape;
         let own = sh.own()..sh.coef();
         let used = |k: usize| sh.last || !own.contains(&k);
         let changed = link.numbers.iter().filter(|(k, at)| used(*k) && needed(*at));
@@ -82,20 +82,20 @@ impl Single {
         self.force.iter_mut().zip(&self.link.slots).for_each(|(to, slot)| *to = adjoints.a.x[*slot]);
         self.memory.iter_mut().zip(&self.link.mem).for_each(|(to, m)| *to = adjoints.mem[*m]);
         self.link.read(row, sums);
-        let Placed { alone, slots, mem, lengths: at_lengths, .. } = &mut self.link;
+        let Placed { single, slots, mem, lengths: at_lengths, .. } = &mut self.link;
         let (at_d, at_f, at_mem, at_length) =
-            (alone.shape.d(), alone.shape.f(), alone.shape.memory(), alone.shape.length());
+            (single.shape.d(), single.shape.f(), single.shape.memory(), single.shape.length());
         for (k, at) in &self.driven {
-            alone.given[*k] = row.driven[*at];
+            single.given[*k] = row.driven[*at];
         }
         let (mut motions, mut lengths) = (false, [0.0; 2]);
-        for (k, (_, at)) in alone.shape.ports.iter().zip(&*at_lengths).enumerate().filter(|(_, (p, _))| p.follows) {
+        for (k, (_, at)) in single.shape.ports.iter().zip(&*at_lengths).enumerate().filter(|(_, (p, _))| p.follows) {
             lengths[k] = adjoints.lengths[*at];
             motions |= row.lengths[*at] < 0.0;
         }
         let adjoint = LinkAdjoints { force: &self.force, tap: &self.taps, memory: &self.memory, lengths };
-        alone.pull_back(&adjoint, &self.wanted[usize::from(motions)]);
-        let (adjoint, sh) = (&alone.adjoint, &alone.shape);
+        single.pull_back(&adjoint, &self.wanted[usize::from(motions)]);
+        let (adjoint, sh) = (&single.adjoint, &single.shape);
         if sh.last {
             for (k, slot) in slots.iter().enumerate() {
                 adjoints.a.f[*slot] += adjoint[k];
@@ -110,7 +110,7 @@ impl Single {
         mem.iter().zip(&adjoint[at_mem..]).for_each(|(m, by)| adjoints.mem[*m] = *by);
         for (k, (p, at)) in sh.ports.iter().zip(&*at_lengths).enumerate() {
             if p.follows {
-                adjoints.lengths[*at] = if alone.given[at_length + k] < 0.0 { 0.0 } else { adjoint[at_length + k] };
+                adjoints.lengths[*at] = if single.given[at_length + k] < 0.0 { 0.0 } else { adjoint[at_length + k] };
             }
         }
         for (k, at) in &self.numbers {
@@ -137,7 +137,7 @@ fn pull(p: &Port, slots: &[usize], adjoint: &[f64], motions: bool, at_d: usize, 
 
 /// Links between all pairs of two sets that touch, evaluated one after the other.
 pub struct Pairs {
-    alone: Alone,
+    single: SingleLink,
     /// Index into [`LinkArrays::pair_sets`](ca_core::internal::op::layout::LinkArrays::pair_sets).
     set: usize,
     near: ca_core::internal::numeric::VerletList,
@@ -159,11 +159,11 @@ impl Pairs {
         let set = op.ports.pair_set?;
         // pairs do not store a last distance: they are measured anew in each tick
         let one = Op { form: ca_core::internal::op::Form { measure: MeasureKind::Radial, ..op.form }, ..*op };
-        let mut alone = Alone::new(&one, dual)?;
-        let sh = &alone.shape;
+        let mut single = SingleLink::new(&one, dual)?;
+        let sh = &single.shape;
         let coefs = sh.coef()..sh.coef() + sh.coefs;
-        alone.given[coefs.clone()].copy_from_slice(&scene.initial.coef[op.coef..][..coefs.len()]);
-        let idle = (op.law?.fns.idle)(&alone.given[coefs.clone()]);
+        single.given[coefs.clone()].copy_from_slice(&scene.initial.coef[op.coef..][..coefs.len()]);
+        let idle = (op.law?.fns.idle)(&single.given[coefs.clone()]);
         let at = |k: usize| place.initial.coef[op.coef + k];
         let numbers: Vec<(usize, usize)> =
             (0..coefs.len()).filter(|k| needed(at(*k))).map(|k| (coefs.start + k, number(at(k)))).collect();
@@ -174,7 +174,7 @@ impl Pairs {
         let reach = if moves { sh.reach()..sh.reach() + 3 } else { 0..0 };
         let wanted = sh.carried(true).into_iter().chain(numbers.iter().map(|n| n.0)).chain(reach).collect();
         let near = ca_core::internal::numeric::VerletList::new(pairs.members.len(), pairs.rows, pairs.columns);
-        Some(Pairs { alone, set, near, idle, numbers, rest, wanted })
+        Some(Pairs { single, set, near, idle, numbers, rest, wanted })
     }
 
     /// Propagates adjoints back over all pairs that touch.
@@ -186,9 +186,9 @@ impl Pairs {
         let radius = if self.idle.1 < f64::INFINITY { f64::INFINITY } else { from };
         self.near.place(|k| [three(rest, set.members[k]), three(row.x, set.members[k])]);
         self.near.renew(radius, |k| square(three(row.d, set.members[k])));
-        let sh = &self.alone.shape;
+        let sh = &self.single.shape;
         let (at_d, at_reach) = (sh.d(), sh.reach());
-        let (alone, numbers, rests, wanted) = (&mut self.alone, &self.numbers, &self.rest, &self.wanted);
+        let (single, numbers, rests, wanted) = (&mut self.single, &self.numbers, &self.rest, &self.wanted);
         self.near.each(radius, |i, j| {
             let ends = [set.members[i], set.members[j]];
             let [p, q] = ends.map(|m| three(rest, m));
@@ -201,19 +201,19 @@ impl Pairs {
             let [a, b] = ends.map(|m| m as usize);
             let slots = [a, a + 1, a + 2, b, b + 1, b + 2];
             for (k, slot) in slots.into_iter().enumerate() {
-                (alone.given[k], alone.given[at_d + k]) = (row.x[slot], row.d[slot]);
+                (single.given[k], single.given[at_d + k]) = (row.x[slot], row.d[slot]);
             }
-            alone.given[at_reach..][..3].copy_from_slice(&reach);
+            single.given[at_reach..][..3].copy_from_slice(&reach);
             let force = slots.map(|slot| adjoints.a.x[slot]);
-            alone.pull_back(&LinkAdjoints { force: &force, tap: &[], memory: &[], lengths: [0.0; 2] }, wanted);
-            pull(&alone.shape.ports[0], &slots, &alone.adjoint, true, at_d, adjoints);
+            single.pull_back(&LinkAdjoints { force: &force, tap: &[], memory: &[], lengths: [0.0; 2] }, wanted);
+            pull(&single.shape.ports[0], &slots, &single.adjoint, true, at_d, adjoints);
             for (k, at) in numbers {
-                adjoints.of_numbers[*at] += alone.adjoint[*k];
+                adjoints.of_numbers[*at] += single.adjoint[*k];
             }
             if !rests.is_empty() {
                 for k in 0..3 {
-                    adjoints.of_numbers[rests[b + k]] += alone.adjoint[at_reach + k];
-                    adjoints.of_numbers[rests[a + k]] -= alone.adjoint[at_reach + k];
+                    adjoints.of_numbers[rests[b + k]] += single.adjoint[at_reach + k];
+                    adjoints.of_numbers[rests[a + k]] -= single.adjoint[at_reach + k];
                 }
             }
         });

@@ -16,25 +16,30 @@ pub struct Links {
     /// Sums of φe and φw, each where some coefficient needs it.
     pub products: [Vec<f64>; 2],
     /// For implicit links, sums of φ times the change of elongation in the next tick.
-    pub ahead: Vec<f64>,
+    pub next_products: Vec<f64>,
     /// Sums of φ, where constant elongations need them.
-    pub alone: Vec<f64>,
+    pub elongation_sums: Vec<f64>,
 }
 
 impl Links {
     /// Makes the sums for these changed coefficients and constant elongations; `None` where nothing changes.
-    pub fn wanted(of: Rows, coefficients: &[bool], elongations: bool) -> Option<Links> {
+    pub fn for_changes(of: Rows, coefficients: &[bool], elongations: bool) -> Option<Links> {
         let sums = |wanted: bool| vec![0.0; if wanted { of.n } else { 0 }];
         let each = || of.basis.0.iter().zip(coefficients).filter(|(_, wanted)| **wanted);
         let products = [0, 1].map(|k| sums(each().any(|(basis, _)| basis[k] != 0.0)));
-        let alone = sums(elongations);
-        (each().next().is_some() || elongations).then(|| Links { of, products, ahead: Vec::new(), alone })
+        let elongation_sums = sums(elongations);
+        (each().next().is_some() || elongations).then(|| Links {
+            of,
+            products,
+            next_products: Vec::new(),
+            elongation_sums,
+        })
     }
 
     /// Makes all sums, for implicit links: k needs all three products, z and θ need φw and the one with the next tick.
-    pub fn ahead(mut self) -> Links {
+    pub fn for_implicit(mut self) -> Links {
         let sums = || vec![0.0; self.of.n];
-        (self.products, self.ahead) = ([sums(), sums()], sums());
+        (self.products, self.next_products) = ([sums(), sums()], sums());
         self
     }
 
@@ -110,17 +115,17 @@ impl Links {
         let [to_e, to_w] = &mut self.products;
         put(to_e, at, by_e, but);
         put(to_w, at, by_w, but);
-        if !self.alone.is_empty() {
-            let mut alone = [0.0; N];
+        if !self.elongation_sums.is_empty() {
+            let mut elongation_sums = [0.0; N];
             for [_, _, adjoint] in ticks.each() {
                 let (Some(oa), Some(ob)) = (lanes::<N>(adjoint, a), lanes::<N>(adjoint, b)) else { break };
                 for i in 0..N {
-                    alone[i] += oa[i] - ob[i];
+                    elongation_sums[i] += oa[i] - ob[i];
                 }
             }
-            put(&mut self.alone, at, alone, but);
+            put(&mut self.elongation_sums, at, elongation_sums, but);
         }
-        if !self.ahead.is_empty() {
+        if !self.next_products.is_empty() {
             let mut ahead = [0.0; N];
             for [_, next, adjoint] in ticks.each() {
                 let (Some(oa), Some(ob)) = (lanes::<N>(adjoint, a), lanes::<N>(adjoint, b)) else { break };
@@ -131,7 +136,7 @@ impl Links {
                     ahead[i] += (oa[i] - ob[i]) * (nb[i] - na[i]);
                 }
             }
-            put(&mut self.ahead, at, ahead, but);
+            put(&mut self.next_products, at, ahead, but);
         }
     }
 }

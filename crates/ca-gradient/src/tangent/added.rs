@@ -9,7 +9,7 @@ use super::few::{Few, On};
 use super::groups::{Groups, Terms};
 use crate::parts::record::Row;
 use crate::parts::rows::Rows;
-use crate::parts::small::FEW;
+use crate::parts::small_passes::FEW;
 use crate::parts::{Parts, number};
 use ca_core::{Scene, State};
 

@@ -40,7 +40,7 @@ impl Gains {
             let raw = match g.tap {
                 Tap::Position(m) if g.motion => row.d[m as usize],
                 Tap::Position(m) => row.x[m as usize],
-                Tap::ForceOn(_) | Tap::ForceOf(_) => row.heard[g.force],
+                Tap::ForceOn(_) | Tap::ForceOf(_) => row.output_forces[g.force],
             };
             to.output[g.channel] += g.by[q] * raw;
         }

@@ -37,7 +37,7 @@ pub struct Groups {
     all: Vec<Group>,
     of: [Own; TANGENTS],
     /// Buffer for forces of links.
-    room: Aligned,
+    scratch: Aligned,
 }
 
 /// Returns the ratio of the numbers to `base`, if it is the same for all up to rounding.
@@ -78,7 +78,7 @@ impl Group {
 
 impl Groups {
     pub fn new(lists: Vec<Rows>, e0: &[f64]) -> Groups {
-        let room = Aligned::zeros(lists.iter().map(|l| l.n).max().unwrap_or(0));
+        let scratch = Aligned::zeros(lists.iter().map(|l| l.n).max().unwrap_or(0));
         let with_own = |l: Rows| {
             let own = &e0[l.first..][..l.n];
             let any = own.iter().any(|v| *v != 0.0);
@@ -86,7 +86,7 @@ impl Groups {
             (l, own)
         };
         let lists = lists.into_iter().map(with_own).collect();
-        Groups { arch: Arch::new(), lists, all: Vec::new(), of: Default::default(), room }
+        Groups { arch: Arch::new(), lists, all: Vec::new(), of: Default::default(), scratch }
     }
 
     /// Adds the terms of each parameter, for the links of a list or for masses (`None`).
@@ -123,8 +123,8 @@ impl Groups {
     /// Computes the forces of tick `k`, with the widest vectors of this processor.
     pub fn measure(&mut self, k: usize, row: &Row, next: &[f64]) {
         if !self.all.is_empty() {
-            let Groups { arch, lists, all: groups, room, of } = self;
-            arch.dispatch(Tick { lists, groups, of, k, row, next, room });
+            let Groups { arch, lists, all: groups, scratch, of } = self;
+            arch.dispatch(Tick { lists, groups, of, k, row, next, scratch });
         }
     }
 
@@ -151,14 +151,14 @@ struct Tick<'a> {
     k: usize,
     row: &'a Row<'a>,
     next: &'a [f64],
-    room: &'a mut [f64],
+    scratch: &'a mut [f64],
 }
 
 impl pulp::WithSimd for Tick<'_> {
     type Output = ();
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Tick { lists, groups, of, k, row, next, room } = self;
+        let Tick { lists, groups, of, k, row, next, scratch } = self;
         let n = row.x.len();
         for Group { links: terms, masses: [by_d, by_x, by_next], forces, .. } in &mut *groups {
             let f = &mut forces[..n];
@@ -173,7 +173,7 @@ impl pulp::WithSimd for Tick<'_> {
             }
             for (list, [by_e, by_w, constant]) in &*terms {
                 let (links, e0) = &lists[*list];
-                let force = &mut room[..links.n];
+                let force = &mut scratch[..links.n];
                 let mut from = 0;
                 for (n, [a, b]) in &links.runs {
                     let force = &mut force[from..][..*n];

@@ -3,9 +3,9 @@
 //! A link reads only a few numbers of the state. Its derivatives by each of them are computed for several ticks
 //! beforehand, so that the derivatives by one parameter can be played over all these ticks without the others.
 
-use crate::parts::alone::Port;
-use crate::parts::placed::Placed;
+use crate::parts::link_in_scene::Placed;
 use crate::parts::record::Row;
+use crate::parts::single_link::Port;
 use crate::parts::{Link, number};
 use ca_core::{Dual, Scene, State, TANGENTS};
 
@@ -27,7 +27,7 @@ enum Write {
 
 pub struct Moving {
     link: Placed,
-    /// Values read: index into the values given to [`Alone`](crate::parts::alone::Alone), and source in the state.
+    /// Values read: index into the values given to [`SingleLink`](crate::parts::single_link::SingleLink), and source in the state.
     reads: Vec<(usize, Read)>,
     /// Values written: index into the results, and destination in the state.
     writes: Vec<(usize, Write)>,
@@ -39,7 +39,7 @@ pub struct Moving {
     by: Vec<f64>,
     own: Vec<[f64; TANGENTS]>,
     /// Buffer for the derivatives of the values read (reads).
-    room: Vec<f64>,
+    scratch: Vec<f64>,
 }
 
 impl Moving {
@@ -53,7 +53,7 @@ impl Moving {
         ticks: usize,
     ) -> Option<Moving> {
         let link = Placed::new(scene, link, dual, place)?;
-        let (sh, slots) = (&link.alone.shape, &link.slots);
+        let (sh, slots) = (&link.single.shape, &link.slots);
         let (mut reads, mut writes) = (Vec::new(), Vec::new());
         let places = |p: Port| p.second().map(move |k| (k, Some(slots[k - p.axes])));
         let all = (0..sh.slots).map(|k| (k, None));
@@ -76,8 +76,8 @@ impl Moving {
             reads.push((sh.length() + k, Read::Length(*at)));
             writes.push((sh.slots + sh.mem + k, Write::Length(*at)));
         }
-        let heard = link.taps.iter().enumerate().filter_map(|(k, tap)| Some((k, (*tap)?)));
-        writes.extend(heard.map(|(k, t)| (sh.slots + sh.mem + sh.ports.len() + k, Write::Tap(t))));
+        let tapped = link.taps.iter().enumerate().filter_map(|(k, tap)| Some((k, (*tap)?)));
+        writes.extend(tapped.map(|(k, t)| (sh.slots + sh.mem + sh.ports.len() + k, Write::Tap(t))));
         let changed = |(k, at): &(usize, f64)| {
             let mut by = [0.0; TANGENTS];
             by.iter_mut().zip(columns).for_each(|(to, column)| *to = column[number(*at)]);
@@ -89,7 +89,7 @@ impl Moving {
             idle: vec![false; ticks],
             by: vec![0.0; all * reads.len()],
             own: vec![[0.0; TANGENTS]; all],
-            room: vec![0.0; reads.len()],
+            scratch: vec![0.0; reads.len()],
             link,
             reads,
             writes,
@@ -108,28 +108,28 @@ impl Moving {
             return;
         }
         self.link.read(row, sums);
-        let (alone, reads, writes) = (&mut self.link.alone, &self.reads, &self.writes);
+        let (single, reads, writes) = (&mut self.link.single, &self.reads, &self.writes);
         let by = &mut self.by[k * writes.len() * reads.len()..];
         for (chunk, some) in reads.chunks(TANGENTS).enumerate() {
             for (lane, (at, read)) in some.iter().enumerate() {
                 // the derivative of a length that is not known is 0
                 let known = !matches!(read, Read::Length(at) if row.lengths[*at] < 0.0);
-                alone.moving[*at][lane] = f64::from(u8::from(known));
+                single.moving[*at][lane] = f64::from(u8::from(known));
             }
-            alone.carry();
+            single.carry();
             for (lane, (at, _)) in some.iter().enumerate() {
-                alone.moving[*at][lane] = 0.0;
+                single.moving[*at][lane] = 0.0;
                 for ((from, _), by) in writes.iter().zip(by.chunks_exact_mut(reads.len())) {
-                    by[chunk * TANGENTS + lane] = alone.done[*from][lane];
+                    by[chunk * TANGENTS + lane] = single.done[*from][lane];
                 }
             }
         }
         if !self.numbers.is_empty() {
-            self.numbers.iter().for_each(|(at, by)| alone.moving[*at] = *by);
-            alone.carry();
-            self.numbers.iter().for_each(|(at, _)| alone.moving[*at].fill(0.0));
+            self.numbers.iter().for_each(|(at, by)| single.moving[*at] = *by);
+            single.carry();
+            self.numbers.iter().for_each(|(at, _)| single.moving[*at].fill(0.0));
             for ((from, _), own) in writes.iter().zip(&mut self.own[k * writes.len()..]) {
-                *own = alone.done[*from];
+                *own = single.done[*from];
             }
         }
     }
@@ -142,7 +142,7 @@ impl Moving {
             self.link.taps.iter().flatten().for_each(|t| s.links.tap[*t] = 0.0);
             return;
         }
-        for (to, (_, read)) in self.room.iter_mut().zip(&self.reads) {
+        for (to, (_, read)) in self.scratch.iter_mut().zip(&self.reads) {
             let less = |all: &[f64], at: &Option<usize>| at.map_or(0.0, |at| all[at]);
             *to = match read {
                 Read::Place(at, first) => s.x[*at] - less(&s.x, first),
@@ -152,10 +152,10 @@ impl Moving {
                 Read::Length(at) => s.links.lengths[*at],
             };
         }
-        let (n, last) = (self.writes.len(), self.link.alone.shape.last);
-        let by = self.by[k * n * self.room.len()..].chunks_exact(self.room.len());
+        let (n, last) = (self.writes.len(), self.link.single.shape.last);
+        let by = self.by[k * n * self.scratch.len()..].chunks_exact(self.scratch.len());
         for (((_, write), own), by) in self.writes.iter().zip(&self.own[k * n..]).zip(by) {
-            let v = by.iter().zip(&self.room).fold(own[q], |sum, (by, v)| sum + by * v);
+            let v = by.iter().zip(&self.scratch).fold(own[q], |sum, (by, v)| sum + by * v);
             match write {
                 Write::Force(at) if last => s.f[*at] = v,
                 Write::Force(at) => s.f[*at] += v,

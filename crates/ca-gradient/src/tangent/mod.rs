@@ -15,13 +15,13 @@ mod groups;
 mod link;
 
 use crate::Error;
+use crate::parts::link_in_scene::Placed;
 use crate::parts::numbers::Numbers;
 use crate::parts::outputs::listed;
-use crate::parts::placed::Placed;
 use crate::parts::record::Record;
-use crate::parts::small::Small;
+use crate::parts::small_passes::Small;
 use crate::parts::{Link, Parts, number, unknown};
-use crate::played::diverged;
+use crate::play_io::diverged;
 use added::Added;
 use ca_core::internal::numeric::Aligned;
 use ca_core::internal::op::layout::Layout;
@@ -48,8 +48,8 @@ pub struct Tangent {
 impl Tangent {
     /// Returns whether dual numbers for the whole tick would take longer.
     pub fn is_worth(scene: &Scene, parts: &Parts) -> bool {
-        let alone: usize = parts.links.iter().chain(&parts.last).map(|l| l.members.len()).sum();
-        scene.layout.counts.n_mat >= MASSES.max(MASSES_FOR_LINK * alone)
+        let single_links: usize = parts.links.iter().chain(&parts.last).map(|l| l.members.len()).sum();
+        scene.layout.counts.n_mat >= MASSES.max(MASSES_FOR_LINK * single_links)
     }
 
     /// Returns the parts of a scene, if all are supported here.
@@ -69,7 +69,7 @@ impl Tangent {
     pub fn new(scene: &Scene, parts: Parts, dual: Scene<Dual>, numbers: Numbers) -> Option<Tangent> {
         let mut layout = scene.layout.clone();
         layout.links.e0.fill(0.0);
-        layout.out.heard.iter_mut().for_each(|h| h.e0 = 0.0);
+        layout.out.links.iter_mut().for_each(|h| h.e0 = 0.0);
         let tangent = Tangent { parts, dual, numbers, layout };
         tangent.knows_all(scene)?.then_some(tangent)
     }
@@ -95,8 +95,8 @@ impl Tangent {
         }
         // numbers of tapped links are read by more than their passes
         let sums = self.parts.linear.iter().map(|(k, _)| &scene.passes.forces[*k]).filter(|op| !op.form.tap);
-        let heard = |op: &&ca_core::internal::op::Op| l.out.heard.is_empty() || op.law.is_none();
-        let rows = self.parts.rows.iter().map(|(k, _)| &scene.passes.moves[*k]).filter(heard);
+        let unread = |op: &&ca_core::internal::op::Op| l.out.links.is_empty() || op.law.is_none();
+        let rows = self.parts.rows.iter().map(|(k, _)| &scene.passes.moves[*k]).filter(unread);
         for op in sums.chain(rows) {
             let passes = if op.form.band == ca_core::internal::op::Band::None { 1 } else { 2 };
             know(&start.coef[op.coef..][..op.law?.coefs * op.n * passes]);
@@ -110,14 +110,14 @@ impl Tangent {
         Some(known.iter().enumerate().all(|(i, known)| *known || !changes(i)))
     }
 
-    /// Plays the inputs `given` (frames x inputs) with the derivatives by `some` parameters, at most seven. `heard`
+    /// Plays the inputs `given` (frames x inputs) with the derivatives by `some` parameters, at most seven. `on_sample`
     /// receives the outputs of each sample, in a state with no other content, and may stop the play by an error.
     pub fn play(
         &self,
         scene: &Scene,
         (given, frames): (&[f64], usize),
         some: std::ops::Range<usize>,
-        heard: &mut impl FnMut(usize, &State<Dual>) -> Result<(), Error>,
+        on_sample: &mut impl FnMut(usize, &State<Dual>) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let columns: Vec<&[f64]> = self.numbers.derivatives[some].iter().map(Vec::as_slice).collect();
         let place = &self.numbers.place;
@@ -127,8 +127,8 @@ impl Tangent {
             let found = Moving::new(scene, link, &self.dual, place, &columns, TICKS);
             found.ok_or_else(|| unknown(&scene.passes.forces[link.op()]))
         };
-        let alone = |all: &[Link]| all.iter().map(one).collect::<Result<Vec<_>, _>>();
-        let (mut links, mut last) = (alone(&self.parts.links)?, alone(&self.parts.last)?);
+        let links_of = |all: &[Link]| all.iter().map(one).collect::<Result<Vec<_>, _>>();
+        let (mut links, mut last) = (links_of(&self.parts.links)?, links_of(&self.parts.last)?);
         let (small, linear, moves) = Small::of(scene, &self.parts);
         let mut states: Vec<State> = columns.iter().map(|column| started(scene, place, column)).collect();
         // shared by all states, since no derivative changes them
@@ -194,7 +194,7 @@ impl Tangent {
             }
             for (k, output) in outputs[..ticks].iter().enumerate() {
                 sample.output.copy_from_slice(output);
-                heard(first + k, &sample)?;
+                on_sample(first + k, &sample)?;
             }
         }
         Ok(())

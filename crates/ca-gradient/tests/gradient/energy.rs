@@ -1,8 +1,8 @@
 //! Derivatives of the energy accounts, against closed forms, differences of ledgers of renders in double precision, and
 //! the identity of the ledger, which holds for each derivative.
 
-use crate::closed::{D, c, oscillator};
-use crate::drawn::{Draw, METHODS, drawn};
+use crate::closed_form::{D, c, oscillator};
+use crate::random_models::{Draw, METHODS, drawn};
 use crate::reference::{WEIGHTS, apart, links, played, read, with};
 use ca_gradient::{ACCOUNTS, Energy, EnergyTangents, Parameter};
 use cordis_anima::ca_core::Balance;

@@ -1,6 +1,6 @@
 //! Reverse mode against forward mode, and its derivatives by port inputs against differences.
 
-use crate::drawn::{Draw, drawn};
+use crate::random_models::{Draw, drawn};
 use crate::reference::{column, read, tangents};
 use ca_gradient::{Forward, Reverse, Tangents};
 use cordis_anima::ca_io::gesture::{Gesture, Track};

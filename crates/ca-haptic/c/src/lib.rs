@@ -64,7 +64,7 @@ pub unsafe extern "C" fn ca_device_about(about: *mut About, name: *const c_char,
         }
         // SAFETY: not null; the caller guarantees that it ends with a zero
         let name = unsafe { CStr::from_ptr(name) }.to_str().map_err(|_| "ca_device_about: the name is not UTF-8")?;
-        ca_haptic::host::lines::check_name(name).map_err(|e| e.to_string())?;
+        ca_haptic::host::services::check_name(name).map_err(|e| e.to_string())?;
         let made = About { n, axes, ..About::new(name, rate, 0) };
         // SAFETY: not null; the caller guarantees that it points to a structure of this type
         unsafe { about.write(made) };
@@ -144,12 +144,12 @@ pub unsafe extern "C" fn ca_device_force(device: u64, force: *mut f64, frame: *m
             let give = client.safe_force();
             // SAFETY: as above
             unsafe { force.write(give) };
-            if let (false, Some(last)) = (frame.is_null(), client.watch().last()) {
+            if let (false, Some(last)) = (frame.is_null(), client.watchdog().last()) {
                 // SAFETY: not null; the caller guarantees that it points to a structure of this type
                 unsafe { frame.write(*last) };
             }
             // cause for the force above, not for one that came meanwhile
-            Ok(i32::from(client.watch().cause(ca_haptic::rt::now_ns()) as u16))
+            Ok(i32::from(client.watchdog().cause(ca_haptic::rt::now_ns()) as u16))
         })
     })
 }

@@ -60,7 +60,7 @@ fn mistakes_are_errors_with_words() {
         assert_eq!(force, [0.0; DOF], "no force from a mistake");
 
         let (made, key) = about(c"key", 2);
-        assert_eq!((made, key.version, key.n, key.rate, key.is_ours()), (0, VERSION, 2, 1000, true));
+        assert_eq!((made, key.version, key.n, key.rate, key.has_this_layout()), (0, VERSION, 2, 1000, true));
         let device = ca_device_open(root.as_ptr(), &raw const key);
         assert_ne!(device, 0, "{}", error());
         assert_eq!(ca_device_open(root.as_ptr(), &raw const key), 0, "the name is taken");

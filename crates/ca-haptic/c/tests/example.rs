@@ -1,13 +1,13 @@
 //! The C example, compiled here against the header and the shared library, as a separate process.
 
-use desk::{place, played};
+use helpers::{played, temp_site};
 use long_form::long_form;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
 #[allow(dead_code)]
-#[path = "../../tests/host/desk.rs"]
-mod desk;
+#[path = "../../tests/host/helpers.rs"]
+mod helpers;
 
 #[path = "../../../../tests/src/long_form.rs"]
 mod long_form;
@@ -21,7 +21,7 @@ fn c_plays() {
     let deps = std::env::current_exe().unwrap().parent().unwrap().to_owned();
     let built = [deps.clone(), deps.join("..")];
     let library = built.iter().find(|d| d.join("libca_device.so").exists()).expect("the shared library is built");
-    let place = place();
+    let place = temp_site();
     let program = place.site.root().join("device");
     let cc = Command::new("cc")
         .args(["-std=c11", "-Wall", "-Wextra", "-Werror", "-O1", "-o"])
@@ -65,7 +65,7 @@ fn the_page_builds_and_links() {
     // <target>/<profile>/deps, whatever the profile
     let exe = std::env::current_exe().unwrap();
     let target = exe.ancestors().nth(3).unwrap();
-    let place = place();
+    let place = temp_site();
     // the page writes into `target`, the test into a temporary folder
     let lines = page()
         .replace("target/finger", &place.site.root().join("finger").display().to_string())

@@ -4,7 +4,7 @@
 //! gives all its force in the first of them. The device would use one of these forces, depending on the phase of the
 //! two clocks, and a key in free air could push the hand. The mean over a whole frame of the device is the change of
 //! momentum behind the coupling, whatever the phase is. It comes one frame of the device later, which
-//! [`crate::coupling::Held`] takes into account.
+//! [`crate::coupling::StiffnessLimits`] takes into account.
 
 use crate::frame::DOF;
 use crate::profile::Profile;

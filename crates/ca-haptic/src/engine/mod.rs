@@ -8,6 +8,7 @@
 //!
 //! Frame n covers the ticks (n−1)R+1 … nR (docs/numerics.md §5.1); the very first only places the devices.
 
+mod manual;
 mod mean_force;
 mod port;
 mod refit;
@@ -15,24 +16,23 @@ mod sound;
 mod swap;
 #[cfg(all(test, feature = "system"))]
 pub(crate) mod tests;
-mod touch;
 
+pub(crate) use manual::lead;
+pub use manual::{GLIDE, LONGEST, ManualEvent, ManualInput, OwnGesture};
 #[cfg(feature = "system")]
 pub(crate) use mean_force::is_slower;
 pub use port::{Link, Port, Setup, coupled};
 pub use refit::Refit;
-pub use swap::{FixedPart, Swap, carried};
-pub(crate) use touch::lead;
-pub use touch::{GLIDE, LONGEST, OwnGesture, Touch, Touched};
+pub use swap::{FixedPart, Swap, continuing_masses};
 
 use crate::frame::{DeviceFrame, ForceFrame};
 use crate::guard::Order;
 use crate::guard::input::FrameVerdict;
 use ca_core::internal::state::scene_of;
 use ca_core::{Patch, Scene, State, compute_forces, integrate};
+use manual::ManualState;
 use sound::PeakLimit;
 use std::sync::Arc;
-use touch::Hands;
 
 /// Parameters that change in one tick, prepared outside the engine.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -55,7 +55,7 @@ pub enum EngineCommand {
     /// Replaces the port of a device that has described itself. Made outside, because that allocates.
     Refit(Box<Refit>),
     /// Manual input without a device.
-    Touch(Touch),
+    Manual(ManualInput),
     /// Replaces the scene by another version. Made outside, because that allocates.
     Swap(Box<Swap>),
     /// Changes nothing; its record contains the hash of the state.
@@ -128,7 +128,7 @@ pub struct Engine {
     sound: Vec<f64>,
     filled: usize,
     peak_limit: PeakLimit,
-    hands: Hands,
+    manual: ManualState,
     /// Previous scene, whose sound fades out.
     before: Option<Box<Swap>>,
     diverged: bool,
@@ -145,7 +145,7 @@ impl Engine {
         let channels = scene.counts.channels;
         let sound = vec![0.0; scene.rates.ratio as usize * channels];
         let peak_limit = PeakLimit::new(channels, scene.rate);
-        let hands = Hands::new(&scene);
+        let manual = ManualState::new(&scene);
         let mut engine = Engine {
             scene,
             state,
@@ -155,7 +155,7 @@ impl Engine {
             sound,
             filled: 0,
             peak_limit,
-            hands,
+            manual,
             before: None,
             diverged: false,
             prepared: false,
@@ -212,7 +212,7 @@ impl Engine {
                     core::mem::swap(&mut self.state, &mut state);
                     self.diverged = false;
                     self.peak_limit.reset();
-                    self.hands.let_go();
+                    self.manual.release_all();
                     for p in &mut self.ports {
                         p.chain.order(Order::Disarm);
                         p.reach_again(&self.state);
@@ -230,15 +230,15 @@ impl Engine {
                 }
                 return Some(Retired::Port(refit));
             }
-            EngineCommand::Touch(touch) => {
-                let (gone, done) = self.hands.touch(&self.scene, &self.state, touch);
+            EngineCommand::Manual(input) => {
+                let (gone, done) = self.manual.apply(&self.scene, &self.state, input);
                 self.counts.refused += u64::from(!done);
                 return gone.map(Retired::Gesture);
             }
             EngineCommand::Swap(mut swap) => {
                 let faults = self.ports.iter().map(|p| p.chain.faults()).sum::<u64>();
-                let Engine { scene, state, ports, hands, .. } = self;
-                if !swap.swap(scene, state, ports, hands, (!self.diverged, self.options.fades)) {
+                let Engine { scene, state, ports, manual, .. } = self;
+                if !swap.swap(scene, state, ports, manual, (!self.diverged, self.options.fades)) {
                     self.counts.refused += 1;
                     return Some(Retired::Swap(swap));
                 }
@@ -266,7 +266,7 @@ impl Engine {
         }
         let ports = &self.ports;
         let silent = |input: usize| !ports.iter().any(|p| p.speaks_for(input));
-        self.hands.frame(&self.scene, &mut self.state, silent);
+        self.manual.frame(&self.scene, &mut self.state, silent);
         self.filled = 0;
         let ticks = if first { 1 } else { self.scene.rates.ratio };
         for j in 1..=ticks {
@@ -307,7 +307,7 @@ impl Engine {
         if let Some(before) = &mut self.before {
             before.advance();
         }
-        match &mut self.hands.pointer {
+        match &mut self.manual.pointer {
             None => integrate(&self.scene, &mut self.state),
             Some(pointer) => {
                 pointer.prepare(&self.state);
@@ -317,7 +317,7 @@ impl Engine {
         }
     }
 
-    /// Plays one tick up to its outputs. It does not use `ca_io::player::Player`, because hands and pointers move
+    /// Plays one tick up to its outputs. It does not use `ca_io::player::Player`, because manual and pointers move
     /// between its halves, the limit of positions is an option, and the tick advances after a divergence.
     fn sample(&mut self) {
         let n = self.scene.counts.channels;
@@ -326,7 +326,7 @@ impl Engine {
             // for the last sample of the frame, `finish` advances the tick
             self.state.tick += u64::from(self.filled > 0);
         } else {
-            self.hands.tick(&self.scene, &mut self.state);
+            self.manual.tick(&self.scene, &mut self.state);
             compute_forces(&self.scene, &mut self.state);
         }
         let to = &mut self.sound[self.filled..self.filled + n];

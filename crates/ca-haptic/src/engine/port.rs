@@ -76,7 +76,7 @@ pub fn coupled<'s>(scene: &'s Scene, device: &str) -> Vec<(&'s str, f64)> {
             let input = &scene.inputs[p.input as usize];
             let mine = input.device.as_ref().is_some_and(|d| d.0 == device);
             let same = mine && scene.mat_name(p.mat as usize) == c.port;
-            same.then(|| (c.port.as_str(), c.felt * input.gains.stiffness()))
+            same.then(|| (c.port.as_str(), c.device_stiffness * input.gains.stiffness()))
         })
     };
     scene.hand.couplings.iter().filter_map(of).collect()
@@ -150,14 +150,14 @@ impl Port {
         if self.hand.age == u32::MAX {
             return;
         }
-        self.hand.met |= !self.used;
+        self.hand.arrived |= !self.used;
         for k in (0..self.hand.n).filter(|k| self.used >> k & 1 == 1) {
-            let reach = if self.hand.met >> k & 1 == 1 { self.reach } else { self.gentle };
+            let reach = if self.hand.arrived >> k & 1 == 1 { self.reach } else { self.gentle };
             let step = self.hand.x[k] - self.there[k];
             // exactly at the hand, if it is within reach or has passed this position
             if step.abs() < reach || step * (step - self.hand.moved[k]) < 0.0 {
                 self.there[k] = self.hand.x[k];
-                self.hand.met |= 1 << k;
+                self.hand.arrived |= 1 << k;
             } else {
                 self.there[k] += step.clamp(-reach, reach);
             }
@@ -195,7 +195,7 @@ impl Port {
             hand.received[l.dof] -= l.gains.beta / l.gains.alpha * mean * (b.to - b.from);
         }
         if let Some(mean) = &mut self.mean_force {
-            mean.pass(&mut hand.force[..hand.n], hand.fresh);
+            mean.pass(&mut hand.force[..hand.n], hand.is_new);
         }
         if diverged {
             // a force that is not finite is the more specific cause
@@ -218,7 +218,7 @@ impl Port {
         }
         self.calibration.forces(&mut out.force);
         hand.frame += 1;
-        hand.fresh = false;
+        hand.is_new = false;
         hand.tripped = Cause::None;
     }
 
@@ -227,7 +227,7 @@ impl Port {
         for l in &self.links {
             self.there[l.dof] = initial.input[l.input] / l.gains.alpha;
         }
-        self.hand.met = 0;
+        self.hand.arrived = 0;
         self.last.fill(0.0);
         self.mean_force = self.mean_force.as_ref().map(|_| MeanForce::new());
     }

@@ -6,8 +6,8 @@
 //! and devices, because clocks, rings and files are made for these. Ports of devices are replaced: the last force on a
 //! hand fades out, as without device frames, and forces begin again from zero if the device is armed.
 
+use super::manual::ManualState;
 use super::port::{Port, Setup};
-use super::touch::Hands;
 use crate::guard::Order;
 use ca_core::internal::border::group;
 use ca_core::internal::op::layout::SlowGroup;
@@ -30,7 +30,7 @@ struct Next {
     scene: Arc<Scene>,
     state: State,
     ports: Vec<Port>,
-    hands: Hands,
+    manual: ManualState,
     /// Places that continue: in the old state, and in the new one.
     carried: Vec<[u32; 2]>,
     /// The same in the states of groups at the gesture rate.
@@ -49,7 +49,7 @@ fn devices(scene: &Scene) -> Vec<&(String, u32)> {
 
 /// Returns the places of the MAT with the same name in both scenes: in the states of `old` and of `scene`, ordered by
 /// the latter.
-pub fn carried(old: &Scene, scene: &Scene) -> Vec<[u32; 2]> {
+pub fn continuing_masses(old: &Scene, scene: &Scene) -> Vec<[u32; 2]> {
     let before = places(old);
     let mut carried: Vec<[u32; 2]> = Vec::new();
     for (name, (to, axes)) in places(scene) {
@@ -139,14 +139,14 @@ impl Swap {
         let inputs = scene.inputs.iter().enumerate().filter_map(|(to, i)| Some([same(i)? as u32, to as u32]));
         let inputs = if anew { Vec::new() } else { inputs.collect() };
         state.placed();
-        let carried = if anew { Vec::new() } else { carried(old, &scene) };
+        let carried = if anew { Vec::new() } else { continuing_masses(old, &scene) };
         let [slow, held] = slow(old, &scene, &carried);
         let ports = setups.iter().map(|s| Port::new(&scene, s.clone())).collect();
         let fade = (FADE * scene.rate).round() as u32;
-        let hands = Hands::new(&scene);
+        let manual = ManualState::new(&scene);
         Ok(Swap {
             number,
-            next: Some(Next { scene, state, ports, hands, carried, slow, held, inputs, left: fade, fade }),
+            next: Some(Next { scene, state, ports, manual, carried, slow, held, inputs, left: fade, fade }),
         })
     }
 
@@ -157,7 +157,7 @@ impl Swap {
         scene: &mut Arc<Scene>,
         state: &mut State,
         ports: &mut Vec<Port>,
-        hands: &mut Hands,
+        manual: &mut ManualState,
         (goes_on, fades): (bool, bool),
     ) -> bool {
         let Some(next) = &mut self.next else { return false };
@@ -203,7 +203,7 @@ impl Swap {
         core::mem::swap(scene, &mut next.scene);
         core::mem::swap(state, &mut next.state);
         core::mem::swap(ports, &mut next.ports);
-        core::mem::swap(hands, &mut next.hands);
+        core::mem::swap(manual, &mut next.manual);
         true
     }
 

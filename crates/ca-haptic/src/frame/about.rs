@@ -100,7 +100,7 @@ float32[32] damping
     }
 
     /// Returns true if magic, version and layout match this build, and it has 1 to [`DOF`] degrees of freedom.
-    pub fn is_ours(&self) -> bool {
+    pub fn has_this_layout(&self) -> bool {
         self.wrong().is_none()
     }
 

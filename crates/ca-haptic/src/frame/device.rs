@@ -151,7 +151,7 @@ uint32 reserved
     }
 
     /// Returns true if magic, version and layout match this build, and it has 1 to [`DOF`] degrees of freedom.
-    pub fn is_ours(&self) -> bool {
+    pub fn has_this_layout(&self) -> bool {
         self.wrong().is_none()
     }
 

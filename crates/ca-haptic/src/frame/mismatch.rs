@@ -92,10 +92,10 @@ mod tests {
             wrong(&mut f);
             let why = f.mismatch(uid("key")).expect(want);
             assert!(why.to_string().contains(want) && !why.fix().is_empty(), "{why}");
-            assert_eq!(f.is_ours(), matches!(why, FrameMismatch::Device(_)));
+            assert_eq!(f.has_this_layout(), matches!(why, FrameMismatch::Device(_)));
         }
         // force frames and descriptions need a degree of freedom too
-        assert!(!ForceFrame::new("key", 0).is_ours() && ForceFrame::new("key", 1).is_ours());
-        assert!(!About::new("key", 1000, 0).is_ours() && About::new("key", 1000, 32).is_ours());
+        assert!(!ForceFrame::new("key", 0).has_this_layout() && ForceFrame::new("key", 1).has_this_layout());
+        assert!(!About::new("key", 1000, 0).has_this_layout() && About::new("key", 1000, 32).has_this_layout());
     }
 }

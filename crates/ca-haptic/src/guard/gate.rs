@@ -116,7 +116,7 @@ impl Gate {
         if !hand.calibrated {
             return Wait::NotReady;
         }
-        if hand.met != u32::MAX {
+        if hand.arrived != u32::MAX {
             return Wait::OnTheWay;
         }
         let mut wait = Wait::Nothing;

@@ -119,7 +119,7 @@ impl InputValidator {
                 if self.seen > 0 {
                     hand.trip(Cause::Disconnect);
                 }
-                (self.seen, hand.met) = (0, 0);
+                (self.seen, hand.arrived) = (0, 0);
                 self.before[..self.n].copy_from_slice(&f.pos[..self.n]);
                 hand.v = [0.0; DOF];
             }
@@ -129,7 +129,7 @@ impl InputValidator {
             // wraps from `2 * PAST` to `PAST`: the place in the ring is the same, and the counter cannot overflow
             self.seen = if self.seen + 1 == 2 * PAST { PAST } else { self.seen + 1 };
             hand.calibrated = f.status & READY == status::CALIBRATED | status::POWERED;
-            hand.fresh = true;
+            hand.is_new = true;
             hand.ack = f.ack;
             device_says(f, hand);
         } else {
@@ -159,13 +159,13 @@ impl InputValidator {
         self.stray = seq;
         if self.strays >= self.bad {
             (self.seen, self.strays) = (0, 0);
-            (hand.calibrated, hand.met) = (false, 0);
+            (hand.calibrated, hand.arrived) = (false, 0);
             hand.trip(Cause::Implausible);
         }
     }
 
     fn judge(&self, f: &DeviceFrame, hand: &GuardFrame) -> FrameVerdict {
-        if !f.is_ours() || (f.n as usize) < self.n {
+        if !f.has_this_layout() || (f.n as usize) < self.n {
             return FrameVerdict::Foreign;
         }
         let last = self.last(0).filter(|_| f.session == self.session);
@@ -212,7 +212,7 @@ impl InputValidator {
         };
         hand.age = u32::try_from(hand.frame - new.at).unwrap_or(u32::MAX);
         hand.silent = u32::try_from(hand.frame - self.heard).unwrap_or(u32::MAX);
-        if !hand.fresh {
+        if !hand.is_new {
             return;
         }
         // a quarter of a frame of tolerance, for the jitter of the clocks

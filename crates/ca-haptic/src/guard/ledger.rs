@@ -14,9 +14,9 @@ pub struct HandLedger {
     /// Energy that the model received.
     pub received: [f64; DOF],
     /// Energy that the hand would have given to the forces of the model.
-    pub asked: [f64; DOF],
+    pub model_work: [f64; DOF],
     /// Energy that the hand gave to the forces that the device held.
-    pub given: [f64; DOF],
+    pub hand_work: [f64; DOF],
     /// Force of the model in the frame before \[N\].
     last: [f64; DOF],
 }
@@ -29,20 +29,20 @@ impl HandLedger {
             if hand.received[k].is_finite() {
                 self.received[k] += hand.received[k];
             }
-            self.asked[k] -= self.last[k] * hand.moved[k];
-            self.given[k] -= hand.acting[k] * hand.moved[k];
+            self.model_work[k] -= self.last[k] * hand.moved[k];
+            self.hand_work[k] -= hand.acting[k] * hand.moved[k];
             self.last[k] = hand.force[k];
         }
     }
 
     /// Returns the energy that the rate boundary made (+) or took (−) by its delay, before the guard \[J\].
     pub fn leak(&self, k: usize) -> f64 {
-        self.received[k] - self.asked[k]
+        self.received[k] - self.model_work[k]
     }
 
     /// Returns the energy withheld from (+) or added to (−) the hand's work on the model \[J\], by the guard and by a
     /// device that uses forces later than the next frame.
     pub fn removed(&self, k: usize) -> f64 {
-        self.asked[k] - self.given[k]
+        self.model_work[k] - self.hand_work[k]
     }
 }

@@ -42,7 +42,7 @@ pub struct GuardFrame {
     /// Gesture frames since the engine began.
     pub frame: u64,
     /// True if a good frame of the device came since the last one.
-    pub fresh: bool,
+    pub is_new: bool,
     /// Frames since the last good one.
     pub age: u32,
     /// Frames since the last one of any kind, dropped ones included.
@@ -50,7 +50,7 @@ pub struct GuardFrame {
     /// True if the last good frame reported `CALIBRATED` and `POWERED`, and not `BRAKE`.
     pub calibrated: bool,
     /// DOF at whose position the scene arrived after the device appeared, a bit each; set for DOF that the scene lacks.
-    pub met: u32,
+    pub arrived: u32,
     /// Position of the device \[m\].
     pub x: [f64; DOF],
     /// Motion since the last frame \[m\].
@@ -92,11 +92,11 @@ impl GuardFrame {
             n: n.min(DOF),
             frame_dt,
             frame: 0,
-            fresh: false,
+            is_new: false,
             age: u32::MAX,
             silent: u32::MAX,
             calibrated: false,
-            met: 0,
+            arrived: 0,
             x: [0.0; DOF],
             moved: [0.0; DOF],
             v: [0.0; DOF],

@@ -42,7 +42,7 @@ pub enum Wait {
 
 impl Wait {
     /// Returns the reason as text, with `name` giving the name of a degree of freedom.
-    pub fn said(&self, name: &dyn Fn(u32) -> String) -> String {
+    pub fn text(&self, name: &dyn Fn(u32) -> String) -> String {
         match *self {
             Wait::Nothing => "nothing".into(),
             Wait::Stale => "the device sends no position".into(),
@@ -75,7 +75,7 @@ fn short(v: f64) -> String {
 
 impl fmt::Display for Wait {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.said(&|dof| format!("degree of freedom {dof}")))
+        f.write_str(&self.text(&|dof| format!("degree of freedom {dof}")))
     }
 }
 

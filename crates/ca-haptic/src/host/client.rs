@@ -2,15 +2,15 @@
 //!
 //! A device process needs five calls: open, send, read the newest force, wait for one, and [`DeviceClient::safe_force`]
 //! for the forces that may reach the motors. Device and engine may start in either order. An engine that is killed,
-//! stopped or restarted is not an error: forces are zero (see [`watch`](super::watch)) until the next engine sends any.
+//! stopped or restarted is not an error: forces are zero (see [`force_watchdog`](super::force_watchdog)) until the next engine sends any.
 
 use super::error::HostError;
-use super::lines::{Frames, Line, Wakeup, check_name};
-use super::room;
+use super::force_watchdog::ForceWatchdog;
+use super::free_memory;
+use super::services::{Frames, Service, Wakeup, check_name};
 use super::session::session;
 use super::site::{Ipc, Site};
-use super::watch::Watch;
-use super::within::{LIMIT, within};
+use super::timeout::{LIMIT, with_timeout};
 use crate::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, VERSION, text, uid};
 use crate::rt::now_ns;
 use iceoryx2::port::listener::Listener;
@@ -31,12 +31,12 @@ pub struct DeviceClient {
     held: Option<u64>,
     /// Number of the force frame last returned to the caller.
     given: u64,
-    watch: Watch,
+    watchdog: ForceWatchdog,
     // ports are dropped before their node
     frames: Publisher<Ipc, DeviceFrame, ()>,
     forces: Subscriber<Ipc, ForceFrame, ()>,
     says: Publisher<Ipc, About, ()>,
-    bell: Listener<Ipc>,
+    wakeup: Listener<Ipc>,
     _node: Node<Ipc>,
     /// Holds the lock on the prefix.
     _site: Site,
@@ -52,7 +52,7 @@ impl DeviceClient {
         let name = text(&about.device);
         check_name(&name)?;
         super::stale_shm::strangers(site)?;
-        within(site, room::DEVICE, LIMIT, move |site| DeviceClient::made(site, &name, about))
+        with_timeout(site, free_memory::DEVICE, LIMIT, move |site| DeviceClient::made(site, &name, about))
     }
 
     fn made(site: &Site, name: &str, mut about: About) -> Result<DeviceClient, HostError> {
@@ -60,26 +60,26 @@ impl DeviceClient {
         (about.device, about.session) = (uid(name), session());
         let node = site.node(&format!("device {name}"))?;
         // the exclusive service first
-        let frames = Frames::open(&node, name, Line::In, 0)?.publisher(site)?;
-        let forces = Frames::open(&node, name, Line::Out, 0)?.subscriber(site, 0)?;
-        let says = Frames::open(&node, name, Line::About, 1)?.publisher(site)?;
-        let bell = Wakeup::open(&node, name)?.listener(site)?;
-        let watch = Watch::new(about.device);
+        let frames = Frames::open(&node, name, Service::In, 0)?.publisher(site)?;
+        let forces = Frames::open(&node, name, Service::Out, 0)?.subscriber(site, 0)?;
+        let says = Frames::open(&node, name, Service::About, 1)?.publisher(site)?;
+        let wakeup = Wakeup::open(&node, name)?.listener(site)?;
+        let watchdog = ForceWatchdog::new(about.device);
         let mut client = DeviceClient {
             about,
             seq: 0,
             reported: 0,
             held: None,
             given: 0,
-            watch,
+            watchdog,
             frames,
             forces,
             says,
-            bell,
+            wakeup,
             _node: node,
             _site: site.clone(),
         };
-        client.tell(now_ns())?;
+        client.send_about(now_ns())?;
         Ok(client)
     }
 
@@ -88,7 +88,7 @@ impl DeviceClient {
         &self.about
     }
 
-    fn tell(&mut self, now: u64) -> Result<(), HostError> {
+    fn send_about(&mut self, now: u64) -> Result<(), HostError> {
         self.reported = now;
         self.says
             .send_copy(self.about)
@@ -115,7 +115,7 @@ impl DeviceClient {
     pub fn send(&mut self, frame: &mut DeviceFrame) -> Result<usize, HostError> {
         let now = now_ns();
         if now.saturating_sub(self.reported) >= EVERY_NS {
-            self.tell(now)?;
+            self.send_about(now)?;
         } else {
             // a new reader gets the last message at once
             let _ = self.says.update_connections();
@@ -133,7 +133,7 @@ impl DeviceClient {
         if own && sent.cause == 0 {
             // Only causes that the device found itself are sent. A cause of the engine becomes `Disarmed`, because the
             // engine would take its own fault for a new one. So does a missing engine, if there was none before.
-            let found = self.watch.last().map_or(Cause::Disarmed, |_| self.watch.cause(now));
+            let found = self.watchdog.last().map_or(Cause::Disarmed, |_| self.watchdog.cause(now));
             sent.cause = match found {
                 Cause::None | Cause::WatchdogOut | Cause::Disconnect => found,
                 _ => Cause::Disarmed,
@@ -145,9 +145,9 @@ impl DeviceClient {
     /// Receives all waiting frames. Returns true if one is newer than the last.
     fn drain(&mut self) -> bool {
         let mut newer = false;
-        // a frame that cannot be received counts as missing, and `watch` returns zero force
+        // a frame that cannot be received counts as missing, and `watchdog` returns zero force
         while let Ok(Some(frame)) = self.forces.receive() {
-            newer |= self.watch.take(&frame);
+            newer |= self.watchdog.take(&frame);
         }
         newer
     }
@@ -155,7 +155,7 @@ impl DeviceClient {
     /// Returns the newest force frame with this layout and for this device, if one came since the last call. It is for
     /// display and measurement; use [`DeviceClient::safe_force`] for motors.
     pub fn force(&mut self) -> Option<ForceFrame> {
-        if self.drain() { self.give().copied() } else { None }
+        if self.drain() { self.acknowledge().copied() } else { None }
     }
 
     /// Returns the forces that may reach the motors now \[N\]. They are zero when the last frame is older than its
@@ -163,14 +163,14 @@ impl DeviceClient {
     /// modes.
     pub fn safe_force(&mut self) -> [f64; DOF] {
         self.drain();
-        self.give();
-        self.watch.force(now_ns())
+        self.acknowledge();
+        self.watchdog.force(now_ns())
     }
 
     /// Returns the newest frame and notes it as the one that the motors hold from now on. A frame that is read only for
     /// [`DeviceClient::cause`] does not reach the motors and must not be acknowledged.
-    fn give(&mut self) -> Option<&ForceFrame> {
-        let last = self.watch.last();
+    fn acknowledge(&mut self) -> Option<&ForceFrame> {
+        let last = self.watchdog.last();
         self.given = last.map_or(0, |f| f.seq);
         last
     }
@@ -178,17 +178,17 @@ impl DeviceClient {
     /// Returns why [`DeviceClient::safe_force`] is zero; [`Cause::None`] if it returns a force of the engine.
     pub fn cause(&mut self) -> Cause {
         self.drain();
-        self.watch.cause(now_ns())
+        self.watchdog.cause(now_ns())
     }
 
     /// Returns the state of the connection to the engine.
-    pub fn watch(&self) -> &Watch {
-        &self.watch
+    pub fn watchdog(&self) -> &ForceWatchdog {
+        &self.watchdog
     }
 
     /// Sleeps until a force frame comes, at most for `timeout`. Returns true if one came.
     pub fn wait(&mut self, timeout: Duration) -> bool {
-        self.bell.timed_wait(|_| {}, timeout).map_or_else(
+        self.wakeup.timed_wait(|_| {}, timeout).map_or_else(
             |_| {
                 // sleeps on an error too, so that the caller does not spin
                 std::thread::sleep(timeout);

@@ -84,7 +84,7 @@ impl ControlServer {
                 self.calls.push(Call { stream, asked: Vec::new(), answer: None, since: Instant::now() });
             }
         }
-        self.calls.retain_mut(|call| call.turn(answer));
+        self.calls.retain_mut(|call| call.poll(answer));
     }
 }
 
@@ -94,7 +94,7 @@ impl Drop for ControlServer {
         let end = Instant::now() + READ;
         self.calls.retain(|call| call.answer.is_some());
         while !self.calls.is_empty() && Instant::now() < end {
-            self.calls.retain_mut(|call| call.turn(&mut |_| Reply::refused("the server is stopping")));
+            self.calls.retain_mut(|call| call.poll(&mut |_| Reply::refused("the server is stopping")));
             sleep(Duration::from_millis(1));
         }
         // the lock is still held, so this is the socket of this server
@@ -139,9 +139,9 @@ struct Call {
 
 impl Call {
     /// Continues as far as possible without blocking. Returns false at the end of the call.
-    fn turn(&mut self, answer: &mut dyn FnMut(Request) -> Reply) -> bool {
+    fn poll(&mut self, answer: &mut dyn FnMut(Request) -> Reply) -> bool {
         if self.answer.is_none() {
-            let Ok(there) = self.ask() else { return false };
+            let Ok(there) = self.read_request() else { return false };
             if let Some(length) = there {
                 let reply = match serde_json::from_slice(&self.asked[..length]) {
                     Ok(request) => answer(request),
@@ -165,7 +165,7 @@ impl Call {
     }
 
     /// Reads available bytes. Returns the length of the request once it is complete.
-    fn ask(&mut self) -> io::Result<Option<usize>> {
+    fn read_request(&mut self) -> io::Result<Option<usize>> {
         let mut block = [0; 4096];
         loop {
             match self.stream.read(&mut block) {
@@ -195,7 +195,7 @@ impl Call {
 pub fn ask(site: &Site, request: &Request, patience: Duration) -> Result<Reply, HostError> {
     let mut text = serde_json::to_vec(request).map_err(|e| HostError::system("a request cannot be written", e))?;
     text.push(b'\n');
-    let answer = asked(site, &text, patience).map_err(|e| match e.kind() {
+    let answer = exchange(site, &text, patience).map_err(|e| match e.kind() {
         ErrorKind::NotFound
         | ErrorKind::ConnectionRefused
         | ErrorKind::ConnectionReset
@@ -216,7 +216,7 @@ pub fn ask(site: &Site, request: &Request, patience: Duration) -> Result<Reply, 
     })
 }
 
-fn asked(site: &Site, text: &[u8], patience: Duration) -> io::Result<Vec<u8>> {
+fn exchange(site: &Site, text: &[u8], patience: Duration) -> io::Result<Vec<u8>> {
     let begin = Instant::now();
     // the system refuses a timeout of zero
     let left = || patience.checked_sub(begin.elapsed()).filter(|d| !d.is_zero()).ok_or(ErrorKind::TimedOut);

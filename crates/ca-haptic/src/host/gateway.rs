@@ -5,12 +5,12 @@
 //! `guard` checks its content. A device counts as connected from its first frame until 250 ms without one. Its first
 //! frame also starts the claim that decides which server uses it (`claim.rs`).
 
-use super::claim::{Claim, News};
+use super::claim::{Claim, ClaimResult};
 use super::error::{HostError, HostErrorKind};
-use super::lines::{Frames, Line, Wakeup, check_name};
-use super::room;
+use super::free_memory;
+use super::services::{Frames, Service, Wakeup, check_name};
 use super::site::{Ipc, Site};
-use super::within::{LIMIT, within};
+use super::timeout::{LIMIT, with_timeout};
 use crate::frame::{About, DeviceFrame, ForceFrame, FrameMismatch, uid};
 use crate::rt::{Granted, RtRequest, now_ns};
 use iceoryx2::port::notifier::Notifier;
@@ -82,7 +82,7 @@ struct Place {
     frames: Subscriber<Ipc, DeviceFrame, ()>,
     says: Subscriber<Ipc, About, ()>,
     claim: Claim,
-    bell: Notifier<Ipc>,
+    wakeup: Notifier<Ipc>,
     session: u64,
     seq: u64,
     /// Time of the last frame \[ns\]; 0 while disconnected.
@@ -140,9 +140,9 @@ impl Gateway {
     fn with<S: AsRef<str>>(site: &Site, names: &[S], after: Option<Duration>) -> Result<Gateway, HostError> {
         super::stale_shm::strangers(site)?;
         let names: Vec<String> = names.iter().map(|n| n.as_ref().into()).collect();
-        let need = room::DEVICE * names.len() as u64;
+        let need = free_memory::DEVICE * names.len() as u64;
         let limit = LIMIT * u32::try_from(names.len()).unwrap_or(u32::MAX).clamp(1, 10);
-        within(site, need, limit, move |site| Gateway::made(site, &names, after))
+        with_timeout(site, need, limit, move |site| Gateway::made(site, &names, after))
     }
 
     fn made(site: &Site, names: &[String], after: Option<Duration>) -> Result<Gateway, HostError> {
@@ -154,16 +154,16 @@ impl Gateway {
                 let what = format!("device `{name}` is given twice");
                 return Err(HostError::new(HostErrorKind::Name, what, "give it once"));
             }
-            let line = Frames::open(&node, name, Line::Out, 0)?;
+            let line = Frames::open(&node, name, Service::Out, 0)?;
             places.push(Place {
                 // the exclusive service first
                 claim: match after {
-                    Some(after) => Claim::when_it_speaks(site, line, after),
+                    Some(after) => Claim::on_first_frame(site, line, after),
                     None => Claim::now(site, line)?,
                 },
-                frames: Frames::open(&node, name, Line::In, 0)?.subscriber(site, 0)?,
-                says: Frames::open(&node, name, Line::About, 1)?.subscriber(site, 1)?,
-                bell: Wakeup::open(&node, name)?.notifier(site)?,
+                frames: Frames::open(&node, name, Service::In, 0)?.subscriber(site, 0)?,
+                says: Frames::open(&node, name, Service::About, 1)?.subscriber(site, 1)?,
+                wakeup: Wakeup::open(&node, name)?.notifier(site)?,
                 name: name.clone(),
                 uid: uid(name),
                 session: 0,
@@ -192,27 +192,27 @@ impl Gateway {
                     }
                     continue;
                 }
-                if p.claim.is_ours() {
+                if p.claim.is_granted() {
                     p.follow(k, &frame, now, &mut self.events, &self.traffic);
                     incoming(k, *frame);
                 } else {
                     self.traffic.unclaimed[0].fetch_add(1, Relaxed);
-                    p.claim.heard(&frame, now);
+                    p.claim.note_frame(&frame, now);
                 }
             }
-            match p.claim.news() {
-                Some(News::Ours { told }) => {
-                    if told {
+            match p.claim.result() {
+                Some(ClaimResult::Granted { force_sent }) => {
+                    if force_sent {
                         self.traffic.unclaimed[1].fetch_sub(1, Relaxed);
                         self.traffic.sent.fetch_add(1, Relaxed);
                     }
-                    if let Some(frame) = p.claim.waiting(now) {
+                    if let Some(frame) = p.claim.take_frame(now) {
                         self.traffic.unclaimed[0].fetch_sub(1, Relaxed);
                         p.follow(k, &frame, now, &mut self.events, &self.traffic);
                         incoming(k, frame);
                     }
                 }
-                Some(News::Taken(who)) => self.events.push_back((k, Event::Taken(who))),
+                Some(ClaimResult::Taken(who)) => self.events.push_back((k, Event::Taken(who))),
                 None => {}
             }
             if p.heard != 0 && now.saturating_sub(p.heard) > SILENCE_NS {
@@ -221,10 +221,10 @@ impl Gateway {
             }
             for _ in 0..BURST {
                 // descriptions are read once the device is claimed
-                let Some(Ok(Some(about))) = p.claim.is_ours().then(|| p.says.receive()) else { break };
+                let Some(Ok(Some(about))) = p.claim.is_granted().then(|| p.says.receive()) else { break };
                 // as bytes, because NaN differs from itself
                 let new = p.about.is_none_or(|a| a.as_bytes() != about.as_bytes());
-                if about.is_ours() && about.device == p.uid && new {
+                if about.has_this_layout() && about.device == p.uid && new {
                     p.about = Some(*about);
                     self.events.push_back((k, Event::About(Box::new(*about))));
                 }
@@ -243,7 +243,7 @@ impl Gateway {
         let count = if sent { &self.traffic.sent } else { &self.traffic.unsent };
         count.fetch_add(1, Relaxed);
         // a device that cannot be woken reads the force at its own timeout
-        let _ = p.bell.notify();
+        let _ = p.wakeup.notify();
     }
 
     /// Removes and returns the oldest event, with the number of its device.
@@ -365,14 +365,14 @@ impl Drop for Running {
 /// # Errors
 /// If the shared memory cannot be opened.
 pub fn list_devices(site: &Site, patience: Duration) -> Result<Vec<About>, HostError> {
-    within(site, room::LOOK, LIMIT + patience, move |site| said(site, patience))
+    with_timeout(site, free_memory::LISTING, LIMIT + patience, move |site| read_descriptions(site, patience))
 }
 
-fn said(site: &Site, patience: Duration) -> Result<Vec<About>, HostError> {
+fn read_descriptions(site: &Site, patience: Duration) -> Result<Vec<About>, HostError> {
     let node = site.node("list")?;
     let mut lines = Vec::new();
-    for name in super::lines::devices(site)? {
-        let line = Frames::<About>::open(&node, &name, Line::About, 1)?;
+    for name in super::services::devices(site)? {
+        let line = Frames::<About>::open(&node, &name, Service::About, 1)?;
         let reader = line.subscriber(site, 1)?;
         lines.push((line, reader, None));
     }
@@ -381,7 +381,7 @@ fn said(site: &Site, patience: Duration) -> Result<Vec<About>, HostError> {
         let mut waiting = false;
         for (line, reader, said) in &mut lines {
             while let Ok(Some(about)) = reader.receive() {
-                if about.is_ours() {
+                if about.has_this_layout() {
                     *said = Some(*about);
                 }
             }

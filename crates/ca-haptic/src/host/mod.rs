@@ -16,23 +16,23 @@
 //!
 //! The trust boundary is the user: each process of the same user can write to this memory, and no other user can open
 //! it. Other users cannot know the names before they are used (`shm/prefix.rs`). Files that they create under these
-//! names are ignored (`ours.rs`), and opening has a time limit (`within.rs`).
+//! names are ignored (`file_ownership.rs`), and opening has a time limit (`timeout.rs`).
 
 mod claim;
 pub mod client;
 pub mod control;
 mod error;
+mod file_ownership;
+pub mod force_watchdog;
+mod free_memory;
 pub mod gateway;
-pub mod lines;
-mod ours;
-mod room;
+pub mod services;
 mod session;
 mod shm;
 pub mod site;
 pub mod stale_shm;
+mod timeout;
 pub mod user;
-pub mod watch;
-mod within;
 
 pub use client::DeviceClient;
 pub use error::{HostError, HostErrorKind};

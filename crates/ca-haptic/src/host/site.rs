@@ -20,7 +20,7 @@ use std::path::{Component, Path, PathBuf};
 use std::sync::{Arc, Once};
 
 /// Shared memory between processes. Its ports may be made on one thread and used on another
-/// ([`within`](super::within)).
+/// ([`with_timeout`](super::timeout)).
 pub(super) type Ipc = ipc_threadsafe::Service;
 
 /// Longest path of the folder \[bytes\]. With the prefix, a number of at most 36 digits and a suffix, it must fit the
@@ -44,7 +44,7 @@ pub struct Site {
 
 /// Number of killed processes whose files [`Site::sweep`] found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Swept {
+pub struct SweepResult {
     /// Processes whose files were removed.
     pub removed: u32,
     /// Processes whose files could not be removed now.
@@ -164,8 +164,8 @@ impl Site {
     }
 
     /// Removes what killed processes left behind, without the time limit of [`Site::sweep`].
-    pub(super) fn swept(&self) -> Swept {
-        let mut swept = Swept::default();
+    pub(super) fn swept(&self) -> SweepResult {
+        let mut swept = SweepResult::default();
         let _ = self.nodes(|state| {
             if let NodeState::Dead(node) = state {
                 match node.try_remove_stale_resources() {

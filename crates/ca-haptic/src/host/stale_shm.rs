@@ -25,7 +25,7 @@ pub struct Group {
     /// Release of iceoryx2.
     pub iox: String,
     /// True if this build uses these names.
-    pub ours: bool,
+    pub current: bool,
     /// Processes that use the files: id and name.
     pub alive: Vec<(u32, String)>,
     /// Path and size \[bytes\] of each file.
@@ -41,13 +41,13 @@ impl Group {
 
 /// Result of [`clean`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Cleaned {
+pub struct CleanResult {
     /// Path and size \[bytes\] of each removed file.
     pub removed: Vec<(PathBuf, u64)>,
     /// Path of each file that could not be removed, and the reason.
     pub failed: Vec<(PathBuf, String)>,
     /// Groups in use; only their dead files were removed.
-    pub kept: Vec<Group>,
+    pub in_use: Vec<Group>,
 }
 
 /// Returns the prefix of a file of this site, in any version. Older releases used a hash of the folder as digits.
@@ -73,7 +73,7 @@ pub fn list(site: &Site) -> Vec<Group> {
     for (prefix, mut group) in groups {
         let (frames, iox, _) = parse(&prefix).unwrap_or_default();
         (group.frames, group.iox) = (frames.into(), iox.into());
-        group.ours = prefix == site.prefix();
+        group.current = prefix == site.prefix();
         group.files.sort();
         let alive: BTreeSet<_> = group.files.iter().filter_map(|f| users.get(&f.0)).flatten().cloned().collect();
         group.alive = alive.into_iter().collect();
@@ -115,14 +115,14 @@ fn users(files: &BTreeSet<PathBuf>) -> BTreeMap<PathBuf, Vec<(u32, String)>> {
 }
 
 /// Removes the files that no process uses.
-pub fn clean(site: &Site) -> Cleaned {
-    let mut cleaned = Cleaned::default();
+pub fn clean(site: &Site) -> CleanResult {
+    let mut cleaned = CleanResult::default();
     let before: Vec<_> = list(site).into_iter().flat_map(|g| g.files).collect();
     // iceoryx2 can remove dead files in a group that is in use
     site.sweep();
     for group in list(site) {
         if !group.alive.is_empty() {
-            cleaned.kept.push(group);
+            cleaned.in_use.push(group);
             continue;
         }
         for (path, _) in group.files {
@@ -152,7 +152,7 @@ pub(super) fn strangers(site: &Site) -> Result<(), HostError> {
     if !other {
         return Ok(());
     }
-    let Some(group) = list(site).into_iter().find(|g| !g.ours && !g.alive.is_empty()) else { return Ok(()) };
+    let Some(group) = list(site).into_iter().find(|g| !g.current && !g.alive.is_empty()) else { return Ok(()) };
     let me = uid();
     let who = group.alive.iter().map(|(id, name)| format!("{id} (`{name}`)")).collect::<Vec<_>>().join(", ");
     let what = format!(

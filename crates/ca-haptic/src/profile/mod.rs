@@ -4,14 +4,14 @@
 //! ([`Limits`]); a file of the user overrides any number. A device without a profile is `unknown`: 2 N, slow, soft,
 //! with as many degrees of freedom as it reports.
 
-mod described;
 mod fault;
-mod sense;
+mod from_description;
 #[cfg(test)]
 mod tests;
+mod validate;
 
-pub use described::UNKNOWN;
 pub use fault::ProfileFault;
+pub use from_description::UNKNOWN;
 
 use ca_io::error::{FileError, FileErrorKind};
 use serde::{Deserialize, Serialize};

@@ -1,9 +1,9 @@
 //! Runs a sink on a separate thread.
 //!
-//! A slow disk must delay neither `ca disarm` nor another file, so the recorder hands data over and continues, whatever
+//! A slow disk must delay neither `ca disarm` nor another file, so the recorder hands data ended and continues, whatever
 //! a sink does. [`BufferLimits`] limits the waiting data, in seconds of the performance and in bytes. Beyond the
 //! limits, frames, sound and pictures are left out of this file only, counted, and reported at the gap. Records that
-//! affect everything after them (changes, orders, reloads) are rare and always handed over. After an overflow, data is
+//! affect everything after them (changes, orders, reloads) are rare and always handed ended. After an overflow, data is
 //! accepted only when half of the buffer is free, because one long gap is clearer than a thousand short ones. An
 //! earlier design let data wait in the rings: one slow file made gaps in all files, and the recorder could not report
 //! them.
@@ -51,7 +51,7 @@ enum Message {
     View(u64, Vec<f64>),
     Swapped(u64, Arc<Version>),
     StatsSnapshot(StatsSnapshot),
-    Said(Notice),
+    Notice(Notice),
     End,
 }
 
@@ -61,7 +61,7 @@ impl Message {
         match self {
             Message::Record(r) => Some(r.tick()),
             Message::Sound(tick, _) | Message::View(tick, _) | Message::Swapped(tick, _) => Some(*tick),
-            Message::StatsSnapshot(_) | Message::Said(_) | Message::End => None,
+            Message::StatsSnapshot(_) | Message::Notice(_) | Message::End => None,
         }
     }
 
@@ -70,7 +70,7 @@ impl Message {
             + match self {
                 Message::Record(_) => size_of::<Record>(),
                 Message::Sound(_, v) | Message::View(_, v) => size_of_val(&v[..]),
-                Message::Said(h) => h.text.len(),
+                Message::Notice(h) => h.text.len(),
                 // not allocated for this message
                 Message::Swapped(..) | Message::StatsSnapshot(_) | Message::End => 0,
             }
@@ -86,7 +86,7 @@ struct Shared {
     done: AtomicU64,
     /// Records, sound samples and pictures that did not fit.
     lost: [AtomicU64; 3],
-    over: AtomicBool,
+    ended: AtomicBool,
     failed: Mutex<Option<FileError>>,
 }
 
@@ -100,12 +100,12 @@ impl Shared {
     }
 }
 
-/// Sets `over` when the thread ends in any way, so that no other thread waits for it.
-struct Over<'a>(&'a Shared);
+/// Sets `ended` when the thread ends in any way, so that no other thread waits for it.
+struct EndGuard<'a>(&'a Shared);
 
-impl Drop for Over<'_> {
+impl Drop for EndGuard<'_> {
     fn drop(&mut self) {
-        self.0.over.store(true, Relaxed);
+        self.0.ended.store(true, Relaxed);
     }
 }
 
@@ -115,12 +115,12 @@ pub struct SinkHandle {
     to: Sender<Message>,
     shared: Arc<Shared>,
     streams: SinkStreams,
-    room: BufferLimits,
+    limits: BufferLimits,
     /// Latest tick received.
     newest: u64,
     /// True from an overflow until half of the buffer is free again.
     full: bool,
-    /// Records left out since the last one handed over.
+    /// Records left out since the last one handed ended.
     missing: u64,
     /// Last report: losses, tick, and the delay from which the next report is due \[s\].
     reported: [u64; 3],
@@ -154,7 +154,7 @@ impl<T: Sink + Send + 'static> AsyncSink<T> {
     pub fn start(
         name: &str,
         mut sink: T,
-        room: BufferLimits,
+        limits: BufferLimits,
         request: RtRequest,
     ) -> Result<(SinkHandle, AsyncSink<T>), FileError> {
         let (to, from) = channel();
@@ -164,7 +164,7 @@ impl<T: Sink + Send + 'static> AsyncSink<T> {
         let thread = Builder::new()
             .name(name.into())
             .spawn(move || {
-                let _over = Over(&of);
+                let _over = EndGuard(&of);
                 // dropped before `_over`, so that a later send fails instead of being ignored
                 let from = from;
                 let _ = tell.send(rt::ask(request));
@@ -182,7 +182,7 @@ impl<T: Sink + Send + 'static> AsyncSink<T> {
             to: to.clone(),
             shared: shared.clone(),
             streams,
-            room,
+            limits,
             newest: 0,
             full: false,
             missing: 0,
@@ -205,10 +205,10 @@ impl<T: Sink + Send + 'static> AsyncSink<T> {
 
     /// Ends the sink, and waits at most for `patience` until everything is written. A blocked thread is left behind.
     /// Use this if the sink is not needed again.
-    pub fn leave(mut self, patience: Duration) {
+    pub fn end_within(mut self, patience: Duration) {
         let _ = self.to.send(Message::End);
         let end = Instant::now() + patience;
-        while !self.shared.over.load(Relaxed) {
+        while !self.shared.ended.load(Relaxed) {
             if Instant::now() > end {
                 self.thread = None;
                 return;
@@ -217,7 +217,7 @@ impl<T: Sink + Send + 'static> AsyncSink<T> {
         }
     }
 
-    /// Returns the sink once everything handed over is written; `None` if it failed and the recorder has reported that.
+    /// Returns the sink once everything handed ended is written; `None` if it failed and the recorder has reported that.
     ///
     /// # Errors
     /// If the sink failed and the recorder has not reported it.
@@ -238,7 +238,7 @@ fn work(sink: &mut impl Sink, from: &Receiver<Message>, shared: &Shared) -> Resu
             Message::View(tick, x) => sink.view(tick, &x)?,
             Message::Swapped(tick, version) => sink.swapped(tick, &version)?,
             Message::StatsSnapshot(p) => sink.snapshot(&p)?,
-            Message::Said(h) => sink.said(&h)?,
+            Message::Notice(h) => sink.notice(&h)?,
             Message::End => break,
         }
         if let Some(tick) = tick {
@@ -267,19 +267,19 @@ impl SinkHandle {
         if self.shared.waiting.load(Relaxed) == 0 {
             return 0.0;
         }
-        self.newest.saturating_sub(self.shared.done.load(Relaxed)) as f64 / self.room.rate
+        self.newest.saturating_sub(self.shared.done.load(Relaxed)) as f64 / self.limits.rate
     }
 
     /// Returns true if data of `tick` may wait too. Otherwise counts `n` of this kind as lost.
-    fn has_room(&mut self, tick: u64, kind: usize, n: u64) -> bool {
+    fn has_capacity(&mut self, tick: u64, kind: usize, n: u64) -> bool {
         // the thread has ended, and the next send returns the reason
-        if self.shared.over.load(Relaxed) {
+        if self.shared.ended.load(Relaxed) {
             return true;
         }
         self.newest = self.newest.max(tick);
         let part = if self.full { 0.5 } else { 1.0 };
         let bytes = self.shared.bytes.load(Relaxed) as f64;
-        self.full = self.behind() >= part * self.room.seconds || bytes >= part * self.room.bytes as f64;
+        self.full = self.behind() >= part * self.limits.seconds || bytes >= part * self.limits.bytes as f64;
         if self.full {
             self.shared.lost[kind].fetch_add(n, Relaxed);
         }
@@ -296,19 +296,19 @@ impl Sink for SinkHandle {
         self.shared.lost()
     }
 
-    fn news(&mut self) -> Option<(bool, String)> {
+    fn poll_notice(&mut self) -> Option<(bool, String)> {
         let lost = self.shared.lost();
         let first = self.reported == [0; 3];
-        if lost != self.reported && (first || (self.newest - self.reported_at) as f64 >= self.room.rate) {
+        if lost != self.reported && (first || (self.newest - self.reported_at) as f64 >= self.limits.rate) {
             (self.reported, self.reported_at) = (lost, self.newest);
             let why = "writing is slower than playing; write to a faster disk, or close other programs";
             return Some((true, format!("{}: {} lost so far, because {why}", self.name, missing(lost))));
         }
         let behind = self.behind();
         // beyond the limit, the losses are reported
-        if behind >= self.next && behind < self.room.seconds {
+        if behind >= self.next && behind < self.limits.seconds {
             self.next = 2.0 * behind;
-            let most = self.room.seconds;
+            let most = self.limits.seconds;
             return Some((true, format!("{}: written {behind:.1} s late; data are lost beyond {most} s", self.name)));
         }
         if self.next > LATE && behind < 0.5 * LATE {
@@ -327,12 +327,12 @@ impl Sink for SinkHandle {
             record,
             Record::Retired { .. }
                 | Record::Order { .. }
-                | Record::Touched { .. }
+                | Record::Manual { .. }
                 | Record::Swapped { .. }
                 | Record::Marked { .. }
                 | Record::Lost { .. }
         );
-        if !decides && !self.has_room(tick, 0, 1) {
+        if !decides && !self.has_capacity(tick, 0, 1) {
             self.missing += 1;
             return Ok(());
         }
@@ -344,14 +344,14 @@ impl Sink for SinkHandle {
     }
 
     fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), FileError> {
-        if self.streams.sound && self.has_room(tick, 1, frames.len() as u64) {
+        if self.streams.sound && self.has_capacity(tick, 1, frames.len() as u64) {
             self.put(Message::Sound(tick, frames.to_vec()))?;
         }
         Ok(())
     }
 
     fn view(&mut self, tick: u64, x: &[f64]) -> Result<(), FileError> {
-        if self.streams.views && self.has_room(tick, 2, 1) {
+        if self.streams.views && self.has_capacity(tick, 2, 1) {
             self.put(Message::View(tick, x.to_vec()))?;
         }
         Ok(())
@@ -365,10 +365,10 @@ impl Sink for SinkHandle {
         if self.streams.stats { self.put(Message::StatsSnapshot(*snapshot)) } else { Ok(()) }
     }
 
-    fn said(&mut self, notice: &Notice) -> Result<(), FileError> {
+    fn notice(&mut self, notice: &Notice) -> Result<(), FileError> {
         // messages are rare, but a blocked terminal must not fill the memory
-        let full = self.shared.bytes.load(Relaxed) >= 2 * self.room.bytes && !self.shared.over.load(Relaxed);
-        if full { Ok(()) } else { self.put(Message::Said(notice.clone())) }
+        let full = self.shared.bytes.load(Relaxed) >= 2 * self.limits.bytes && !self.shared.ended.load(Relaxed);
+        if full { Ok(()) } else { self.put(Message::Notice(notice.clone())) }
     }
 }
 

@@ -8,7 +8,7 @@ use super::audio::Outlet;
 use super::clock::{Clock, Start};
 #[cfg(feature = "system")]
 use super::clock::{Pace, wait_for};
-use crate::blocks::put;
+use crate::block_ring::put;
 use crate::engine::{Engine, EngineCommand, Retired};
 use crate::frame::{Cause, DeviceFrame, ForceFrame, Mode};
 use crate::guard::Order;
@@ -48,7 +48,7 @@ pub struct FrameTiming {
     /// Delay of its start, and periods left out before it.
     pub start: Start,
     /// Computing time \[ns\].
-    pub took: u64,
+    pub compute_ns: u64,
 }
 
 /// State that the engine thread shares with others while it runs.
@@ -138,7 +138,7 @@ impl Live {
         let (mut left, mut looked) = (frames, now_ns());
         while left != Some(0) {
             let mut blind = 0;
-            if self.rings.audio.as_mut().is_some_and(Outlet::turn) {
+            if self.rings.audio.as_mut().is_some_and(Outlet::poll) {
                 // another clock: deadlines start again
                 pace = Pace::new(period);
             }
@@ -162,14 +162,14 @@ impl Live {
             self.lapsed(start.late.max(blind), self.engine.due());
             self.frame();
             self.shared.missed.fetch_add(start.missed, Relaxed);
-            self.timed(FrameTiming { start, took: now_ns() - begin });
+            self.timed(FrameTiming { start, compute_ns: now_ns() - begin });
             looked = now_ns();
             let alone = if matches!(self.clock, Clock::Device { .. }) { start.missed } else { 0 };
             left = left.map(|n| n.saturating_sub(alone.max(1)));
         }
         // the last frame turns forces off, so that devices need not wait for a timeout
         self.engine.command(EngineCommand::Order(None, Order::Disarm));
-        self.keep(Record::Order { tick: self.engine.due(), port: None, order: Order::Disarm });
+        self.store(Record::Order { tick: self.engine.due(), port: None, order: Order::Disarm });
         self.frame();
         if self.waiting.is_some() {
             self.shared.lost_records.fetch_add(1, Relaxed);
@@ -192,7 +192,7 @@ impl Live {
     fn order(&mut self, port: u32, order: Order, tick: u64) {
         let _ = self.engine.command(EngineCommand::Order(Some(port), order));
         let record = Record::Order { tick, port: Some(port), order };
-        if hand(&mut self.rings, &mut self.missing, record, 2).is_err() {
+        if push_record(&mut self.rings, &mut self.missing, record, 2).is_err() {
             self.missing += 1;
             self.shared.lost_records.fetch_add(1, Relaxed);
         }
@@ -202,7 +202,7 @@ impl Live {
     pub fn step(&mut self) {
         let begin = now_ns();
         self.frame();
-        self.timed(FrameTiming { start: Start::default(), took: now_ns() - begin });
+        self.timed(FrameTiming { start: Start::default(), compute_ns: now_ns() - begin });
     }
 
     fn timed(&mut self, timing: FrameTiming) {
@@ -253,7 +253,7 @@ impl Live {
 
     fn commands(&mut self) {
         if let Some(record) = self.waiting.take() {
-            self.keep(record);
+            self.store(record);
         }
         // only commands that wait now, so that endless commands do not delay the frame
         for _ in 0..self.rings.commands.slots() {
@@ -266,37 +266,37 @@ impl Live {
             }
             let tick = self.engine.due();
             if let EngineCommand::Order(port, order) = act {
-                self.keep(Record::Order { tick, port, order });
+                self.store(Record::Order { tick, port, order });
             }
             let number = if let EngineCommand::Swap(swap) = &act { Some(swap.number) } else { None };
             let marks = matches!(act, EngineCommand::Mark);
-            let touched = if let EngineCommand::Touch(touch) = &act { Some(touch.touched()) } else { None };
-            match (self.engine.command(act), touched) {
+            let event = if let EngineCommand::Manual(input) = &act { Some(input.event()) } else { None };
+            match (self.engine.command(act), event) {
                 (Some(Retired::Swap(gone)), _) => {
-                    self.keep(Record::Swapped { tick, number: number.unwrap_or_default(), gone: Some(gone) });
+                    self.store(Record::Swapped { tick, number: number.unwrap_or_default(), gone: Some(gone) });
                 }
                 (None, None) if number.is_some() => {
-                    self.keep(Record::Swapped { tick, number: number.unwrap_or_default(), gone: None });
+                    self.store(Record::Swapped { tick, number: number.unwrap_or_default(), gone: None });
                 }
-                (Some(Retired::Gesture(gone)), Some(touched)) => {
-                    self.keep(Record::Touched { tick, touched, gone: Some(gone) });
+                (Some(Retired::Gesture(gone)), Some(event)) => {
+                    self.store(Record::Manual { tick, event, gone: Some(gone) });
                 }
-                (_, Some(touched)) => self.keep(Record::Touched { tick, touched, gone: None }),
-                (Some(retired), None) => self.keep(Record::Retired { tick, retired }),
-                (None, None) if marks => self.keep(Record::Marked { tick, bits: self.engine.state.bits() }),
+                (_, Some(event)) => self.store(Record::Manual { tick, event, gone: None }),
+                (Some(retired), None) => self.store(Record::Retired { tick, retired }),
+                (None, None) if marks => self.store(Record::Marked { tick, bits: self.engine.state.bits() }),
                 (None, None) => {}
             }
         }
     }
 
     /// Sends a record that must not be lost, or stores it in `waiting`.
-    fn keep(&mut self, record: Record) {
+    fn store(&mut self, record: Record) {
         if self.waiting.is_some() {
             // only the last order of `run` can find another record waiting
             self.shared.lost_records.fetch_add(1, Relaxed);
             return;
         }
-        self.waiting = hand(&mut self.rings, &mut self.missing, record, 2).err();
+        self.waiting = push_record(&mut self.rings, &mut self.missing, record, 2).err();
     }
 
     fn devices(&mut self) {
@@ -341,18 +341,18 @@ impl Live {
 }
 
 fn note(rings: &mut Rings, missing: &mut u64, shared: &Shared, record: Record) {
-    if hand(rings, missing, record, KEPT).is_err() {
+    if push_record(rings, missing, record, KEPT).is_err() {
         *missing += 1;
         shared.lost_records.fetch_add(1, Relaxed);
     }
 }
 
-/// Sends a record, after the number of records missing before it. Returns it if fewer than `room` slots (at least two)
+/// Sends a record, after the number of records missing before it. Returns it if fewer than `capacity` slots (at least two)
 /// are free.
 // a record is as large as a slot of the ring, and boxing it would allocate
 #[allow(clippy::result_large_err)]
-fn hand(rings: &mut Rings, missing: &mut u64, record: Record, room: usize) -> Result<(), Record> {
-    if rings.records.slots() < room {
+fn push_record(rings: &mut Rings, missing: &mut u64, record: Record, needed: usize) -> Result<(), Record> {
+    if rings.records.slots() < needed {
         return Err(record);
     }
     if *missing > 0 {

@@ -14,27 +14,27 @@
 mod async_sink;
 pub mod audio;
 mod clock;
-#[cfg(feature = "mcap")]
-mod kept;
 mod live;
-mod loops;
+mod loop_latency;
 mod recorder;
 mod sink;
 mod summary;
 #[cfg(feature = "mcap")]
-mod taken;
+mod take_sink;
+#[cfg(feature = "mcap")]
+mod temporary_take;
 #[cfg(feature = "system")]
 mod wav_sink;
 
 #[cfg(feature = "system")]
 pub use async_sink::{AsyncSink, BufferLimits, SinkHandle};
 pub use clock::{Clock, Start};
-#[cfg(feature = "mcap")]
-pub use kept::Kept;
 pub use live::{FrameTiming, Live, RecordIntervals, Rings, Shared};
 pub use recorder::{Recorder, Refused};
 pub use sink::{Notice, Sink, SinkStreams};
 pub use summary::{DeviceSummary, Fault, StatsSnapshot, Summary};
+#[cfg(feature = "mcap")]
+pub use temporary_take::TemporaryTake;
 #[cfg(feature = "system")]
 pub use wav_sink::WavSink;
 

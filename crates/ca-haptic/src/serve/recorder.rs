@@ -1,15 +1,15 @@
 //! Sends the records of the engine to the sinks, and commands from people to the engine.
 
-mod hand;
+mod device_monitor;
+mod manual;
 mod refused;
-mod seen;
 mod swap;
 
 use super::audio::{AudioSummary, Outputs, Watch};
 use super::sink::{Notice, Sink, missing};
 use super::summary::{Fault, StatsSnapshot, Summary};
 use super::{FrameTiming, RecorderEnds, Shared};
-use crate::blocks::take;
+use crate::block_ring::take;
 use crate::engine::{Change, Engine, EngineCommand, Port, Refit, Retired, Setup};
 use crate::frame::{Cause, Mode};
 use crate::guard::Order;
@@ -18,8 +18,8 @@ use crate::stats::Times;
 use crate::version::Version;
 use ca_core::{Controls, Scene};
 use ca_io::FileError;
+use device_monitor::DeviceMonitor;
 pub use refused::Refused;
-use seen::Seen;
 use std::sync::Arc;
 use std::sync::atomic::Ordering::{Relaxed, Release};
 
@@ -40,7 +40,7 @@ pub struct Recorder {
     scene: Arc<Scene>,
     controls: Controls,
     sinks: Vec<Box<dyn Sink>>,
-    seen: Vec<Seen>,
+    monitors: Vec<DeviceMonitor>,
     frame_times: Times,
     late_times: Times,
     second: Second,
@@ -56,9 +56,9 @@ pub struct Recorder {
     /// Sound devices that played before.
     before: Vec<AudioSummary>,
     outputs: Outputs,
-    hand: hand::Hand,
+    manual: manual::ManualProgress,
     /// Version of the scene on its way to the engine, with its parameters.
-    coming: Option<(Arc<Version>, Controls)>,
+    pending: Option<(Arc<Version>, Controls)>,
     versions: u32,
     /// Last report of losses in full rings, and the gesture frame at which it was made.
     reported: ([u64; 3], u64),
@@ -78,7 +78,7 @@ impl Recorder {
             shared,
             controls: scene.controls(),
             sinks,
-            seen: ports.iter().map(Seen::new).collect(),
+            monitors: ports.iter().map(DeviceMonitor::new).collect(),
             frame_times: Times::new(),
             late_times: Times::new(),
             second: Second::default(),
@@ -92,8 +92,8 @@ impl Recorder {
             audio: None,
             before: Vec::new(),
             outputs: Outputs::default(),
-            hand: hand::Hand::new(&scene),
-            coming: None,
+            manual: manual::ManualProgress::new(&scene),
+            pending: None,
             versions: 0,
             reported: ([0; 3], 0),
             scene,
@@ -101,7 +101,7 @@ impl Recorder {
     }
 
     /// Sets the sound device that plays from now on, if any.
-    pub fn hears(&mut self, audio: Option<Watch>) {
+    pub fn set_audio(&mut self, audio: Option<Watch>) {
         self.before.extend(self.audio.take().map(|a| a.summary()));
         self.audio = audio;
     }
@@ -112,7 +112,7 @@ impl Recorder {
     }
 
     /// Returns the description of the sound device, and its latency \[ms\] as far as it is known yet.
-    pub fn heard(&self) -> Option<(String, f64)> {
+    pub fn audio_output(&self) -> Option<(String, f64)> {
         let a = self.audio.as_ref()?.summary();
         Some((format!("{} ({}), {} Hz", a.playback.device, a.playback.host, a.playback.rate), a.latency_ms))
     }
@@ -128,34 +128,34 @@ impl Recorder {
         let mut heard = self.ends.sound.slots();
         while let Ok(record) = self.ends.records.pop() {
             self.look(&record);
-            self.tell(|s| s.record(&record));
+            self.for_each_sink(|s| s.record(&record));
         }
         let mut block = std::mem::take(&mut self.block);
         while heard > 0 {
             let Some(tick) = take(&mut self.ends.sound, &mut block) else { break };
             heard = heard.saturating_sub(block.len() + 2);
-            self.tell(|s| s.sound(tick, &block));
+            self.for_each_sink(|s| s.sound(tick, &block));
         }
         while let Some(tick) = self.ends.views.as_mut().and_then(|v| take(v, &mut block)) {
             let (x, d) = block.split_at(block.len() / 2);
-            self.tell(|s| s.view(tick, x).and_then(|()| s.motion(tick, d)));
+            self.for_each_sink(|s| s.view(tick, x).and_then(|()| s.motion(tick, d)));
         }
         self.block = block;
         while let Ok(timing) = self.ends.timings.pop() {
             self.timing(timing);
         }
-        self.turn_gesture();
+        self.apply_gesture_params();
         self.missing();
-        for (bad, text) in self.sinks.iter_mut().filter_map(|s| s.news()).collect::<Vec<_>>() {
+        for (bad, text) in self.sinks.iter_mut().filter_map(|s| s.poll_notice()).collect::<Vec<_>>() {
             self.say(bad, text);
         }
-        for text in self.audio.as_mut().map(Watch::news).unwrap_or_default() {
+        for text in self.audio.as_mut().map(Watch::take_messages).unwrap_or_default() {
             self.say(true, text);
         }
         // a failing sink adds a message for the others
         while !self.notices.is_empty() {
             for h in std::mem::take(&mut self.notices) {
-                self.tell(|s| s.said(&h));
+                self.for_each_sink(|s| s.notice(&h));
             }
         }
     }
@@ -171,7 +171,7 @@ impl Recorder {
     }
 
     /// Calls `f` with each sink. A sink that fails is reported once and dropped.
-    fn tell(&mut self, mut f: impl FnMut(&mut dyn Sink) -> Result<(), FileError>) {
+    fn for_each_sink(&mut self, mut f: impl FnMut(&mut dyn Sink) -> Result<(), FileError>) {
         let mut broken = Vec::new();
         self.sinks.retain_mut(|s| f(s.as_mut()).map_err(|e| broken.push(e)).is_ok());
         for e in broken {
@@ -187,15 +187,15 @@ impl Recorder {
 
     fn timing(&mut self, timing: FrameTiming) {
         self.frames += 1;
-        if self.seen.is_empty() {
+        if self.monitors.is_empty() {
             // without devices, no force frame carries the tick
             self.tick = (self.frames - 1) * u64::from(self.scene.rates.ratio);
         }
-        self.frame_times.add(timing.took);
+        self.frame_times.add(timing.compute_ns);
         self.late_times.add(timing.start.late);
-        self.second.frames.add(timing.took);
+        self.second.frames.add(timing.compute_ns);
         self.second.late.add(timing.start.late);
-        self.second.took += timing.took;
+        self.second.took += timing.compute_ns;
         if self.frames.is_multiple_of(self.rate) {
             let frame = self.rate as f64 / (self.scene.rate / f64::from(self.scene.rates.ratio));
             let audio = self.audio.as_ref().map(Watch::summary);
@@ -216,7 +216,7 @@ impl Recorder {
                 ppm: audio.map_or(0.0, |a| a.ppm),
             };
             self.second = Second::default();
-            self.tell(|s| s.snapshot(&snapshot));
+            self.for_each_sink(|s| s.snapshot(&snapshot));
         }
     }
 
@@ -235,27 +235,27 @@ impl Recorder {
     fn look(&mut self, record: &Record) {
         match record {
             Record::Device { port, frame } => {
-                let Some(seen) = self.seen.get_mut(*port as usize) else { return };
-                if let Some(ns) = seen.sent(frame) {
+                let Some(monitors) = self.monitors.get_mut(*port as usize) else { return };
+                if let Some(ns) = monitors.sent(frame) {
                     self.second.loops.add(ns);
                 }
             }
             Record::Force { port, frame } => {
                 self.tick = frame.tick;
-                let Some(seen) = self.seen.get_mut(*port as usize) else { return };
-                self.faults.extend(seen.force(frame, &mut self.notices));
+                let Some(monitors) = self.monitors.get_mut(*port as usize) else { return };
+                self.faults.extend(monitors.force(frame, &mut self.notices));
             }
             Record::Order { tick, port, order } => {
                 let meant = |k: usize| port.is_none_or(|p| p as usize == k);
-                let all = self.seen.iter_mut().enumerate();
-                all.filter(|(k, _)| meant(*k)).for_each(|(_, seen)| seen.order(*tick, *order));
+                let all = self.monitors.iter_mut().enumerate();
+                all.filter(|(k, _)| meant(*k)).for_each(|(_, monitors)| monitors.order(*tick, *order));
             }
-            Record::Retired { retired: Retired::State(_), .. } => self.hand.let_go(),
-            Record::Touched { tick, touched, .. } => self.hand.touched(*tick, touched),
+            Record::Retired { retired: Retired::State(_), .. } => self.manual.reset(),
+            Record::Manual { tick, event, .. } => self.manual.apply(*tick, event),
             Record::Swapped { tick, .. } => self.swapped(*tick),
             Record::Waiting { tick, port, wait } => {
-                let Some(seen) = self.seen.get_mut(*port as usize) else { return };
-                self.notices.extend(seen.waits(*tick, wait, &self.scene));
+                let Some(monitors) = self.monitors.get_mut(*port as usize) else { return };
+                self.notices.extend(monitors.waits(*tick, wait, &self.scene));
             }
             _ => {}
         }
@@ -309,8 +309,8 @@ impl Recorder {
         let which = match device {
             None => None,
             Some(name) => {
-                let Some(k) = self.seen.iter().position(|s| s.name == name) else {
-                    return Err(Refused::Device(name.into(), self.seen.iter().map(|s| s.name.clone()).collect()));
+                let Some(k) = self.monitors.iter().position(|s| s.name == name) else {
+                    return Err(Refused::Device(name.into(), self.monitors.iter().map(|s| s.name.clone()).collect()));
                 };
                 Some(k as u32)
             }
@@ -347,12 +347,12 @@ impl Recorder {
 
     /// Returns name, mode, cause and number of frames of each device.
     pub fn devices(&self) -> impl Iterator<Item = (&str, Mode, Cause, u64)> {
-        self.seen.iter().map(|s| (s.name.as_str(), s.mode, s.cause, s.frames))
+        self.monitors.iter().map(|s| (s.name.as_str(), s.mode, s.cause, s.frames))
     }
 
     /// Returns the name of each armed device that waits, and the reason.
     pub fn waiting(&self) -> impl Iterator<Item = (&str, &str)> {
-        self.seen.iter().filter_map(|s| Some((s.name.as_str(), s.waiting()?)))
+        self.monitors.iter().filter_map(|s| Some((s.name.as_str(), s.waiting()?)))
     }
 
     /// Returns the number of gesture frames so far, and the present sound sample.
@@ -382,7 +382,7 @@ impl Recorder {
             refused: engine.counts.refused,
             unstable: engine.has_diverged(),
             devices: self
-                .seen
+                .monitors
                 .iter()
                 .zip(&engine.ports)
                 .map(|(s, p)| s.summary(p, &engine.scene, engine.state.tick, ratio))

@@ -19,7 +19,7 @@ pub trait Sink {
     }
     /// Returns a message about itself for people, if there is one: true for a problem, and the text. Called at each
     /// poll of the recorder.
-    fn news(&mut self) -> Option<(bool, String)> {
+    fn poll_notice(&mut self) -> Option<(bool, String)> {
         None
     }
     /// Receives a record.
@@ -75,7 +75,7 @@ pub trait Sink {
     ///
     /// # Errors
     /// If it cannot be written any more; the recorder then drops the sink.
-    fn said(&mut self, notice: &Notice) -> Result<(), FileError> {
+    fn notice(&mut self, notice: &Notice) -> Result<(), FileError> {
         let _ = notice;
         Ok(())
     }
@@ -99,7 +99,7 @@ impl SinkStreams {
     /// All streams.
     pub const ALL: SinkStreams = SinkStreams { records: true, sound: true, views: true, stats: true };
     /// Messages only.
-    pub const WORDS: SinkStreams = SinkStreams { records: false, sound: false, views: false, stats: false };
+    pub const MESSAGES: SinkStreams = SinkStreams { records: false, sound: false, views: false, stats: false };
 }
 
 /// A message for people.

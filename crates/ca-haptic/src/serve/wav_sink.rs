@@ -46,7 +46,7 @@ impl WavSink {
 
 impl Sink for WavSink {
     fn streams(&self) -> SinkStreams {
-        SinkStreams { sound: true, ..SinkStreams::WORDS }
+        SinkStreams { sound: true, ..SinkStreams::MESSAGES }
     }
 
     fn sound(&mut self, tick: u64, frames: &[f64]) -> Result<(), FileError> {

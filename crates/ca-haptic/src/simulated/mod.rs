@@ -299,6 +299,6 @@ mod tests {
         assert_eq!((f.seq, f.t_device_ns, f.period_ns), (2, 1_000_000_000, 333_333));
         // pushed against its stop
         assert_eq!(f.pos[0], 0.01);
-        assert!(f.status & status::EDGE != 0 && f.is_ours());
+        assert!(f.status & status::EDGE != 0 && f.has_this_layout());
     }
 }

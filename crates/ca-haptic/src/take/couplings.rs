@@ -6,8 +6,10 @@ use ca_core::internal::scene::Coupling;
 
 /// Writes JSON: for each coupling the name of its port, and its numbers in the shortest digits that read back exactly.
 pub(super) fn write(couplings: &[Coupling]) -> String {
-    let all: Vec<(&str, [String; 4])> =
-        couplings.iter().map(|c| (c.port.as_str(), [c.k, c.z, c.m, c.felt].map(|v| format!("{v:?}")))).collect();
+    let all: Vec<(&str, [String; 4])> = couplings
+        .iter()
+        .map(|c| (c.port.as_str(), [c.k, c.z, c.m, c.device_stiffness].map(|v| format!("{v:?}"))))
+        .collect();
     serde_json::to_string(&all).unwrap_or_default()
 }
 
@@ -17,7 +19,7 @@ pub(super) fn read(text: &str) -> Option<Vec<Coupling>> {
     let number = |v: &String| v.parse::<f64>().ok().filter(|v| v.is_finite() && *v > 0.0);
     let one = |(port, v): (String, [String; 4])| {
         let [k, z, m, felt] = v.each_ref().map(number);
-        Some(Coupling { port, k: k?, z: z?, m: m?, felt: felt? })
+        Some(Coupling { port, k: k?, z: z?, m: m?, device_stiffness: felt? })
     };
     all.into_iter().map(one).collect()
 }

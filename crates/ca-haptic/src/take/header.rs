@@ -11,7 +11,7 @@
 //! has arithmetic 0.
 
 use super::couplings;
-use super::next::NextModel;
+use super::next_version::NextModel;
 use crate::calibration::Calibration;
 use crate::engine::{self, Engine, Port, Setup};
 use crate::equivalence::Gains;
@@ -374,7 +374,13 @@ mod tests {
         let cloud = Cloud { points, edges: vec![[0, 2], [1, 2]], merged: 0, flat: 0 };
         let mut options =
             Options { rate: Some(44_100.0), energy: true, probes: vec!["r".into()], whole: true, ..Options::default() };
-        options.couplings.push(Coupling { port: "key".into(), k: 0.1, z: 1.0 / 3.0, m: 1e-5, felt: 1e17 / 3.0 });
+        options.couplings.push(Coupling {
+            port: "key".into(),
+            k: 0.1,
+            z: 1.0 / 3.0,
+            m: 1e-5,
+            device_stiffness: 1e17 / 3.0,
+        });
         options.clouds.insert("a/b c.ply".into(), Ok(Arc::new(cloud.clone())));
         let scene = ca_compile::compile(&model, &ca_model::catalog(), &options).expect("it compiles");
         for (name, _) in SHIPPED {

@@ -16,23 +16,23 @@
 pub mod cdr;
 mod couplings;
 pub mod export;
-mod flat;
-mod framed;
 mod gesture;
 mod header;
-mod next;
+mod mcap_records;
+mod next_version;
 mod read;
+mod records;
 mod recover;
 mod replay;
 mod source;
 mod summary;
 mod write;
 
-pub use flat::{Energy, Hand, Hashed, Lost, Ordered, Reloaded, Rt};
 pub use gesture::gesture;
 pub use header::{FORMAT, Header, META};
-pub use next::NextModel;
+pub use next_version::NextModel;
 pub use read::{Event, Events, Take};
+pub use records::{Energy, Hand, Hashed, Lost, Ordered, Reloaded, Rt};
 pub use recover::{Recovered, recover};
 pub use replay::{Difference, Replay, ReplayVerdict};
 pub use source::End;

@@ -3,13 +3,13 @@
 //! The state before a reload is returned as its record, because a take holds only a hash of it. Foreign topics and
 //! those for viewers are skipped by name, so that a take with additions still replays.
 
-use super::flat::{Energy, Hand, Hashed, Lost, Ordered, Reloaded, Rt};
 use super::header::{Header, META};
-use super::next::{self, NextModel};
+use super::next_version::{self, NextModel};
+use super::records::{Energy, Hand, Hashed, Lost, Ordered, Reloaded, Rt};
 use super::source::{End, Item, Source, torn};
 use super::{cdr, topic};
 use crate::engine::Change;
-use crate::engine::Touched;
+use crate::engine::ManualEvent;
 use crate::frame::{Cause, DeviceFrame, ForceFrame};
 use crate::guard::Order;
 use crate::profile::Profile;
@@ -33,7 +33,7 @@ pub enum Event {
     /// Forces were armed, disarmed or tripped before this tick, of one device or all.
     Order(u64, Option<u32>, Order),
     /// Input without a device acted before this tick.
-    Hand(u64, Touched),
+    Hand(u64, ManualEvent),
     /// A device described itself before this tick.
     Profile(u64, usize, Box<Profile>),
     /// A hash of the state.
@@ -125,7 +125,7 @@ impl Events {
     fn event(&self, name: &str, data: &[u8]) -> Option<Event> {
         if let Some((k, force)) = self.ports.get(name) {
             return Some(if *force {
-                Event::Force(*k, Box::new(cdr::record(data).filter(ForceFrame::is_ours)?))
+                Event::Force(*k, Box::new(cdr::record(data).filter(ForceFrame::has_this_layout)?))
             } else {
                 // frames of another layout too: they are recorded as they came
                 Event::Device(*k, Box::new(cdr::record::<DeviceFrame>(data)?))
@@ -138,7 +138,7 @@ impl Events {
             }
             topic::RELOAD => Event::Reload(cdr::record(data)?),
             topic::MODEL => {
-                let (tick, model) = next::read(data)?;
+                let (tick, model) = next_version::read(data)?;
                 Event::Model(tick, Box::new(model))
             }
             topic::ORDER => {
@@ -153,7 +153,7 @@ impl Events {
             }
             topic::HAND => {
                 let hand: Hand = cdr::record(data)?;
-                Event::Hand(hand.tick, hand.touched()?)
+                Event::Hand(hand.tick, hand.event()?)
             }
             topic::PROFILE => {
                 let mut r = cdr::In::new(data)?;

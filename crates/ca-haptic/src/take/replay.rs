@@ -12,7 +12,7 @@
 mod verdict;
 
 use super::header::Header;
-use super::next::NextModel;
+use super::next_version::NextModel;
 use super::read::{Event, Take};
 use super::source::End;
 use crate::engine::{Change, Engine, EngineCommand, Refit, Retired, Setup, Swap};
@@ -23,7 +23,7 @@ use ca_core::internal::state::shape;
 use ca_io::error::FileError;
 use std::collections::VecDeque;
 use std::sync::Arc;
-use verdict::{Apart, which};
+use verdict::{Deviation, which};
 pub use verdict::{Difference, ReplayVerdict};
 use zerocopy::IntoBytes;
 
@@ -53,7 +53,7 @@ pub struct Replay {
     /// False once a minute of sound is waiting: the take holds none.
     heard: bool,
     /// Differences of forces and sound, if the comparison is to a tolerance.
-    loose: Option<[Apart; 2]>,
+    deviations: Option<[Deviation; 2]>,
 }
 
 impl Replay {
@@ -63,12 +63,12 @@ impl Replay {
     /// As [`Header::engine`](super::Header::engine).
     pub fn new(take: &Take, catalog: &Catalog) -> Result<Replay, FileError> {
         let engine = take.header.engine(catalog).map_err(|e| e.file(take.path.display()))?;
-        let loose = if take.header.is_exact(&engine.scene) { None } else { Some(Default::default()) };
-        let tolerance = if loose.is_some() { TOLERANCE } else { 0.0 };
+        let deviations = if take.header.is_exact(&engine.scene) { None } else { Some(Default::default()) };
+        let tolerance = if deviations.is_some() { TOLERANCE } else { 0.0 };
         Ok(Replay {
             header: take.header.clone(),
             catalog: catalog.clone(),
-            loose,
+            deviations,
             setups: take.header.setups.clone(),
             rate: engine.scene.rate,
             channels: engine.scene.counts.channels,
@@ -101,7 +101,7 @@ impl Replay {
             }
         }
         self.verdict.seconds = self.engine.due() as f64 / self.rate;
-        let beyond = self.loose.take().and_then(|[forces, sound]| {
+        let beyond = self.deviations.take().and_then(|[forces, sound]| {
             forces.beyond(TOLERANCE + f64::from(f32::EPSILON)).or_else(|| sound.beyond(TOLERANCE))
         });
         self.verdict.difference = self.verdict.difference.take().or(beyond);
@@ -164,10 +164,10 @@ impl Replay {
                 self.engine.command(EngineCommand::Order(port, order));
                 None
             }
-            Event::Hand(_, touched) => {
+            Event::Hand(_, event) => {
                 // an action that this scene lacks shows in later frames and hashes
-                if let Some(touch) = touched.again(&self.engine.scene) {
-                    self.engine.command(EngineCommand::Touch(touch));
+                if let Some(input) = event.to_input(&self.engine.scene) {
+                    self.engine.command(EngineCommand::Manual(input));
                 }
                 None
             }
@@ -188,7 +188,7 @@ impl Replay {
                 if mine == [r.places, r.coefs] {
                     let fresh = Box::new(self.engine.scene.state());
                     match self.engine.command(EngineCommand::Reload(fresh)) {
-                        Some(Retired::State(old)) if self.loose.is_none() && old.bits() != r.bits => {
+                        Some(Retired::State(old)) if self.deviations.is_none() && old.bits() != r.bits => {
                             let bits = |b: u64| format!("{b:016x}");
                             Some(("the state before a reload".into(), bits(r.bits), bits(old.bits())))
                         }
@@ -200,7 +200,7 @@ impl Replay {
                 }
             }
             // meaningless for another arithmetic
-            Event::Hash(_) if self.loose.is_some() => None,
+            Event::Hash(_) if self.deviations.is_some() => None,
             Event::Hash(h) => {
                 self.verdict.hashes += 1;
                 let bits = self.engine.state.bits();
@@ -263,11 +263,11 @@ impl Replay {
     fn swap(&mut self, next: &NextModel) -> Result<(), FileError> {
         let header = self.header.version(next);
         let scene = Arc::new(header.scene(&self.catalog)?.scene);
-        if self.loose.is_none() && !header.is_exact(&scene) {
-            (self.loose, self.verdict.tolerance) = (Some(Default::default()), TOLERANCE);
+        if self.deviations.is_none() && !header.is_exact(&scene) {
+            (self.deviations, self.verdict.tolerance) = (Some(Default::default()), TOLERANCE);
         }
         let (state, _) = version::begin(&scene, &next.moved);
-        let swap = Swap::new(&self.engine.scene, scene, state, &self.setups, (self.verdict.versions, next.anew));
+        let swap = Swap::new(&self.engine.scene, scene, state, &self.setups, (self.verdict.versions, next.restart));
         self.verdict.versions += 1;
         let swap =
             swap.map_err(|why| FileError::content(format!("the take loads another version of its model: {why}")))?;
@@ -294,7 +294,7 @@ impl Replay {
         };
         // the frame was published later, at a time that the engine does not know
         let mut is = ForceFrame { t_host_ns: was.t_host_ns, ..is };
-        if let Some([forces, _]) = &mut self.loose {
+        if let Some([forces, _]) = &mut self.deviations {
             for (k, (was_n, is_n)) in was.force.iter().zip(&is.force).enumerate() {
                 forces.see(f64::from(*was_n), f64::from(*is_n), || Difference {
                     tick: was.tick,
@@ -328,7 +328,7 @@ impl Replay {
             let Some(is) = self.sound.pop_front() else { break };
             self.verdict.samples += 1;
             let what = || format!("sound of channel {}", i % channels);
-            if let Some([_, sound]) = &mut self.loose {
+            if let Some([_, sound]) = &mut self.deviations {
                 let tick = tick + (i / channels) as u64;
                 let (time, show) = (tick as f64 / self.rate, |v: f64| format!("{v:e}"));
                 sound.see(*was, is, || Difference { tick, time, what: what(), was: show(*was), is: show(is) });

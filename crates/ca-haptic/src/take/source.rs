@@ -5,7 +5,7 @@
 //! gives everything before them, and is reported as damaged: what follows was played but is lost. The checksum over all
 //! bytes of a finished file finds errors that no chunk shows.
 
-use super::framed;
+use super::mcap_records;
 use ca_io::error::{FileError, FileErrorKind};
 use mcap::McapError;
 use mcap::read::ChannelAccumulator;
@@ -123,7 +123,7 @@ impl Source {
             .with_record_length_limit(most);
         let mut reader = LinearReader::new_with_options(options);
         // the first bytes too, because the checksum over all bytes includes them
-        hand(&mut reader, &magic);
+        feed(&mut reader, &magic);
         Ok(Source {
             path: path.to_owned(),
             file,
@@ -203,21 +203,23 @@ impl Iterator for Source {
                 None => return self.cut(&McapError::UnexpectedEof),
                 Some(Err(e)) => return self.cut(&e),
                 Some(Ok(LinearReadEvent::ReadRequest(_))) => {
-                    if let Err(e) = framed::next(&mut self.file, self.most, &mut self.record) {
+                    if let Err(e) = mcap_records::next(&mut self.file, self.most, &mut self.record) {
                         self.end = Some(End::Whole);
                         return Some(Err(FileError::io(&self.path, "it cannot be read", &e)));
                     }
-                    let whole = framed::record(&self.record);
-                    if let Some(Err(e)) = whole.map(|(kind, body)| framed::check(kind, body)) {
+                    let whole = mcap_records::record(&self.record);
+                    if let Some(Err(e)) = whole.map(|(kind, body)| mcap_records::check(kind, body)) {
                         return self.cut(&e);
                     }
-                    hand(&mut self.reader, &self.record);
+                    feed(&mut self.reader, &self.record);
                     self.read += self.record.len() as u64;
                     continue;
                 }
                 Some(Ok(LinearReadEvent::Record { data, opcode })) => {
                     // records in a chunk are not checked yet
-                    framed::check(opcode, data).and_then(|()| mcap::parse_record(opcode, data)).map(Record::into_owned)
+                    mcap_records::check(opcode, data)
+                        .and_then(|()| mcap::parse_record(opcode, data))
+                        .map(Record::into_owned)
                 }
             };
             self.used = self.read;
@@ -232,7 +234,7 @@ impl Iterator for Source {
 }
 
 /// Passes bytes to the reader; none at the end of the file.
-fn hand(reader: &mut LinearReader, bytes: &[u8]) {
+fn feed(reader: &mut LinearReader, bytes: &[u8]) {
     if let Some(to) = reader.insert(bytes.len()).get_mut(..bytes.len()) {
         to.copy_from_slice(bytes);
     }

@@ -4,7 +4,7 @@
 
 use super::read::Take;
 use super::source::{End, Item, Source};
-use super::{cdr, flat::Lost, topic};
+use super::{cdr, records::Lost, topic};
 use crate::frame::{Cause, ForceFrame, Mode};
 use ca_io::error::FileError;
 use std::collections::BTreeMap;

@@ -14,9 +14,9 @@
 mod channels;
 mod views;
 
-use super::flat::{Energy, Hand, Hashed, Lost, Ordered, Reloaded, Rt};
 use super::header::{Header, META};
-use super::{cdr, next, options};
+use super::records::{Energy, Hand, Hashed, Lost, Ordered, Reloaded, Rt};
+use super::{cdr, next_version, options};
 use crate::engine::Retired;
 use crate::frame::{Cause, DeviceFrame, ForceFrame, Mode};
 use crate::guard::Order;
@@ -200,9 +200,9 @@ impl TakeWriter {
                 cdr::body(&mut self.data, &Ordered { tick, port, order: number, cause, reserved: 0 });
                 self.put(self.ids.order, tick)
             }
-            Record::Touched { tick, touched, .. } => {
+            Record::Manual { tick, event, .. } => {
                 self.tick = tick;
-                cdr::body(&mut self.data, &Hand::new(tick, touched));
+                cdr::body(&mut self.data, &Hand::new(tick, event));
                 self.put(self.ids.hand, tick)
             }
             Record::Lost { tick, records } => {
@@ -232,7 +232,7 @@ impl TakeWriter {
     /// If the file cannot be written.
     pub fn swapped(&mut self, tick: u64, version: &Version) -> Result<(), FileError> {
         self.tick = tick;
-        next::write(&mut self.data, tick, version);
+        next_version::write(&mut self.data, tick, version);
         self.put(self.ids.model, tick)?;
         let scene = &version.scene;
         self.params = scene.live.params.iter().map(|p| p.name.clone()).collect();

@@ -1,6 +1,6 @@
 //! Control of a running server, from another thread or process.
 
-use crate::desk::{place, spawn, until};
+use crate::helpers::{spawn, temp_site, until};
 use ca_haptic::host::HostErrorKind;
 use ca_haptic::host::control::{ControlServer, Given, Reply, Request, ask};
 use std::io::BufRead;
@@ -10,7 +10,7 @@ const PATIENCE: Duration = Duration::from_secs(30);
 
 #[test]
 fn a_question_is_answered() {
-    let place = place();
+    let place = temp_site();
     let e = ask(&place.site, &Request::Status, PATIENCE).unwrap_err();
     assert!(e.kind == HostErrorKind::Absent && e.to_string().contains("ca serve"), "{e}");
     let mut server = ControlServer::open(&place.site).unwrap();
@@ -46,7 +46,7 @@ fn a_question_is_answered() {
 
 #[test]
 fn a_killed_server_is_no_obstacle() {
-    let place = place();
+    let place = temp_site();
     let mut child = spawn(&place.site, "control", "");
     let mut lines = std::io::BufReader::new(child.stdout.take().unwrap()).lines();
     assert!(lines.any(|l| l.unwrap().contains("open")), "it opens");

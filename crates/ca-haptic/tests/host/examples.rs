@@ -1,6 +1,6 @@
 //! The Rust and Python examples as processes (`ca-device` tests the C example).
 
-use crate::desk::{Place, place, played, spawn};
+use crate::helpers::{TempSite, played, spawn, temp_site};
 use crate::skipped::skipped;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -11,13 +11,13 @@ fn here(path: &str) -> PathBuf {
 
 #[test]
 fn rust() {
-    let place = place();
+    let place = temp_site();
     let child = spawn(&place.site, "device", "finger 2000");
     played(&place, child);
 }
 
 /// Copies the device module alone to a package: it needs no compiled half.
-fn package(place: &Place) -> PathBuf {
+fn package(place: &TempSite) -> PathBuf {
     let folder = place.site.root().join("python");
     let package = folder.join("cordis_anima");
     std::fs::create_dir_all(&package).unwrap();
@@ -44,7 +44,7 @@ fn python() {
         return;
     }
     let python = PathBuf::from(String::from_utf8(made.stdout).unwrap().trim());
-    let place = place();
+    let place = temp_site();
     let folder = package(&place);
     let child = Command::new(&python)
         .arg(here("../ca-py/examples/device.py"))

@@ -1,6 +1,6 @@
 //! Devices and servers in separate processes, which are killed, stopped and started again.
 
-use crate::desk::{Server, about, place, spawn, until};
+use crate::helpers::{Server, about, spawn, temp_site, until};
 use ca_haptic::frame::{Cause, DOF, DeviceFrame, Mode};
 use ca_haptic::host::{DeviceClient, Event, Site};
 use std::io::BufRead;
@@ -46,7 +46,7 @@ fn signal(child: &Child, name: &str) {
     assert!(Command::new("kill").args([format!("-{name}"), id]).status().unwrap().success());
 }
 
-fn server(place: &crate::desk::Place, names: &str) -> Child {
+fn server(place: &crate::helpers::TempSite, names: &str) -> Child {
     let mut child = spawn(&place.site, "server", names);
     let mut lines = std::io::BufReader::new(child.stdout.take().unwrap()).lines();
     assert!(lines.any(|l| l.unwrap().contains("open")), "the server opens");
@@ -58,7 +58,7 @@ fn play(device: &mut DeviceClient, frame: &mut DeviceFrame) {
     until("forces come", || {
         device.send(frame).unwrap();
         device.wait(Duration::from_millis(5));
-        device.safe_force()[0] == f64::from(crate::desk::spring(frame.pos[0]))
+        device.safe_force()[0] == f64::from(crate::helpers::spring(frame.pos[0]))
     });
 }
 
@@ -77,15 +77,15 @@ fn falls_silent(device: &mut DeviceClient, frame: &mut DeviceFrame) {
 
 #[test]
 fn a_server_that_is_killed_is_zero_force_and_the_next_one_takes_its_place() {
-    let place = place();
+    let place = temp_site();
     let mut device = DeviceClient::open(&place.site, about("key", 2)).unwrap();
     let mut frame = DeviceFrame::new("key", 2);
     frame.pos[0] = 0.002;
     for round in 0..3 {
         let mut child = server(&place, "key");
         play(&mut device, &mut frame);
-        let last = *device.watch().last().unwrap();
-        assert_eq!((last.session, device.watch().restarts), (u64::from(child.id()), round));
+        let last = *device.watchdog().last().unwrap();
+        assert_eq!((last.session, device.watchdog().restarts), (u64::from(child.id()), round));
         assert_eq!(Mode::read(last.mode), Mode::On);
         child.kill().unwrap();
         child.wait().unwrap();
@@ -95,7 +95,7 @@ fn a_server_that_is_killed_is_zero_force_and_the_next_one_takes_its_place() {
 
 #[test]
 fn a_server_that_is_stopped_is_zero_force_until_it_goes_on() {
-    let place = place();
+    let place = temp_site();
     let mut child = server(&place, "key");
     let mut device = DeviceClient::open(&place.site, about("key", 1)).unwrap();
     let mut frame = DeviceFrame::new("key", 1);
@@ -117,7 +117,7 @@ fn a_server_that_is_stopped_is_zero_force_until_it_goes_on() {
 
 #[test]
 fn a_device_that_is_killed_is_gone_and_its_place_is_free() {
-    let place = place();
+    let place = temp_site();
     let mut server = Server::open(&place.site, &["key"], 5);
     let mut sessions = Vec::new();
     for _ in 0..3 {
@@ -151,7 +151,7 @@ fn a_device_that_is_killed_is_gone_and_its_place_is_free() {
 
 #[test]
 fn a_device_that_is_stopped_does_not_stop_the_server() {
-    let place = place();
+    let place = temp_site();
     let mut server = Server::open(&place.site, &["key", "other"], 5);
     let mut child = spawn(&place.site, "device", "key 1000000");
     let mut other = DeviceClient::open(&place.site, about("other", 1)).unwrap();
@@ -190,7 +190,7 @@ fn a_device_that_is_stopped_does_not_stop_the_server() {
 
 #[test]
 fn both_killed_leave_nothing_to_clean_by_hand() {
-    let place = place();
+    let place = temp_site();
     let mut child = server(&place, "key");
     let mut player = spawn(&place.site, "device", "key 1000000");
     std::thread::sleep(Duration::from_millis(100));

@@ -1,6 +1,6 @@
 //! Files left behind by killed processes and other versions.
 
-use crate::desk::{about, place, spawn, until};
+use crate::helpers::{about, spawn, temp_site, until};
 use ca_haptic::host::stale_shm::{clean, list};
 use ca_haptic::host::{DeviceClient, Gateway, HostErrorKind};
 use std::fs;
@@ -9,17 +9,17 @@ use std::path::PathBuf;
 
 #[test]
 fn what_the_dead_leave_is_listed_and_removed() {
-    let place = place();
+    let place = temp_site();
     assert_eq!(list(&place.site), []);
     let mut child = spawn(&place.site, "server", "a b");
     let mut lines = std::io::BufReader::new(child.stdout.take().unwrap()).lines();
     assert!(lines.any(|l| l.unwrap().contains("open")));
     let alive = list(&place.site);
-    assert!(alive.len() == 1 && alive[0].ours && alive[0].bytes() > 0);
+    assert!(alive.len() == 1 && alive[0].current && alive[0].bytes() > 0);
     assert_eq!(alive[0].alive.iter().map(|a| a.0).collect::<Vec<_>>(), [child.id()]);
     // files of a live process are not touched
     let kept = clean(&place.site);
-    assert_eq!((kept.removed.len(), kept.kept.len()), (0, 1));
+    assert_eq!((kept.removed.len(), kept.in_use.len()), (0, 1));
     assert_eq!(list(&place.site)[0].files, alive[0].files);
     child.kill().unwrap();
     child.wait().unwrap();
@@ -32,7 +32,7 @@ fn what_the_dead_leave_is_listed_and_removed() {
 
 #[test]
 fn another_version_is_named_not_met() {
-    let place = place();
+    let place = temp_site();
     let other = place.site.prefix().replacen("ca1-", "ca9-", 1);
     let shm = PathBuf::from(format!("/dev/shm/{other}x.data"));
     let file = place.site.root().join(format!("{other}x.event"));
@@ -49,7 +49,7 @@ fn another_version_is_named_not_met() {
     assert!(e.kind == HostErrorKind::Version && e.what.contains("frame version 9"), "{e}");
     assert!(e.what.contains(&std::process::id().to_string()), "{e}");
     assert_eq!(DeviceClient::open(&place.site, about("key", 1)).err().unwrap().kind, HostErrorKind::Version);
-    assert!(clean(&place.site).kept.iter().any(|g| g.frames == "9"));
+    assert!(clean(&place.site).in_use.iter().any(|g| g.frames == "9"));
     assert!(shm.exists() && file.exists(), "the living keep theirs");
     drop(held);
     until("nobody has it open", || !list(&place.site).iter().any(|g| !g.alive.is_empty()));
@@ -62,7 +62,7 @@ fn another_version_is_named_not_met() {
 #[test]
 fn frames_of_another_layout_under_our_name_are_refused() {
     use iceoryx2::prelude::*;
-    let place = place();
+    let place = temp_site();
     let node = NodeBuilder::new().config(&place.site.config()).create::<ipc::Service>().unwrap();
     let name = ServiceName::new("ca/v1/key/in").unwrap();
     let _older = node.service_builder(&name).publish_subscribe::<u64>().create().unwrap();

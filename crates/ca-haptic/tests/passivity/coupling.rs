@@ -1,7 +1,7 @@
 //! Walls beyond the limit of a device, softened by a virtual coupling.
 
 use super::*;
-use ca_haptic::coupling::{Held, needed};
+use ca_haptic::coupling::{StiffnessLimits, needed};
 use ca_haptic::engine::Swap;
 use ca_haptic::frame::Cause;
 
@@ -49,21 +49,24 @@ fn what_is_felt_is_what_the_device_holds() {
     for k in [2.8e3, 5.5e3, 2e4, 1e6] {
         let text = wall(k, 0.0);
         let first = scene(&text);
-        let held = Held::new(&first, &p);
+        let held = StiffnessLimits::new(&first, &p);
         assert!(
             (held.passive - 3000.0).abs() < 1e-6
-                && (held.kept - 2700.0).abs() < 1e-6
-                && (held.given - 1500.0).abs() < 1e-6,
+                && (held.unchanged - 2700.0).abs() < 1e-6
+                && (held.softened_to - 1500.0).abs() < 1e-6,
             "{held:?}"
         );
         let soft = &needed(&first, &[setup(&first, &p)]).softened[0];
-        assert!(soft.felt <= held.given * (1.0 + 1e-9) && soft.felt > 0.7 * held.given, "{k}: {soft:?}");
+        assert!(
+            soft.stiffness <= held.softened_to * (1.0 + 1e-9) && soft.stiffness > 0.7 * held.softened_to,
+            "{k}: {soft:?}"
+        );
         // a hand that presses slowly feels this stiffness
         let mut rig = Rig::new(&met(&text, &p), "key", p.clone());
         let on = (0..9000).find(|n| Mode::read(rig.go(Some(&[0.0]), *n).mode) == Mode::On).expect("forces on");
         let at = |n: u64| -1e-3 * (n as f64 / 3000.0).min(1.0);
         let f = (0..6000).map(|n| rig.go(Some(&[at(n)]), on + n)).last().expect("frames");
-        let want = soft.felt * (1e-3 - GAP);
+        let want = soft.stiffness * (1e-3 - GAP);
         assert!((f64::from(f.force[0]) / want - 1.0).abs() < 1e-3, "{k}: {} N, {want} N", f.force[0]);
         assert!(f.flags & flag::COUPLED != 0 && f.flags & flag::PASSIVITY == 0);
     }
@@ -73,9 +76,9 @@ fn what_is_felt_is_what_the_device_holds() {
 #[test]
 fn a_slower_device_gives_a_softened_key_less() {
     let p = Profile { rate: 1e3, ..e02(true) };
-    let held = Held::new(&scene(&wall(8e3, 0.0)), &p);
+    let held = StiffnessLimits::new(&scene(&wall(8e3, 0.0)), &p);
     // 2 N s/m over two frames of 1 ms; softened, half of it over three
-    assert!((held.passive - 1000.0).abs() < 1e-6 && (held.given - 1000.0 / 3.0).abs() < 1e-6, "{held:?}");
+    assert!((held.passive - 1000.0).abs() < 1e-6 && (held.softened_to - 1000.0 / 3.0).abs() < 1e-6, "{held:?}");
 }
 
 /// The mass of a coupling grows with the wall: 20 g, a tenth of this device, at 11 MN/m.
@@ -109,7 +112,7 @@ fn friction_that_sticks_and_strong_dampers_are_softened() {
     ] {
         let first = scene(&text(link));
         let soft = &needed(&first, &[setup(&first, &p)]).softened[0];
-        assert!(soft.rigid && soft.felt <= 1500.0 * (1.0 + 1e-9), "{soft:?}");
+        assert!(soft.rigid && soft.stiffness <= 1500.0 * (1.0 + 1e-9), "{soft:?}");
         assert_eq!(first.certificate.keys[0].sticks, sticks);
         // a damper keeps yielding to a push
         if !sticks {

@@ -7,7 +7,7 @@ use ca_compile::{Compiled, Options as Compile, compile};
 use ca_core::Scene;
 use ca_core::internal::border::{Delays, delays};
 use ca_haptic::calibration::Calibration;
-use ca_haptic::coupling::meet;
+use ca_haptic::coupling::couple;
 use ca_haptic::engine::{Engine, EngineCommand, Options, Port, Setup};
 use ca_haptic::equivalence::gains;
 use ca_haptic::frame::{DeviceFrame, ForceFrame, Mode, flag};
@@ -50,8 +50,8 @@ fn setup(scene: &Scene, profile: &Profile) -> Setup {
 fn met(text: &str, profile: &Profile) -> Arc<Scene> {
     let (mut options, first) = (Compile::default(), compiled(text, &Compile::default()));
     let setups = [setup(&first.scene, profile)];
-    let met = meet(first, &setups, &mut options, |options| Ok::<_, ()>(compiled(text, options)));
-    assert!(met.too_stiff.is_empty(), "{:?}", met.said());
+    let met = couple(first, &setups, &mut options, |options| Ok::<_, ()>(compiled(text, options)));
+    assert!(met.too_stiff.is_empty(), "{:?}", met.messages());
     Arc::new(met.compiled.scene)
 }
 

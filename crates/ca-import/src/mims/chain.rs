@@ -6,10 +6,10 @@
 //! CHAIN, and the links at its ends stay. A ground that several strings share is copied to each. It does not move, so
 //! only an output of its force could show the difference; then the ground stays.
 
+use super::generator_plan::{Generator, GeneratorPlan};
 use super::graph::{Graph, Law, LawKey, key, medium};
 use super::names::{Names, stem};
 use super::part::Arg;
-use super::plan::{Generator, Plan};
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::vec::Vec;
@@ -25,7 +25,7 @@ struct Class {
     law: Option<Law>,
 }
 
-pub(super) fn chains(graph: &Graph<'_>, names: &mut Names, plan: &mut Plan) {
+pub(super) fn chains(graph: &Graph<'_>, names: &mut Names, plan: &mut GeneratorPlan) {
     let mut classes: BTreeMap<((u8, u64), LawKey), Class> = BTreeMap::new();
     for (i, part) in graph.parts.iter().enumerate() {
         let (Some(law), [a, b]) = (graph.law(i), &part.ends[..]) else { continue };
@@ -51,7 +51,7 @@ struct Path {
     links: Vec<usize>,
 }
 
-fn paths(graph: &Graph<'_>, links: &[usize], plan: &Plan) -> Vec<Path> {
+fn paths(graph: &Graph<'_>, links: &[usize], plan: &GeneratorPlan) -> Vec<Path> {
     let mut near: BTreeMap<usize, Vec<(usize, usize)>> = BTreeMap::new();
     let mut pairs = BTreeSet::new();
     for &link in links {
@@ -86,7 +86,7 @@ fn paths(graph: &Graph<'_>, links: &[usize], plan: &Plan) -> Vec<Path> {
     found
 }
 
-fn write(graph: &Graph<'_>, path: &Path, m: Arg, law: Law, names: &mut Names, plan: &mut Plan) {
+fn write(graph: &Graph<'_>, path: &Path, m: Arg, law: Law, names: &mut Names, plan: &mut GeneratorPlan) {
     let (Some(&first), Some(&last)) = (path.masses.first(), path.masses.last()) else { return };
     let labels: Vec<&str> = path.masses.iter().map(|&p| graph.parts[p].name.as_str()).collect();
     let mut base = stem(&labels);
@@ -119,7 +119,7 @@ fn write(graph: &Graph<'_>, path: &Path, m: Arg, law: Law, names: &mut Names, pl
 }
 
 /// Finds a link of this law from `mass` to a ground at 0 that can become the end of a string.
-fn ground_link(graph: &Graph<'_>, mass: usize, law: Law, plan: &Plan) -> Option<usize> {
+fn ground_link(graph: &Graph<'_>, mass: usize, law: Law, plan: &GeneratorPlan) -> Option<usize> {
     let own =
         |ground: usize| graph.is_ground(ground) && (graph.links[ground].len() == 1 || !graph.weighed.contains(&ground));
     let fits = |link: usize| !plan.gone[link] && graph.law(link) == Some(law) && own(graph.other_end(link, mass));

@@ -3,10 +3,10 @@
 //! The model has `alg` units at 44.1 kHz and the same sound rate. The header lists the parts that a generator replaced,
 //! because a header stays with the model, unlike a finding. Unused parameters are left out, with a note.
 
-use super::first;
+use super::generator_plan::{Generator, GeneratorPlan};
 use super::names::Losses;
 use super::part::{Arg, Net, Part};
-use super::plan::{Generator, Plan};
+use super::start;
 use alloc::collections::{BTreeMap, BTreeSet};
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -14,7 +14,7 @@ use alloc::vec::Vec;
 use ca_model::diag::{Diag, Diags};
 use ca_model::{Entry, Group, Item, Model, Span, Value};
 
-pub(super) fn emit(net: &Net, plan: &Plan, file: &str, diags: &mut Diags) -> Model {
+pub(super) fn emit(net: &Net, plan: &GeneratorPlan, file: &str, diags: &mut Diags) -> Model {
     let file = file.rsplit(['/', '\\']).next().unwrap_or("");
     let mut model = Model { header: header(net, plan, file), ..Model::default() };
     let title = file.strip_suffix(".mdl").unwrap_or(file);
@@ -23,7 +23,7 @@ pub(super) fn emit(net: &Net, plan: &Plan, file: &str, diags: &mut Diags) -> Mod
     }
     model.meta.push(Entry::new("units", "alg"));
     model.meta.push(Entry::new("reference_rate", "44.1 kHz"));
-    if first::matters(net) {
+    if start::matters(net) {
         model.meta.push(Entry::new("start", "mi.lib"));
     }
     model.rate.push(Entry::new("sound", "44.1 kHz"));
@@ -51,11 +51,11 @@ fn item(kind: &str, name: String, group: Option<usize>, args: Vec<Entry>) -> Ite
     Item { kind: kind.into(), kind_span: Span::NONE, name, name_span: Span::NONE, group, args, span: Span::NONE }
 }
 
-fn name_of(net: &Net, plan: &Plan, part: usize) -> String {
+fn name_of(net: &Net, plan: &GeneratorPlan, part: usize) -> String {
     plan.names.get(&part).cloned().or_else(|| net.parts.get(part).map(|p| p.name.clone())).unwrap_or_default()
 }
 
-fn ends(net: &Net, plan: &Plan, part: &Part) -> Vec<Entry> {
+fn ends(net: &Net, plan: &GeneratorPlan, part: &Part) -> Vec<Entry> {
     let names: Vec<String> = part.ends.iter().map(|&p| name_of(net, plan, p)).collect();
     match (part.kind, &names[..]) {
         ("ENF", [to]) => Vec::from([Entry::new("to", to.as_str())]),
@@ -107,7 +107,7 @@ fn params(net: &Net, used: &BTreeSet<usize>, model: &mut Model, diags: &mut Diag
     losses.into_diags(diags);
 }
 
-fn header(net: &Net, plan: &Plan, file: &str) -> String {
+fn header(net: &Net, plan: &GeneratorPlan, file: &str) -> String {
     let mut counts: Vec<(&str, usize)> = Vec::new();
     for part in &net.parts {
         match counts.iter_mut().find(|c| c.0 == part.kind) {
@@ -121,7 +121,7 @@ fn header(net: &Net, plan: &Plan, file: &str) -> String {
         format!("Imported from {} (MIMS). Numbers are per sample at 44.1 kHz, as there.", one_line(source)),
         format!("{}.", counts.join(", ")),
     ]);
-    if first::matters(net) {
+    if start::matters(net) {
         lines.push("Starts as mi.lib does: `dx0` is one sample before the first, `v` the step that led there.".into());
     }
     for g in &plan.generators {

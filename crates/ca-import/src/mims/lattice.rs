@@ -4,10 +4,10 @@
 //! or any others, which are then listed. Otherwise the largest rectangle of masses is taken. The rest goes to
 //! [`super::chain`] or is written singly.
 
+use super::generator_plan::{Generator, GeneratorPlan};
 use super::graph::{Graph, Law, key, medium};
 use super::names::{Names, stem};
 use super::part::Arg;
-use super::plan::{Generator, Plan};
 use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::vec;
@@ -40,7 +40,7 @@ impl Area {
     }
 }
 
-pub(super) fn meshes(graph: &Graph<'_>, names: &mut Names, plan: &mut Plan) {
+pub(super) fn meshes(graph: &Graph<'_>, names: &mut Names, plan: &mut GeneratorPlan) {
     let mut groups: BTreeMap<&str, Vec<(usize, usize, usize)>> = BTreeMap::new();
     for (part, p) in graph.parts.iter().enumerate() {
         if (graph.mass(part).is_some() || graph.is_ground(part))
@@ -215,7 +215,7 @@ impl Lattice {
         fixed: Vec<[usize; 2]>,
         area: Area,
         names: &mut Names,
-        plan: &mut Plan,
+        plan: &mut GeneratorPlan,
     ) {
         let places = || (area.i0..area.i1).flat_map(|i| (area.j0..area.j1).map(move |j| (i, j)));
         let parts: Vec<usize> = places().filter_map(|(i, j)| self.node(i, j)).collect();

@@ -15,7 +15,8 @@
 
 mod chain;
 mod emit;
-mod first;
+mod find_generators;
+mod generator_plan;
 mod graph;
 mod lattice;
 mod links;
@@ -23,9 +24,8 @@ mod names;
 mod net;
 mod parse;
 mod part;
-mod plan;
 mod reader;
-mod regular;
+mod start;
 mod types;
 
 use crate::Format;
@@ -74,7 +74,7 @@ pub fn import(text: &str, file: &str) -> (Model, Diags) {
         let typed = types::typed(&lines, &mut diags);
         let mut net = net::build(&typed, &mut diags);
         if !diags.has_errors() {
-            let plan = regular::plan(&net.parts, &mut net.names);
+            let plan = find_generators::plan(&net.parts, &mut net.names);
             model = emit::emit(&net, &plan, file, &mut diags);
         }
     }

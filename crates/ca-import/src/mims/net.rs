@@ -8,12 +8,12 @@
 //! at the start. Only a `posInput`, which stays at its x0 until it is moved, rests there. A mass starts with the
 //! velocity x0 − xDelayed per sample, and the first two samples follow mi.lib (`start`).
 
-use super::first;
 use super::links;
 use super::names::Losses;
 use super::parse::{Line, Token, shown};
 use super::part::{Arg, Net, Param, Part};
 use super::reader::{Reader, number};
+use super::start;
 use super::types::{Type, What};
 use alloc::collections::BTreeMap;
 use alloc::format;
@@ -34,7 +34,7 @@ pub(super) fn build<'a>(typed: &[(&Line<'a>, &'static Type)], diags: &mut Diags)
         diags,
         params: BTreeMap::new(),
         mats: BTreeMap::new(),
-        others: BTreeMap::new(),
+        other_labels: BTreeMap::new(),
     };
     let mut n_parts = 0;
     let mut seen: BTreeMap<&'a str, Span> = BTreeMap::new();
@@ -48,7 +48,7 @@ pub(super) fn build<'a>(typed: &[(&Line<'a>, &'static Type)], diags: &mut Diags)
                 }
                 r.mats.insert(line.label.text, n_parts);
             }
-            _ => _ = r.others.insert(line.label.text, line.label.span),
+            _ => _ = r.other_labels.insert(line.label.text, line.label.span),
         }
         n_parts += usize::from(is_part);
     }
@@ -63,7 +63,7 @@ pub(super) fn build<'a>(typed: &[(&Line<'a>, &'static Type)], diags: &mut Diags)
     }
     let Reader { mut net, mut losses, diags, .. } = r;
     links::rest_lengths(&mut net.parts);
-    first::notes(&net, &mut losses);
+    start::notes(&net, &mut losses);
     name_groups(&mut net);
     losses.into_diags(diags);
     net
@@ -131,8 +131,8 @@ impl<'a> Reader<'a, '_> {
                     .at(line.args[1].span, "the same module again"),
             );
         }
-        let room = line.args.iter().skip(ty.ends).take(ty.numbers.len());
-        let read: Vec<Option<Arg>> = room.map(|t| self.arg(t)).collect();
+        let numbers = line.args.iter().skip(ty.ends).take(ty.numbers.len());
+        let read: Vec<Option<Arg>> = numbers.map(|t| self.arg(t)).collect();
         for ((name, arg), token) in ty.numbers.iter().zip(&read).zip(line.args.iter().skip(ty.ends)) {
             if let Some(arg) = *arg {
                 self.in_range(line, ty, name, arg, token);

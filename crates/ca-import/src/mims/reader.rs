@@ -21,7 +21,7 @@ pub(super) struct Reader<'a, 'd> {
     /// Label of a material element → its part.
     pub mats: BTreeMap<&'a str, usize>,
     /// Labels of all other lines.
-    pub others: BTreeMap<&'a str, Span>,
+    pub other_labels: BTreeMap<&'a str, Span>,
 }
 
 impl<'a> Reader<'a, '_> {
@@ -69,7 +69,7 @@ impl<'a> Reader<'a, '_> {
             return Some(part);
         }
         let found = shown(label);
-        let d = if self.others.contains_key(label) || self.params.contains_key(label) {
+        let d = if self.other_labels.contains_key(label) || self.params.contains_key(label) {
             Diag::error("E017", format!("not a material element: `{found}`"))
                 .at(token.span, "expected a mass or ground")
         } else {

@@ -10,7 +10,7 @@ mod obj;
 mod ply;
 
 use crate::error::{FileError, FileErrorKind};
-use crate::reading;
+use crate::read_limited;
 use ca_core::internal::kind::cloud::{Cloud, Clouds, Unread};
 use ca_core::{Catalog, Type};
 use ca_model::LARGEST;
@@ -54,7 +54,7 @@ pub fn open(path: impl AsRef<Path>) -> Result<Cloud, FileError> {
         let e = FileError::content("it is not a regular file").file(path.display());
         return Err(e.fix("name a file that holds the points"));
     }
-    let bytes = (if binary { reading::bytes } else { reading::text })(path, reading::CLOUD)?;
+    let bytes = (if binary { read_limited::bytes } else { read_limited::text })(path, read_limited::CLOUD)?;
     read(&bytes).and_then(|d| cloud(&d)).map_err(|e| e.file(path.display()))
 }
 

@@ -14,7 +14,7 @@
 
 use crate::error::{FileError, shown};
 #[cfg(feature = "files")]
-use crate::{error::FileErrorKind, reading};
+use crate::{error::FileErrorKind, read_limited};
 use ca_core::internal::io::midi::MidiMap;
 use ca_core::{Input, Scene};
 use std::path::Path;
@@ -176,8 +176,8 @@ impl Gesture {
                 .file(path.display())
                 .fix("use a `.csv`, `.npy`, `.wav` or `.mid` file")
         })?;
-        let read = if format == GestureFormat::Csv { reading::text } else { reading::bytes };
-        let bytes = read(path, reading::GESTURE)?;
+        let read = if format == GestureFormat::Csv { read_limited::text } else { read_limited::bytes };
+        let bytes = read(path, read_limited::GESTURE)?;
         Gesture::read(format, &bytes, ports, rate).map_err(|e| e.file(path.display()))
     }
 

@@ -30,7 +30,7 @@ pub struct Cables {
     names: Vec<String>,
     open: Vec<Cable>,
     came: Receiver<(usize, Came)>,
-    news: Vec<(bool, String)>,
+    messages: Vec<(bool, String)>,
 }
 
 impl Cables {
@@ -53,7 +53,7 @@ impl Cables {
             }
         }
         let open = names.iter().map(|_| Cable::default()).collect();
-        Ok(Cables { names, open, came, news: Vec::new() })
+        Ok(Cables { names, open, came, messages: Vec::new() })
     }
 
     /// Returns the paths of the open cables.
@@ -62,19 +62,19 @@ impl Cables {
     }
 
     /// Passes the bytes received since the last turn to `feed`, up to four pieces.
-    pub fn turn(&mut self, mut feed: impl FnMut(&mut Cable, &[u8])) {
+    pub fn poll(&mut self, mut feed: impl FnMut(&mut Cable, &[u8])) {
         for _ in 0..TURN {
             let Ok((k, came)) = self.came.try_recv() else { return };
             match came {
                 Came::Bytes(bytes) => feed(&mut self.open[k], &bytes),
-                Came::End(why) => self.news.push((true, format!("MIDI: {}: {why}", self.names[k]))),
+                Came::End(why) => self.messages.push((true, format!("MIDI: {}: {why}", self.names[k]))),
             }
         }
     }
 
     /// Returns messages for people since the last call, each with true if it is an error.
-    pub fn news(&mut self) -> Vec<(bool, String)> {
-        std::mem::take(&mut self.news)
+    pub fn take_messages(&mut self) -> Vec<(bool, String)> {
+        std::mem::take(&mut self.messages)
     }
 }
 

@@ -4,7 +4,7 @@
 //! own gesture. The decay time is not known in advance, so it is detected in the sound. It is bounded, since a sound
 //! may never end.
 
-use crate::ending::QUIET;
+use crate::level_and_fade::QUIET;
 use crate::perform::{Performance, frames, seconds};
 
 /// Time for which a sound must be quiet before it ends \[s\]: longer than beats and the longest audible period.
@@ -52,7 +52,7 @@ impl Length {
 
     /// Examines rows of `n_out` numbers, whose first `channels` are sound. Returns false when the play is over:
     /// after the last event of a MIDI file, once the sound has been 60 dB below its peak for half a second.
-    pub fn hear(&mut self, rows: &[f64], n_out: usize, channels: usize) -> bool {
+    pub fn add_rows(&mut self, rows: &[f64], n_out: usize, channels: usize) -> bool {
         let Some(f) = &mut self.fading else { return true };
         for row in rows.chunks_exact(n_out.max(1)) {
             let loud = row.iter().take(channels).fold(0.0_f64, |m, x| m.max(x.abs()));
@@ -73,12 +73,12 @@ mod tests {
         let fading = Fading { last: 10, hold: 4, peak: 0.0, heard: 0, quiet: 0 };
         let mut length = Length { frames: 1000, fading: Some(fading) };
         // a probe beside the sound is ignored
-        let mut hear = |x: f64| length.hear(&[x, 9.0], 2, 1);
+        let mut hear = |x: f64| length.add_rows(&[x, 9.0], 2, 1);
         assert!(hear(-1.0));
         assert!((0..12).all(|_| hear(0.001)), "the last event is at 10");
         assert!(hear(0.0011) && (0..3).all(|_| hear(1e-4)));
         assert!(!hear(1e-4));
         let mut fixed = Length::from(3);
-        assert!((0..9).all(|_| fixed.hear(&[0.0], 1, 1)));
+        assert!((0..9).all(|_| fixed.add_rows(&[0.0], 1, 1)));
     }
 }

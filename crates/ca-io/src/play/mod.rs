@@ -66,7 +66,7 @@ pub fn play<'a, E>(
         }
         done += block;
         heard(&p, &rows, done)?;
-        if !length.hear(&rows, n_out, p.scene.counts.channels) {
+        if !length.add_rows(&rows, n_out, p.scene.counts.channels) {
             break;
         }
     }

@@ -216,7 +216,7 @@ impl<'a> Performance<'a> {
                         // an out-of-range value is clamped, because a gesture is a signal and must never stop a
                         // performance
                         let v = v.max(param.min).min(param.max);
-                        if self.controls.turn(*p, v, &mut self.patch).is_ok() {
+                        if self.controls.set_indexed(*p, v, &mut self.patch).is_ok() {
                             s.apply(&self.patch, if s.tick == 0 { 1 } else { scene.rates.frame });
                         }
                     }

@@ -42,7 +42,7 @@ impl Running {
     }
 
     /// Returns the inputs with a force: ports of positions.
-    pub fn felt(&self) -> Vec<usize> {
+    pub fn force_inputs(&self) -> Vec<usize> {
         (0..self.forces.len()).filter(|i| !matches!(self.forces[*i], PortForce::None)).collect()
     }
 
@@ -90,7 +90,7 @@ impl Running {
         for p in 0..params {
             // the state already contains its effect on coefficients
             let value = f64::from_bits(next()?);
-            restored.controls.turn(p, value, &mut patch).map_err(|_| NotRestored::Damaged)?;
+            restored.controls.set_indexed(p, value, &mut patch).map_err(|_| NotRestored::Damaged)?;
         }
         for peak in &mut restored.level.peak {
             *peak = f64::from_bits(next()?);

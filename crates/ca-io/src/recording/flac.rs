@@ -4,7 +4,7 @@
 //! The number of samples is limited, because a few bytes of FLAC can encode 65 535 equal samples.
 
 use crate::error::{FileError, FileErrorKind, lower};
-use crate::reading::GESTURE;
+use crate::read_limited::GESTURE;
 use flac_codec::Error;
 use flac_codec::decode::FlacSampleReader;
 use flac_codec::metadata::Metadata as _;

@@ -9,7 +9,7 @@ mod flac;
 
 use crate::error::{FileError, FileErrorKind};
 use crate::gesture::{GestureFormat, wav};
-use crate::reading;
+use crate::read_limited;
 use std::path::Path;
 
 /// A recorded sound.
@@ -33,7 +33,7 @@ impl Recording {
             let e = FileError::new(FileErrorKind::Unsupported, "a recording must be a WAV or FLAC file");
             return Err(e.file(path.display()).fix("save it as `.wav` or `.flac`"));
         }
-        let bytes = reading::bytes(path, reading::GESTURE)?;
+        let bytes = read_limited::bytes(path, read_limited::GESTURE)?;
         let read = if is_flac { flac::channels } else { wav::channels };
         let (rate, channels) = read(&bytes).map_err(|e| e.file(path.display()))?;
         Ok(Recording { rate, channels })

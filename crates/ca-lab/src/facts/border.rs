@@ -63,7 +63,7 @@ fn rendered_keys(scene: &Scene) -> Vec<&Key> {
 }
 
 /// Demands of keys on a device, stiffest first: name, stiffness in the hand \[N/m\], friction it needs \[N s/m\].
-pub fn asked(scene: &Scene) -> Vec<(&str, f64, f64)> {
+pub fn key_demands(scene: &Scene) -> Vec<(&str, f64, f64)> {
     let (d, keys) = (delays(scene), rendered_keys(scene));
     keys.into_iter().map(|k| (k.name.as_str(), felt_as(scene, k), d.friction(felt_as(scene, k)))).collect()
 }

@@ -56,37 +56,37 @@ impl Inputs {
         self.events = events;
     }
 
-    pub(crate) fn said(&self) -> Vec<String> {
+    pub(crate) fn messages(&self) -> Vec<String> {
         let midi = self.cables.iter().flat_map(Cables::names).map(|name| format!("MIDI: {name}"));
-        let osc = self.osc.iter().map(Osc::said);
+        let osc = self.osc.iter().map(Osc::message);
         let events = self.events.iter().map(|e| format!("MIDI: {}", e.name()));
         midi.chain(events).chain(osc).collect()
     }
 
     /// Plays the events since the last call. OSC packets after `end` wait.
-    pub(crate) fn turn(&mut self, recorder: &mut Recorder, end: Instant) {
+    pub(crate) fn poll(&mut self, recorder: &mut Recorder, end: Instant) {
         // events wait in their queues meanwhile
         if recorder.is_swapping() {
             return;
         }
         let begun = self.begun;
-        self.midi.turn(recorder, begun.elapsed());
+        self.midi.poll(recorder, begun.elapsed());
         if let Some(mut cables) = self.cables.take() {
-            cables.turn(|cable, bytes| self.midi.feed(recorder, cable, bytes, begun.elapsed()));
-            for (bad, text) in cables.news() {
+            cables.poll(|cable, bytes| self.midi.feed(recorder, cable, bytes, begun.elapsed()));
+            for (bad, text) in cables.take_messages() {
                 recorder.say(bad, text);
             }
             self.cables = Some(cables);
         }
         if let Some(mut events) = self.events.take() {
-            events.turn(|cable, bytes| self.midi.feed(recorder, cable, bytes, begun.elapsed()));
-            if let Some(text) = events.news() {
+            events.poll(|cable, bytes| self.midi.feed(recorder, cable, bytes, begun.elapsed()));
+            if let Some(text) = events.take_warning() {
                 recorder.say(true, text);
             }
             self.events = Some(events);
         }
         if let Some(mut osc) = self.osc.take() {
-            osc.turn(self, recorder, end);
+            osc.poll(self, recorder, end);
             self.osc = Some(osc);
         }
     }

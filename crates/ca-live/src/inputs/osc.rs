@@ -33,7 +33,7 @@ impl Osc {
         Ok(Osc { socket: open().map_err(failed)?, packet: vec![0; LARGEST + 1], token, closed })
     }
 
-    pub(super) fn said(&self) -> String {
+    pub(super) fn message(&self) -> String {
         let token = self.token.as_ref().filter(|_| self.closed);
         let token = token.map(|t| format!("; addresses must begin with the token in {}", t.path.display()));
         format!("OSC: UDP port {} on this machine{}", self.port(), token.unwrap_or_default())
@@ -44,7 +44,7 @@ impl Osc {
     }
 
     /// Plays the packets received since the last call, at least one and none after `end`.
-    pub(super) fn turn(&mut self, inputs: &mut Inputs, recorder: &mut Recorder, end: Instant) {
+    pub(super) fn poll(&mut self, inputs: &mut Inputs, recorder: &mut Recorder, end: Instant) {
         let Osc { socket, packet, token, closed } = self;
         let admit = |address: &str| match token.as_ref().and_then(|t| t.strip(address)) {
             Some(rest) => Ok(rest.into()),

@@ -83,7 +83,7 @@ fn joined(a: &Args<'_>, cloud: &Cloud) -> Result<Vec<[u32; 2]>, Problem> {
     }
     let wrong = |title: &str, param, help: &str| Err(Problem { title: title.into(), param, help: help.into() });
     let pairs = match a.num("reach") {
-        Some(reach) => cloud.within(reach / a.or0("scale"), (MANY as usize).saturating_sub(cloud.points.len())),
+        Some(reach) => cloud.pairs_within(reach / a.or0("scale"), (MANY as usize).saturating_sub(cloud.points.len())),
         None => Some(cloud.edges.clone()),
     };
     match pairs {

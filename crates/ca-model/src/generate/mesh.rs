@@ -158,7 +158,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
             // stiffness across a spring and along it, and their limit together
             let share = if a.dim == 1 { 1.0 } else { a.or0("stretch") };
             let along = stiffness / share;
-            if stiffness + along > a.scheme.room() {
+            if stiffness + along > a.scheme.stability_limit() {
                 let limit = share / (1.0 + share);
                 let mut p = too_stiff(f, nx * ny, 0);
                 p.param = "nx";

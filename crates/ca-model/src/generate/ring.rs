@@ -71,7 +71,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
             let lambda = target(a, f, zo, m)?;
             let drag = if a.scheme == Scheme::Explicit { 2.0 * zo * a.tick_dt / m } else { 0.0 };
             // below the limit by more than rounding: a ring at the limit grows
-            let limit = 4.0 * a.scheme.room() * (1.0 - 1e-9);
+            let limit = 4.0 * a.scheme.stability_limit() * (1.0 - 1e-9);
             let fits = |n: usize| lambda * sin2(n / 2, n) / sin2(1, n) + drag < limit;
             if !fits(n) {
                 return Err(too_stiff(f, n, (3..n).rev().find(|n| fits(*n)).unwrap_or(0)));

@@ -95,7 +95,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
             let solve = |n: usize| bending(n, first, second, b);
             let fits = |n: usize| {
                 let (k, bend) = solve(n);
-                k + 4.0 * bend <= a.scheme.room()
+                k + 4.0 * bend <= a.scheme.stability_limit()
             };
             if !fits(n) {
                 return Err(too_stiff(f, n, (3..n).rev().find(|n| fits(*n)).unwrap_or(0)));

@@ -190,8 +190,8 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
                 lambda / (4.0 * s * s)
             };
             // the highest partial is at 4a sin², below the limit for a ≤ 1 and every n
-            if stiffness(n) > a.scheme.room() {
-                let fewer = (1..n).rev().find(|n| stiffness(*n) <= a.scheme.room()).unwrap_or(0);
+            if stiffness(n) > a.scheme.stability_limit() {
+                let fewer = (1..n).rev().find(|n| stiffness(*n) <= a.scheme.stability_limit()).unwrap_or(0);
                 return Err(too_stiff(f, n, fewer));
             }
             stiffness(n) * m / (a.tick_dt * a.tick_dt)

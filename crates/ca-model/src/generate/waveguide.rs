@@ -63,7 +63,7 @@ out = { from = "low[1]", gain = 200 }
 };
 
 /// Returns the requested string in SI units.
-fn asked(a: &Args<'_>) -> Result<WaveguideSpec, Problem> {
+fn spec(a: &Args<'_>) -> Result<WaveguideSpec, Problem> {
     let problem = |param, title, help: &str| Err(Problem { title, param, help: help.into() });
     let (f, t60, high) = (a.or0("f"), a.num("t60"), a.num("t60_high"));
     let z = match (a.num("z"), a.num("tension"), a.num("mu")) {
@@ -98,7 +98,7 @@ fn asked(a: &Args<'_>) -> Result<WaveguideSpec, Problem> {
 
 /// Slots: the damper that both sides form at a junction, then each junction as a CEL.
 fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
-    let asked = asked(a)?;
+    let asked = spec(a)?;
     let masses = alloc::vec![asked.mass(0.0, a.tick_dt); asked.at.len()];
     tune(&asked, &masses, a.tick_dt)?;
     slots.push(Some(2.0 * asked.z));
@@ -107,7 +107,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
 }
 
 fn build(a: &Args<'_>, b: &mut Builder<'_>) -> Result<(), Problem> {
-    let asked = asked(a)?;
+    let asked = spec(a)?;
     for i in 0..asked.at.len() {
         b.mass(i, 1 + i as u32, 0);
     }

@@ -76,7 +76,7 @@ fn into(model: &mut Model, diags: &mut Diags, catalog: &Catalog, open: Open<'_>,
         root,
         sizes: BTreeMap::new(),
         over: false,
-        within: Vec::new(),
+        open_parts: Vec::new(),
     };
     let gestures = core::mem::take(&mut e.model.gestures);
     put(&mut e);

@@ -44,7 +44,7 @@ pub(super) struct Expander<'e> {
     /// True after too many modules.
     pub over: bool,
     /// Parts that are being put in, from the outermost to the innermost: file and name.
-    pub within: Vec<(String, String)>,
+    pub open_parts: Vec<(String, String)>,
 }
 
 impl Expander<'_> {

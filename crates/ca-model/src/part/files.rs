@@ -20,7 +20,7 @@ pub struct Source<'m> {
 impl Source<'_> {
     /// Converts a span of the model to a span of this text.
     #[must_use]
-    pub fn within(self, span: Span) -> Span {
+    pub fn to_text_span(self, span: Span) -> Span {
         if !span.is_some() {
             return span;
         }

@@ -79,8 +79,8 @@ impl Expander<'_> {
             return;
         };
         let this = (home.file.clone(), part.name.clone());
-        let itself = self.within.contains(&this);
-        if itself || self.within.len() >= DEEP {
+        let itself = self.open_parts.contains(&this);
+        if itself || self.open_parts.len() >= DEEP {
             let (what, label, help) = if itself {
                 ("uses itself".into(), "again here", "a part cannot use itself, directly or through other parts")
             } else {
@@ -102,7 +102,7 @@ impl Expander<'_> {
         }
         self.unknown(u, &name, &part);
         self.lengths(u, &name, n, &part);
-        self.within.push(this);
+        self.open_parts.push(this);
         for i in 0..n.unwrap_or(1) {
             let full = if n.is_some() { format!("{name}[{i}]") } else { name.clone() };
             let with = u.with.iter().map(|e| (e.key.as_str(), of_instance(e, n.map(|_| i)))).collect();
@@ -115,7 +115,7 @@ impl Expander<'_> {
                 break;
             }
         }
-        self.within.pop();
+        self.open_parts.pop();
     }
 
     /// Returns the number of instances, `None` for one without an index, or an error after a report.
@@ -213,7 +213,7 @@ impl Expander<'_> {
         self.model.lost.extend(body.lost.iter().map(|l| format!("{full}.{l}")));
         self.lines(&body.items, &body.uses, Some(&groups), home, &scope);
         for g in &body.gestures {
-            self.model.gestures.push(Entry { key: scope.name(&g.key), ..scope.given(g) });
+            self.model.gestures.push(Entry { key: scope.name(&g.key), ..scope.resolve(g) });
         }
         self.one_of_many(full, u, &scope);
         let (used, named) = (scope.used.into_inner(), scope.named.into_inner());
@@ -266,7 +266,7 @@ impl Expander<'_> {
                     return (Arg::Outer(meant, number.clone(), e.span), None);
                 }
             }
-            let meant = outer.given(e).value;
+            let meant = outer.resolve(e).value;
             if !is_number {
                 return (Arg::Other(meant, e.span), None);
             }
@@ -299,7 +299,7 @@ impl Expander<'_> {
             |name: &str| self.root.contains(name) || scope.own.contains(name) || params.iter().any(|p| p.key == name);
         if !is_number(default, &inner) {
             let default = Entry { value: default.clone(), ..p.clone() };
-            return (Arg::Other(scope.given(&default).value, p.span), None);
+            return (Arg::Other(scope.resolve(&default).value, p.span), None);
         }
         let mut value = p.value.clone();
         if let Value::Table(t) = &mut value {

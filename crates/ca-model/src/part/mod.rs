@@ -8,8 +8,6 @@
 //! part first, then at the root of the model. Text templates were rejected because a finding could not point into them.
 
 #[cfg(feature = "parse")]
-mod beside;
-#[cfg(feature = "parse")]
 mod expand;
 #[cfg(feature = "parse")]
 mod expander;
@@ -18,6 +16,8 @@ mod fan;
 pub mod files;
 #[cfg(feature = "parse")]
 mod find;
+#[cfg(feature = "parse")]
+mod ignored_sections;
 #[cfg(feature = "parse")]
 mod instance;
 #[cfg_attr(not(feature = "parse"), allow(dead_code))]

@@ -72,7 +72,7 @@ impl Scope {
     }
 
     /// Resolves the names in a value that is given to a part within this scope.
-    pub fn given(&self, e: &Entry) -> Entry {
+    pub fn resolve(&self, e: &Entry) -> Entry {
         each(e, &|t| self.number(t).or_else(|| self.selector(t)))
     }
 

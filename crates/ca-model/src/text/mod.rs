@@ -4,6 +4,6 @@ mod blocks;
 pub(crate) mod entry;
 pub(crate) mod file;
 mod members;
-mod newer;
 pub(crate) mod reader;
 mod syntax;
+mod toml_1_1;

@@ -7,10 +7,10 @@
 //!
 //! The pass also counts brackets. After errors the parser's protection against deep nesting can fail, and a hostile
 //! file would overflow the stack. A text nested deeper than [`DEEP`] is not parsed. The first place that TOML 1.0
-//! refuses is recorded too (`newer.rs`).
+//! refuses is recorded too (`toml_1_1.rs`).
 
 use super::blocks::{Cut, Cutter};
-use super::newer::Newer;
+use super::toml_1_1::Newer;
 use crate::diag::{Diag, Diags};
 use crate::model::LARGEST;
 use crate::model::Span;

@@ -10,7 +10,7 @@
 
 Needs the wheel `iceoryx2==0.10.0`, imported when a `Device` is made, and nothing else of the package: a copy of this
 file beside a program is enough (``from device import Device``). The rules for forces that may reach a motor follow
-`host/watch.rs`, and the contents of frames `host/client.rs`; `ca device conformance NAME` checks both.
+`host/force_watchdog.rs`, and the contents of frames `host/client.rs`; `ca device conformance NAME` checks both.
 """
 
 from __future__ import annotations
@@ -128,7 +128,7 @@ About = _record("About", b"caAB", _HEAD + (
     "float32[32] damping"))  # fmt: skip
 
 
-#: file that iceoryx2 0.10.0 creates with mode 0666, and its first bytes: see `host/ours.rs`
+#: file that iceoryx2 0.10.0 creates with mode 0666, and its first bytes: see `host/file_ownership.rs`
 _COUNTER, _RELEASE = "9204dd183d1c4d8e1ff592a30766ffa6765aa8b5_node.0_10_0.global_mgmt", 10 << 16
 _SHM = "/dev/shm"
 #: longest wait for a process that writes a new prefix [s]

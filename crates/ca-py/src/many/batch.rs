@@ -2,9 +2,9 @@
 
 use crate::error::failure;
 use crate::gesture::Gesture;
+use crate::long_call::run_detached;
 use crate::model::Given;
 use crate::scene::Scene;
-use crate::wait::apart;
 use ca_lab::play::Sample;
 use ca_sweep::batch::{self, Batch, BatchSpec};
 use numpy::{Element, IntoPyArray as _, PyArrayMethods as _};
@@ -39,7 +39,7 @@ fn played<S: Sample + Element + 'static>(
     gesture: Option<Py<Gesture>>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'_, PyDict>> {
-    let batch = apart(py, progress, move |wanted| {
+    let batch = run_detached(py, progress, move |wanted| {
         let (loaded, options) = scene.get().source();
         let gesture = gesture.as_ref().map(|g| &g.get().gesture);
         batch::batch::<S>(loaded, options, &spec, gesture, &mut |done, all| wanted.goes_on(done, all))

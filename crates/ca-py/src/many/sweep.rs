@@ -2,9 +2,9 @@
 
 use crate::error::{failure, usage};
 use crate::gesture::Gesture;
+use crate::long_call::{run_detached, run_unless};
 use crate::measure::table;
 use crate::model::{Given, Model};
-use crate::wait::{apart, unless};
 use ca_lab::Failure;
 use ca_sweep::folder::{self, Folder};
 use ca_sweep::{Audio, Axis, Column, SweepSpec};
@@ -58,7 +58,7 @@ impl Sweep {
         measure: bool,
     ) -> PyResult<Sweep> {
         let (whole, gesture) = (model.whole(), gesture.map(|g| g.gesture.clone()));
-        let made = apart(py, None, move |_| {
+        let made = run_detached(py, None, move |_| {
             let axes = vary.into_iter().map(|(name, space)| space.axis(&name)).collect::<Result<_, _>>()?;
             let ask = SweepSpec { axes, runs, seed, seconds, rate, energy, measure };
             ca_sweep::Sweep::new(whole, ask, gesture)
@@ -92,7 +92,7 @@ impl Sweep {
     #[getter]
     fn columns(&self) -> (Vec<String>, Vec<String>) {
         let all = self.sweep.table(&[]).columns.into_iter().map(|c| c.0).collect();
-        (all, self.sweep.ask().axes.iter().map(ca_sweep::column).collect())
+        (all, self.sweep.spec().axes.iter().map(ca_sweep::column).collect())
     }
 
     /// Text that describes it: equal for equal sweeps only.
@@ -152,7 +152,7 @@ impl Sweep {
         chunk: u64,
     ) -> PyResult<Option<Bound<'py, PyDict>>> {
         let folder = of.get().folder(py, path, audio, chunk)?;
-        let all = apart(py, None, move |_| folder.gather(&of.get().sweep))?.map_err(|e| failure(py, e))?;
+        let all = run_detached(py, None, move |_| folder.gather(&of.get().sweep))?.map_err(|e| failure(py, e))?;
         all.map(|t| columns(py, t)).transpose()
     }
 }
@@ -166,7 +166,7 @@ impl Sweep {
     ) -> PyResult<R> {
         let mine = of.clone_ref(py);
         let ended = || of.get().stop.load(Relaxed);
-        let found = unless(py, None, ended, move |wanted| work(&mine.get().sweep, &mut || wanted.still()))?;
+        let found = run_unless(py, None, ended, move |wanted| work(&mine.get().sweep, &mut || wanted.still()))?;
         found.unwrap_or(Err(Failure::Stopped)).map_err(|e| failure(py, e))
     }
 

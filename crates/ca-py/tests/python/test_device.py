@@ -1,4 +1,4 @@
-"""Rules for the forces at the motors of a Python device, one by one, as in `host/watch.rs`."""
+"""Rules for the forces at the motors of a Python device, one by one, as in `host/force_watchdog.rs`."""
 
 from __future__ import annotations
 

@@ -215,7 +215,7 @@ struct Slot<'r, S> {
 
 impl<S: Sample> Slot<'_, S> {
     /// Stores rows of outputs (channels, then `probes` probes) from sample `first`.
-    fn keep(&mut self, rows: &[f64], probes: usize, level: &mut Level, first: usize) {
+    fn store(&mut self, rows: &[f64], probes: usize, level: &mut Level, first: usize) {
         let channels = level.peak.len();
         let width = (channels + probes).max(1);
         level.keep_rows(rows, width, &mut self.sound[first * channels..]);
@@ -284,7 +284,7 @@ impl Shared<'_> {
                     own.extend_from_slice(&row[i * channels..][..channels]);
                     own.extend_from_slice(&row[n * channels + i * self.probes..][..self.probes]);
                 }
-                slot.keep(&own, self.probes, level, first);
+                slot.store(&own, self.probes, level, first);
             }
             if self.stop.load(Relaxed) { Err(()) } else { Ok(()) }
         });
@@ -293,7 +293,7 @@ impl Shared<'_> {
             return None;
         }
         for (slot, level) in some.iter_mut().zip(&levels) {
-            *slot.to = (Outcome::heard(level, 0, width > 0), peak(level));
+            *slot.to = (Outcome::judge(level, 0, width > 0), peak(level));
         }
         Some(())
     }
@@ -324,7 +324,7 @@ impl Shared<'_> {
         }
         let mut level = Level::new(self.channels);
         let played = play::play(Performance::new(scene, self.gesture)?, self.frames, BLOCK, &mut |_, rows, done| {
-            slot.keep(rows, probes, &mut level, done as usize - rows.len() / scene.counts.n_out.max(1));
+            slot.store(rows, probes, &mut level, done as usize - rows.len() / scene.counts.n_out.max(1));
             if self.stop.load(Relaxed) { Err(Failure::Stopped) } else { Ok(()) }
         })?;
         let outcome = Outcome::of(&played, &level, (scene, &compiled.findings), (&loaded, options), self.gesture);

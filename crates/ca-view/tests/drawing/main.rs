@@ -192,10 +192,10 @@ fn too_much_is_thinned() {
         }
         let mut out = Vec::new();
         d.view(&scene.initial.x, &mut out);
-        let (room, at) = (out.capacity(), out.as_ptr());
+        let (capacity, at) = (out.capacity(), out.as_ptr());
         out.clear();
         d.view(&scene.initial.x, &mut out);
-        assert_eq!((out.capacity(), out.as_ptr()), (room, at), "{name}: it allocates");
+        assert_eq!((out.capacity(), out.as_ptr()), (capacity, at), "{name}: it allocates");
     }
 }
 

@@ -75,7 +75,7 @@ pub fn body(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
             let length = dot(apart, apart).sqrt();
             if length <= reach {
                 family.links.push(net.links.len());
-                let ports = vec![(ends, MeasureKind::Radial(apart, 0.0, Past::Kept(None)))];
+                let ports = vec![(ends, MeasureKind::Radial(apart, 0.0, Past::Stored(None)))];
                 net.links.push(Link { ports, e0: -length, law: Law::Linear { k, z }, f: 0.0 });
             }
         }

@@ -3,7 +3,7 @@
 use super::bodies::body;
 use super::expand::{Family, bank, fixed, mat, mesh, row};
 use super::listed::{Listed, drawn, kind};
-use super::network::{Heard, Law, Link, Mat, MeasureKind, Network, Past, Point, Port};
+use super::network::{Law, Link, Mat, MeasureKind, Network, OutputSignal, Past, Point, Port};
 use super::numbers::{Numbers, entry, list, word};
 use super::waves::string;
 use ca_core::Role;
@@ -180,7 +180,7 @@ impl Builder<'_> {
             (.., None) => {
                 let soft = self.num(i, "soften");
                 let distance = apart.iter().map(|v| v * v).sum::<f64>().sqrt();
-                (MeasureKind::Radial(apart, soft * soft, Past::Kept(None)), 0.0, distance)
+                (MeasureKind::Radial(apart, soft * soft, Past::Stored(None)), 0.0, distance)
             }
         }
     }
@@ -280,14 +280,14 @@ impl Builder<'_> {
             let channel = self.numbers.maybe(i, "channel").map_or(self.net.channels(), |c| c as usize);
             let other = minus.as_ref().map(|m| (m[j], -per_tick));
             for (at, factor) in [(at, per_tick)].into_iter().chain(other) {
-                let heard = |k: usize| match (i.kind.as_str(), hear) {
-                    _ if links => Heard::ForceOf(at),
-                    ("SOF", _) | (_, "force") => Heard::ForceOn(at, k),
-                    (_, "speed") => Heard::Motion(at, k),
-                    _ => Heard::Position(at, k),
+                let signal = |k: usize| match (i.kind.as_str(), hear) {
+                    _ if links => OutputSignal::ForceOf(at),
+                    ("SOF", _) | (_, "force") => OutputSignal::ForceOn(at, k),
+                    (_, "speed") => OutputSignal::Motion(at, k),
+                    _ => OutputSignal::Position(at, k),
                 };
                 let axes = (0..3).filter(|k| n[*k] != 0.0);
-                self.net.outputs.extend(axes.map(|k| (channel, n[k] * factor * gain, heard(k))));
+                self.net.outputs.extend(axes.map(|k| (channel, n[k] * factor * gain, signal(k))));
             }
         }
     }

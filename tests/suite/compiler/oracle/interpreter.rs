@@ -76,11 +76,13 @@ impl Network {
         self.mats.iter_mut().for_each(|m| (0..3).for_each(|k| m.f[k] += m.weight[k]));
         self.lines.iter_mut().for_each(|l| l.arrive(&mut self.mats));
         for link in &mut self.links {
-            let felt = link.feel(&self.mats);
-            let sum = |of: fn(&super::measure::Felt) -> f64| felt.iter().map(of).reduce(|a, b| a + b).unwrap_or(0.0);
+            let measured = link.measure(&self.mats);
+            let sum = |of: fn(&super::measure::Measurement) -> f64| {
+                measured.iter().map(of).reduce(|a, b| a + b).unwrap_or(0.0)
+            };
             link.f = link.law.force(sum(|p| p.e) + link.e0, sum(|p| p.w));
-            for (([a, b], measure), felt) in link.ports.iter().zip(&felt) {
-                let g = felt.pull(link.f);
+            for (([a, b], measure), measured) in link.ports.iter().zip(&measured) {
+                let g = measured.pull(link.f);
                 for [i, j] in measure.axes() {
                     self.mats[*a].f[i] += g[i];
                     self.mats[*b].f[j] -= g[j];
@@ -128,7 +130,7 @@ impl Network {
         }
         self.forces();
         out.fill(0.0);
-        out.iter_mut().enumerate().for_each(|(channel, sum)| *sum = self.heard(channel));
+        out.iter_mut().enumerate().for_each(|(channel, sum)| *sum = self.channel(channel));
         for m in &mut self.mats {
             for k in 0..if m.pqc[2] == 0.0 { 0 } else { m.axes } {
                 m.d[k] = m.pqc[0] * m.d[k] + m.pqc[1] * m.x[k] + m.pqc[2] * m.f[k];

@@ -24,7 +24,7 @@ pub struct Listed {
 }
 
 pub fn kind(i: &Item) -> &'static Kind {
-    ca_conformance::drawn::catalog().get(&i.kind).unwrap_or_else(|| panic!("no kind {}", i.kind))
+    ca_conformance::random_parameters::catalog().get(&i.kind).unwrap_or_else(|| panic!("no kind {}", i.kind))
 }
 
 /// Parameters of a module in the order of its record. Tables are stored apart and referred to by number.
@@ -114,7 +114,7 @@ pub fn drawn(numbers: &Numbers, net: &mut Network, i: &Item, generator: &Generat
         let (measure, e0) = if dim == 1 {
             (MeasureKind::Line([0, 0]), 0.0)
         } else {
-            (MeasureKind::Radial(apart, 0.0, Past::Kept(None)), -l.l0.unwrap_or(length))
+            (MeasureKind::Radial(apart, 0.0, Past::Stored(None)), -l.l0.unwrap_or(length))
         };
         family.links.push(net.links.len());
         net.links.push(Link { ports: vec![(ends, measure)], e0, law: Law::Linear { k, z }, f: 0.0 });

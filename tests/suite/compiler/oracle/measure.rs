@@ -16,14 +16,14 @@ fn length(v: [f64; 3], soft: f64) -> f64 {
 }
 
 /// Measured at a port: elongation, its change, the vector from the first end to the second, and its length.
-pub struct Felt {
+pub struct Measurement {
     pub e: f64,
     pub w: f64,
     v: [f64; 3],
     l: f64,
 }
 
-impl Felt {
+impl Measurement {
     /// Force on the first end along each axis.
     pub fn pull(&self, force: f64) -> [f64; 3] {
         let part = if self.l == 0.0 { 0.0 } else { force / self.l };
@@ -33,11 +33,13 @@ impl Felt {
 
 impl MeasureKind {
     /// Measures between two ends, from positions and motion, and keeps a distance for the next tick.
-    pub fn feel(&mut self, a: &Mat, b: &Mat) -> Felt {
+    pub fn measure(&mut self, a: &Mat, b: &Mat) -> Measurement {
         let (x, d) = (difference(b.x, a.x), difference(b.d, a.d));
         match self {
-            MeasureKind::Line([i, j]) => Felt { e: b.x[*j] - a.x[*i], w: b.d[*j] - a.d[*i], v: [1.0; 3], l: 1.0 },
-            MeasureKind::Along(n) => Felt { e: dot(*n, x), w: dot(*n, d), v: *n, l: 1.0 },
+            MeasureKind::Line([i, j]) => {
+                Measurement { e: b.x[*j] - a.x[*i], w: b.d[*j] - a.d[*i], v: [1.0; 3], l: 1.0 }
+            }
+            MeasureKind::Along(n) => Measurement { e: dot(*n, x), w: dot(*n, d), v: *n, l: 1.0 },
             MeasureKind::Radial(rest, soft, past) => {
                 let now = [0, 1, 2].map(|k| rest[k] + x[k]);
                 let before = difference(now, d);
@@ -47,9 +49,9 @@ impl MeasureKind {
                         let both = [0, 1, 2].map(|k| now[k] + before[k]);
                         dot(both, d) / (l + length(before, *soft)).max(f64::MIN_POSITIVE)
                     }
-                    Past::Kept(last) => l - last.replace(l).unwrap_or_else(|| length(before, *soft)),
+                    Past::Stored(last) => l - last.replace(l).unwrap_or_else(|| length(before, *soft)),
                 };
-                Felt { e: l, w, v: now, l }
+                Measurement { e: l, w, v: now, l }
             }
         }
     }
@@ -61,14 +63,14 @@ impl MeasureKind {
 }
 
 impl Link {
-    pub fn feel(&mut self, mats: &[Mat]) -> Vec<Felt> {
-        self.ports.iter_mut().map(|([a, b], measure)| measure.feel(&mats[*a], &mats[*b])).collect()
+    pub fn measure(&mut self, mats: &[Mat]) -> Vec<Measurement> {
+        self.ports.iter_mut().map(|([a, b], measure)| measure.measure(&mats[*a], &mats[*b])).collect()
     }
 
     /// Discards kept distances.
     pub fn forget(&mut self) {
         for (_, measure) in &mut self.ports {
-            if let MeasureKind::Radial(_, _, Past::Kept(last)) = measure {
+            if let MeasureKind::Radial(_, _, Past::Stored(last)) = measure {
                 *last = None;
             }
         }

@@ -19,7 +19,7 @@ use self::build::build;
 use self::network::{Law, Network};
 use crate::play::{model, reference, within};
 use ca_compile::{KernelClass, Options};
-use ca_conformance::drawn::built;
+use ca_conformance::random_parameters::built;
 use ca_core::{Scene, State, tick};
 use ca_model::{Item, Model, Value};
 use ca_tests::gesture;

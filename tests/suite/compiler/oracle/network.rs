@@ -111,7 +111,7 @@ pub enum MeasureKind {
 /// value measured then, if any.
 pub enum Past {
     Motion,
-    Kept(Option<f64>),
+    Stored(Option<f64>),
 }
 
 /// Measures the sum over its ports plus e₀, and the change of that. The force pulls the first end of each port and
@@ -143,7 +143,7 @@ pub struct Port {
 }
 
 /// Source of an output, by number of the MAT and its axis, or of the link.
-pub enum Heard {
+pub enum OutputSignal {
     Position(usize, usize),
     Motion(usize, usize),
     ForceOn(usize, usize),
@@ -158,7 +158,7 @@ pub struct Network {
     pub points: Vec<Point>,
     pub ports: Vec<Port>,
     /// Channel, gain and source.
-    pub outputs: Vec<(usize, f64, Heard)>,
+    pub outputs: Vec<(usize, f64, OutputSignal)>,
     /// Forces from outside on a line in this tick: mass and force.
     pub pushed: Vec<(usize, f64)>,
     /// Ticks played.

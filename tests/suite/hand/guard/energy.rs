@@ -63,17 +63,17 @@ fn accounts(profile: Profile, rate: &str, exact: bool) -> [f64; 4] {
         let g = gains()[k];
         let joules = g.beta / g.alpha;
         assert!(scale[k] > 1e-3, "{} J crossed key {k}", scale[k]);
-        within("given, by the wire", (hand.given[k] - given[k]).abs() / scale[k], 1e-12);
+        within("given, by the wire", (hand.hand_work[k] - given[k]).abs() / scale[k], 1e-12);
         if exact {
             let e = ledger.hands[k];
             within("received, by the scene", (hand.received[k] - e.received * joules).abs() / scale[k], 1e-12);
-            within("asked, by the scene", (hand.asked[k] - e.given * joules).abs() / scale[k], 1e-12);
+            within("asked, by the scene", (hand.model_work[k] - e.given * joules).abs() / scale[k], 1e-12);
             within("leak", (hand.leak(k) - e.leak() * joules).abs() / scale[k], 1e-12);
         }
     }
     let b = ledger.balance();
     within("the ledger of the scene", b.residual.abs() / b.peak, 1e-12);
-    [hand.received[0], hand.asked[0], hand.given[0], hand.removed(0)]
+    [hand.received[0], hand.model_work[0], hand.hand_work[0], hand.removed(0)]
 }
 
 #[test]

@@ -82,7 +82,7 @@ fn any_force_of_a_model() {
             (p.guard.slew, p.guard.passivity, p.guard.edge) = (Some(1e9), false, 0.0);
         }
         let (mut chain, mut hand) = (Chain::new(&p, FRAME_DT), GuardFrame::new(3, FRAME_DT));
-        (hand.calibrated, hand.met, hand.age) = (true, u32::MAX, 0);
+        (hand.calibrated, hand.arrived, hand.age) = (true, u32::MAX, 0);
         let mut w = Watcher::new(&p);
         let mut rng = Random(99 + u64::from(axes));
         let (mut size, mut turned) = (0.0, 0);
@@ -96,11 +96,11 @@ fn any_force_of_a_model() {
                 chain.order([Order::Disarm, Order::Trip(Cause::Software), Order::Arm][(n % 3) as usize]);
             }
             hand.frame = u64::from(n);
-            hand.fresh = chance(&mut rng, 1.3);
-            hand.age = if chance(&mut rng, 300.0) { 40 } else { u32::from(!hand.fresh) };
+            hand.is_new = chance(&mut rng, 1.3);
+            hand.age = if chance(&mut rng, 300.0) { 40 } else { u32::from(!hand.is_new) };
             for k in 0..3 {
                 let to = 0.0099 * (f64::from(n) * 1e-3 + k as f64).sin();
-                hand.moved[k] = if hand.fresh { to - hand.x[k] } else { 0.0 };
+                hand.moved[k] = if hand.is_new { to - hand.x[k] } else { 0.0 };
                 hand.x[k] += hand.moved[k];
                 hand.ack = if chance(&mut rng, 3.0) { (rng.0 % 64 + u64::from(n)).saturating_sub(32) } else { 0 };
                 hand.v[k] = if chance(&mut rng, 2000.0) { 3.0 } else { hand.moved[k] / FRAME_DT };

@@ -100,7 +100,7 @@ fn pressed(k: f64) -> (Vec<f64>, f64) {
         swing.push(high - low);
     }
     let ledger = &l.rig.engine.ports[0].chain.ledger;
-    (swing, ledger.received[0] - ledger.given[0])
+    (swing, ledger.received[0] - ledger.hand_work[0])
 }
 
 #[test]

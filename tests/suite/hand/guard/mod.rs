@@ -1,11 +1,11 @@
 //! The guard between a model and a hand: one test per requirement and per cause, fuzzed frames and forces, and the loop
 //! of a simulated device against theory. Time is counted in frames, without a clock.
 
-mod arrival;
 mod causes;
 mod energy;
 mod fuzz;
 mod loops;
+mod reconnection;
 mod requirements;
 mod slow;
 

@@ -92,7 +92,7 @@ fn h4_motors_stay_within_their_rating() {
     let p = profile(|p| p.continuous = Some(3.0));
     let mut chain = Chain::new(&p, FRAME_DT);
     let mut hand = GuardFrame::new(1, FRAME_DT);
-    (hand.calibrated, hand.met, hand.age) = (true, u32::MAX, 0);
+    (hand.calibrated, hand.arrived, hand.age) = (true, u32::MAX, 0);
     chain.order(Order::Arm);
     let (mut heat, mut worst, mut peak, mut last) = (0.0, 0.0f64, 0, 0.0);
     for n in 0..33_000 {

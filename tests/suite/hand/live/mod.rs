@@ -49,10 +49,10 @@ fn device(n: u64) -> DeviceFrame {
 
 /// Everything a sink receives: records, sound, ticks of pictures.
 #[derive(Clone, Default)]
-struct Heard(Arc<Mutex<Received>>);
+struct RecordingSink(Arc<Mutex<Received>>);
 type Received = (Vec<Record>, Vec<f64>, Vec<u64>);
 
-impl Sink for Heard {
+impl Sink for RecordingSink {
     fn record(&mut self, record: &Record) -> Result<(), ca_io::FileError> {
         self.0.lock().unwrap().0.push(record.clone());
         Ok(())
@@ -75,18 +75,18 @@ struct Running {
     gateway: GatewayEnds,
     recorder: Recorder,
     shared: Arc<Shared>,
-    heard: Heard,
+    recorded: RecordingSink,
 }
 
 fn start(scene: &Arc<Scene>, clock: Clock, profile: Profile) -> Running {
     let engine = engine(scene, profile);
     let (ends, gateway, recorder_ends) = rings(scene, 1, 60);
-    let (shared, heard) = (Arc::new(Shared::default()), Heard::default());
-    let sinks: Vec<Box<dyn Sink>> = vec![Box::new(heard.clone())];
+    let (shared, recorded) = (Arc::new(Shared::default()), RecordingSink::default());
+    let sinks: Vec<Box<dyn Sink>> = vec![Box::new(recorded.clone())];
     let recorder = Recorder::new(recorder_ends, shared.clone(), scene.clone(), &engine.ports, sinks);
     let every = RecordIntervals { energy: 30, view: 50, hash: 3000 };
     let live = Live::new(engine, ends, shared.clone(), clock, every);
-    Running { thread: std::thread::spawn(move || live.run(None)), gateway, recorder, shared, heard }
+    Running { thread: std::thread::spawn(move || live.run(None)), gateway, recorder, shared, recorded }
 }
 
 /// A device whose forces survive a stall of the machine. With a device clock, time is counted in its frames; only the
@@ -131,17 +131,18 @@ fn threads_add_nothing_to_the_engine() {
     }
     assert_eq!(forces.last().unwrap().mode, Mode::On as u32);
     assert!(forces.iter().any(|f| f.force[0].abs() > 0.5));
-    let heard = run.heard.0.lock().unwrap();
-    assert_eq!(heard.1[..sound.len()], sound);
+    let recorded = run.recorded.0.lock().unwrap();
+    assert_eq!(recorded.1[..sound.len()], sound);
     // one frame more at the end, which reports that forces are off
-    assert_eq!(heard.1.len(), sound.len() + 16);
-    let last = heard.0.iter().rev().find_map(|r| if let Record::Force { frame, .. } = r { Some(*frame) } else { None });
+    assert_eq!(recorded.1.len(), sound.len() + 16);
+    let last =
+        recorded.0.iter().rev().find_map(|r| if let Record::Force { frame, .. } = r { Some(*frame) } else { None });
     let last = last.unwrap();
     assert_eq!((last.mode, last.cause, last.force[0]), (Mode::Off as u32, Cause::Disarmed as u16, 0.0));
-    let devices = heard.0.iter().filter(|r| matches!(r, Record::Device { .. })).count();
+    let devices = recorded.0.iter().filter(|r| matches!(r, Record::Device { .. })).count();
     assert_eq!((devices, summary.frames, summary.dropped), (4000, 4001, 0));
-    assert_eq!(heard.2.len(), 80, "pictures: one in fifty frames");
-    assert!(heard.0.iter().any(|r| matches!(r, Record::Hash { .. })));
+    assert_eq!(recorded.2.len(), 80, "pictures: one in fifty frames");
+    assert!(recorded.0.iter().any(|r| matches!(r, Record::Hash { .. })));
     assert!(summary.is_faithful() && summary.faults.is_empty(), "{summary:?}");
     assert_eq!(summary.frame_us.n, 4000);
 }
@@ -172,8 +173,8 @@ fn parameters_change_together_or_not_at_all() {
     run.shared.stop.store(true, Relaxed);
     let engine = run.thread.join().unwrap();
     run.recorder.poll();
-    let heard = run.heard.0.lock().unwrap();
-    let changes: Vec<_> = heard
+    let recorded = run.recorded.0.lock().unwrap();
+    let changes: Vec<_> = recorded
         .0
         .iter()
         .filter_map(|r| match r {

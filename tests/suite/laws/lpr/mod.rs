@@ -1,6 +1,6 @@
 //! Quadripoles: energy, statics, modes, and silent outputs under rigid motion.
 
-mod dry;
+mod coulomb;
 mod plain;
 
 use crate::play::{Random, audited, case, list, mat, num, off, scene, within};

@@ -3,7 +3,7 @@
 use super::FS;
 use crate::play::{Random, apart, mat, model, scene, with, within};
 use ca_compile::Options;
-use ca_conformance::drawn::{args, built, laws};
+use ca_conformance::random_parameters::{args, built, laws};
 use ca_core::{compute_forces, integrate, tick};
 use ca_model::{Entry, Model, Value};
 use std::fmt::Write as _;

@@ -1,6 +1,6 @@
 //! Energy: none is created, the ledgers balance, and they name the module that makes energy.
 
-use super::bench::{FS, string};
+use super::test_models::{FS, string};
 use crate::play::{PI, audited, case, mat, mats, num, off, within};
 use ca_core::tick;
 

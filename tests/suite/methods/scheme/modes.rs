@@ -1,6 +1,6 @@
 //! Modes of chains and meshes, up to the limit.
 
-use super::bench::{FS, heard, mode, string};
+use super::test_models::{FS, mode, string, warped_frequency};
 use crate::play::{PI, Random, TURN, apart, case, list, mat, mats, num, off, scene, within};
 use ca_core::{Level, State, tick};
 
@@ -14,7 +14,7 @@ fn a07_modes_of_a_chain() {
     for (j, f) in list(c, "values/j").into_iter().zip(list(c, "values/f")) {
         let shape: Vec<f64> = (1..=n).map(|i| (i as f64 * j * PI / (n as f64 + 1.0)).sin()).collect();
         let (lambda, stray) = mode(&scene, &masses, &shape);
-        within(&format!("A07 mode {j}"), off(heard(lambda, FS), f), num(c, "tolerance/rel"));
+        within(&format!("A07 mode {j}"), off(warped_frequency(lambda, FS), f), num(c, "tolerance/rel"));
         within(&format!("A07 mode {j} keeps its shape"), stray, 1e-14);
         let theta = TURN * f / FS;
         let mut s = scene.state();
@@ -55,7 +55,7 @@ fn a08_at_the_limit_a_string_is_exactly_harmonic() {
     (0..99 * period).for_each(|_| tick(&scene, &mut s));
     within("A08 a hundred periods", apart(&now(&s), &start), tolerance);
     let shape: Vec<f64> = (1..=n).map(|i| (i as f64 * PI / (n as f64 + 1.0)).sin()).collect();
-    let f = heard(mode(&scene, &masses, &shape).0, FS);
+    let f = warped_frequency(mode(&scene, &masses, &shape).0, FS);
     within("A08 f₁", off(f, num(c, "values/f1")), tolerance);
 }
 

@@ -1,6 +1,6 @@
 //! One oscillator: solution, start, warping, limit, damping.
 
-use super::bench::{FS, at, bob, heard, mode};
+use super::test_models::{FS, at, bob, mode, warped_frequency};
 use crate::play::{PI, TURN, case, list, mat, num, off, rows, scene, within};
 use ca_core::internal::tuning::retune;
 use ca_core::{Level, tick};
@@ -31,7 +31,7 @@ fn a01_the_oscillator_is_its_own_exact_solution() {
     }
     within("A01 x against cos nθ", worst, num(c, "tolerance/x_abs"));
     let (lambda, _) = mode(&scene, &[i], &[1.0]);
-    within("A01 f_sim", off(heard(lambda, FS), num(c, "values/f_sim")), num(c, "tolerance/f_rel"));
+    within("A01 f_sim", off(warped_frequency(lambda, FS), num(c, "values/f_sim")), num(c, "tolerance/f_rel"));
     let cycles = (turns.len() - 1) as f64 / (turns[turns.len() - 1] - turns[0]);
     within("A01 counted cycles", off(cycles * FS, num(c, "values/f_sim")), 1e-6);
 }
@@ -55,7 +55,7 @@ fn a02_warping() {
         let linked = scene(&bob(FS, 1e-3, k, 0.0));
         let cell = scene(&format!("[CEL]\nbob = {{ m = 0.001, k = {k:?} }}\n[SOX]\nout = {{ from = \"bob\" }}\n"));
         for scene in [&linked, &cell] {
-            let f = heard(mode(scene, &[mat(scene, "bob")], &[1.0]).0, FS);
+            let f = warped_frequency(mode(scene, &[mat(scene, "bob")], &[1.0]).0, FS);
             within(&format!("A02 {} Hz", row[0]), off(f, row[1]), tolerance);
             let cents = 1200.0 * (f / row[0]).log2();
             within(&format!("A02 {} Hz in cents", row[0]), (cents - row[2]).abs(), 1e-9);
@@ -63,7 +63,7 @@ fn a02_warping() {
         // a cell with `f` is not warped
         let asked =
             scene(&format!("[CEL]\nbob = {{ m = 0.001, f = {:?} }}\n[SOX]\nout = {{ from = \"bob\" }}\n", row[0]));
-        let f = heard(mode(&asked, &[mat(&asked, "bob")], &[1.0]).0, FS);
+        let f = warped_frequency(mode(&asked, &[mat(&asked, "bob")], &[1.0]).0, FS);
         within(&format!("A02 {} Hz asked", row[0]), off(f, row[0]), tolerance);
     }
     // the highest frequency: a = 4

@@ -1,12 +1,12 @@
 //! Scale: powers of two change no bit, large scales change little, and non-finite numbers stay outside.
 
 use crate::play::{apart, audited, case, list, model, num, within};
-use ca_benches::atlas::survival::{self, heard};
+use ca_benches::atlas::survival::{self, scaled_output};
 use ca_core::tick;
 
 /// Output of the struck string with forces scaled by `k` and lengths by `l`.
 fn scaled(k: f64, l: f64) -> Vec<f64> {
-    heard(&survival::scaled(k, l), 20_000, l)
+    scaled_output(&survival::scaled(k, l), 20_000, l)
 }
 
 #[test]

@@ -12,9 +12,9 @@ use proptest::prelude::*;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-mod bare;
 mod foreign;
-use bare::same_movement;
+mod independent_parser;
+use independent_parser::same_movement;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("mims")

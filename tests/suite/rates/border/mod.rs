@@ -1,8 +1,8 @@
 //! The rate boundary: the energy that the hand gives is the energy that the scene receives.
 
 mod degraded;
+mod device_loop;
 mod images;
-mod looped;
 mod space;
 
 use crate::play::{Random, TURN, audited, case, mat, num, within};

@@ -55,8 +55,8 @@ pub(super) fn text(asked: &DeviceDemands, out: &mut impl Write) -> Result<(), Fa
             out,
             "  travel     `{}` needs {} to {}, the device has {} to {}",
             r.name,
-            metre(r.asks[0]),
-            metre(r.asks[1]),
+            metre(r.required_range[0]),
+            metre(r.required_range[1]),
             metre(p.range[0]),
             metre(p.range[1])
         )?;
@@ -105,7 +105,7 @@ pub(super) fn text(asked: &DeviceDemands, out: &mut impl Write) -> Result<(), Fa
             )?;
         }
     }
-    if asked.rows.iter().any(|r| r.felt.is_some() || asked.beyond(r).contains(&true)) {
+    if asked.rows.iter().any(|r| r.stiffness.is_some() || asked.beyond(r).contains(&true)) {
         writeln!(
             out,
             "\n  A softened key acts on the hand through a virtual coupling; the model and its sound do not change. A key above \
@@ -126,12 +126,12 @@ pub(super) fn json(asked: &DeviceDemands) -> Json {
             let [stiff, active] = asked.beyond(r);
             let links: Vec<Json> = r.links.iter().map(|(n, k)| json!({"name": n, "k": k})).collect();
             json!({
-                "name": r.name, "dof": r.dof, "there": r.there, "k": r.k(), "certified": r.presented.certified,
+                "name": r.name, "dof": r.dof, "there": r.has_dof, "k": r.k(), "certified": r.presented.certified,
                 "steepest": r.presented.steepest, "viscosity": r.presented.viscosity, "sticks": r.presented.sticks,
-                "felt": r.felt, "too_stiff": r.too_stiff, "force": r.force, "saturates": r.saturates, "links": links,
+                "felt": r.stiffness, "too_stiff": r.too_stiff, "force": r.force, "saturates": r.saturates, "links": links,
                 "alpha": r.gains.alpha, "beta": r.gains.beta,
                 "beyond_stiffness": stiff, "beyond_passive": active,
-                "asks": r.asks, "beyond_travel": asked.outside(r),
+                "asks": r.required_range, "beyond_travel": asked.outside(r),
             })
         })
         .collect();

@@ -8,7 +8,7 @@ use ca_device_tools::calibrate::{self, Reader, StopReading};
 use ca_device_tools::store;
 use ca_haptic::calibration::Calibration;
 use ca_haptic::frame::DOF;
-use ca_haptic::host::lines::check_name;
+use ca_haptic::host::services::check_name;
 use ca_model::quantity::short;
 use std::io::{BufRead as _, IsTerminal as _, Write as _};
 

@@ -23,7 +23,7 @@ pub fn run(args: &SimArgs) -> Outcome {
         let profile = store::profile_file(&args.profile);
         let gesture = args.gesture.iter().map(|p| ("the gesture", &**p));
         let inputs: Vec<_> = profile.iter().map(|p| ("the profile", &**p)).chain(gesture).collect();
-        outputs::apart(&[("--force-log", log)], &inputs)?;
+        outputs::check_distinct(&[("--force-log", log)], &inputs)?;
     }
     if args.wait && args.script == ScriptKind::Push {
         return Err(Failure::Usage(

@@ -13,7 +13,7 @@ use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{outputs, page, term};
 use ca_compile::Options;
-use ca_fit::{Beyond, Distance, Fit, FitOptions, Range, Stage, StopReason, Words, fit, report};
+use ca_fit::{Distance, Fit, FitOptions, Prediction, Range, Stage, StopReason, Words, fit, report};
 use ca_io::recording::Recording;
 use ca_model::Value;
 use ca_model::quantity::{Plain, six};
@@ -28,7 +28,7 @@ pub fn run(args: &FitArgs) -> Outcome {
     let page = args.report.iter().map(|p| ("--report", &**p));
     let written: Vec<_> = args.to_file.write.iter().map(|p| ("--write", &**p)).chain(page).collect();
     let read = render::inputs("", &args.gesture).into_iter().chain([("the recording", &*args.to)]);
-    outputs::apart(&written, &read.collect::<Vec<_>>())?;
+    outputs::check_distinct(&written, &read.collect::<Vec<_>>())?;
     let source = Source { set: args.set.clone(), ..Source::of(&args.model) };
     let loaded = load::load(&source)?;
     let writes = args.to_file.in_place || args.to_file.write.is_some();
@@ -153,7 +153,7 @@ fn value(loaded: &Loaded, target: &str, found: &Fit) -> Json {
                 "deviation": f.deviation, "at_end": f.at_end })
         })
         .collect();
-    let beyond = |b: &Beyond| {
+    let beyond = |b: &Prediction| {
         json!({ "seconds": b.seconds, "model": distance(&b.model), "sinusoids": distance(&b.sinusoids),
             "count": b.count })
     };

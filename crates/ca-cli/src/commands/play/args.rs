@@ -1,6 +1,6 @@
 //! Arguments of `ca play`.
 
-use crate::commands::aim::Aim;
+use crate::commands::error_target::ErrorTarget;
 use crate::commands::serve::ServeArgs;
 use clap::Args;
 
@@ -25,7 +25,7 @@ pub struct PlayArgs {
     pub serve: ServeArgs,
     /// the error
     #[command(flatten)]
-    pub aim: Aim,
+    pub error_target: ErrorTarget,
     /// Prints the address without opening it
     #[arg(long, help_heading = "Page")]
     pub no_open: bool,

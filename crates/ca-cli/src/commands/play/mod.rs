@@ -23,7 +23,7 @@ pub fn run(args: &PlayArgs) -> Outcome {
             *redirect = browser::open(address);
         }
     };
-    if args.aim.error.is_none() {
+    if args.error_target.error.is_none() {
         return serve::play(&args.serve, Some(page(args)), Box::new(opens));
     }
     let mut aimed = args.serve.clone();
@@ -32,7 +32,7 @@ pub fn run(args: &PlayArgs) -> Outcome {
         return Err(Failure::Usage(what.into()));
     }
     let loaded = load::load(&aimed.source)?;
-    aimed.source.set.extend(args.aim.changes(&loaded, aimed.source.rate, aimed.quiet)?);
+    aimed.source.set.extend(args.error_target.changes(&loaded, aimed.source.rate, aimed.quiet)?);
     serve::play(&aimed, Some(page(args)), Box::new(opens))
 }
 

@@ -2,7 +2,7 @@
 
 use crate::args::common::dbfs;
 use crate::args::{Playing, Source};
-use crate::commands::aim::Aim;
+use crate::commands::error_target::ErrorTarget;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -62,7 +62,7 @@ pub struct RenderArgs {
     pub probe: Vec<String>,
     /// the error
     #[command(flatten)]
-    pub aim: Aim,
+    pub error_target: ErrorTarget,
     /// Computes the energy ledger for the whole length (slower)
     #[arg(long, help_heading = "Computation")]
     pub energy: bool,

@@ -21,10 +21,10 @@ use crate::{outputs, term};
 use ca_compile::{KernelClass, Options};
 use ca_core::{Location, Scene, State};
 use ca_io::atomic_file::is_stdout;
-use ca_io::ending::{Ending, RenderOut};
 use ca_io::files::Files;
 use ca_io::format::Format;
 use ca_io::gesture::Gesture;
+use ca_io::level_and_fade::{Ending, RenderOut};
 use ca_io::perform::Performance;
 use ca_io::probe::ProbeOut;
 use ca_lab::play::{Divergence, Length};
@@ -46,9 +46,9 @@ pub fn run(args: &RenderArgs) -> Outcome {
     let output = output(args, &loaded)?;
     let probes = probes(args, &output)?;
     let written = [("-o", &*output)].into_iter().chain(probes.iter().map(|p| ("--probe", &*p.file)));
-    let written: Vec<_> = written.chain(args.aim.files()).collect();
-    outputs::apart(&written, &inputs(&args.source.model, &args.playing.gesture))?;
-    for (name, value) in args.aim.changes(&loaded, args.source.rate, args.quiet || args.json)? {
+    let written: Vec<_> = written.chain(args.error_target.files()).collect();
+    outputs::check_distinct(&written, &inputs(&args.source.model, &args.playing.gesture))?;
+    for (name, value) in args.error_target.changes(&loaded, args.source.rate, args.quiet || args.json)? {
         ca_lab::load::set_typed(&mut loaded, &name, &value)?;
     }
     let options = Options {
@@ -102,7 +102,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
     let energy = match &played.energy {
         Some(ledger) => {
             let diverged = played.diverged_at.is_some();
-            Some(play::Audit { ledger: ledger.clone(), ticks: played.energy_ticks, whole: true, diverged })
+            Some(play::Audit { ledger: ledger.clone(), ticks: played.energy_ticks, complete: true, diverged })
         }
         None => play::audit(audited, gesture.as_ref(), played.frames),
     };

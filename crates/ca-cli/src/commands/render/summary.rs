@@ -8,8 +8,8 @@ use crate::load::ticked;
 use crate::outcome::Failure;
 use crate::term;
 use ca_core::{Certificate, Scene, Unit};
-use ca_io::ending::Ended;
-use ca_io::slow::EDGE;
+use ca_io::level_and_fade::Ended;
+use ca_io::low_frequency::EDGE;
 use ca_io::sound::Written;
 use ca_lab::facts::border::{exchanged, scale_of};
 use ca_lab::facts::certificate::stability;
@@ -218,7 +218,7 @@ impl Summary<'_> {
             } else {
                 writeln!(out, "  energy     diverged after {time:.4} s, found at {found:.4} s; `--energy` shows when")?;
             }
-            if a.whole {
+            if a.complete {
                 writeln!(out, "    at load  {}", joule(b.h0))?;
                 for (name, made) in &makers(self.audited, &a.ledger, 5) {
                     writeln!(out, "      {} made by `{name}` until then", joule(*made))?;
@@ -226,7 +226,7 @@ impl Summary<'_> {
             }
             return Ok(());
         }
-        let span = if a.whole {
+        let span = if a.complete {
             String::new()
         } else {
             format!(" (first {} s)", short(time).trim_end_matches('0').trim_end_matches('.'))
@@ -235,7 +235,7 @@ impl Summary<'_> {
         let balance =
             if rel == 0.0 { "exactly".into() } else { format!("to {rel:.1e} of its peak, {}", joule(b.peak)) };
         writeln!(out, "  energy     balances {balance}{span}")?;
-        if !a.whole {
+        if !a.complete {
             return Ok(());
         }
         writeln!(out, "    at load  {}", joule(b.h0))?;
@@ -281,7 +281,7 @@ impl Summary<'_> {
                 .map(|(name, r, g)| json!({"name": name, "received": r, "given": g, "leak": r - g}))
                 .collect();
             json!({
-                "seconds": a.ticks as f64 * self.scene.rates.sample_dt, "whole": a.whole, "residual": b.residual,
+                "seconds": a.ticks as f64 * self.scene.rates.sample_dt, "whole": a.complete, "residual": b.residual,
                 "relative_residual": relative(&b), "peak": b.peak, "at_load": b.h0, "received": b.work,
                 "changed": b.changed, "lost": b.lost, "made": b.scheme_error, "held": b.h, "makers": makers,
                 "hands": hands, "made_at_border": compensated(self.audited).then_some(a.ledger.groups.border),

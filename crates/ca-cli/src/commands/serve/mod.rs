@@ -67,7 +67,7 @@ pub(crate) fn request(args: &ServeArgs, page: Option<PageOptions>, read: Reader)
         seconds: args.seconds,
         gesture: args.gesture,
         energy: args.energy,
-        asked: None,
+        requests: None,
     })
 }
 
@@ -127,5 +127,5 @@ fn written(args: &ServeArgs) -> Result<(), Failure> {
     inputs.extend(calibrations.iter().map(|p| ("a calibration", &**p)));
     inputs.extend(args.midi.iter().chain(&args.osc_token).map(|p| ("an input", &**p)));
     let sound = args.output.iter().map(|p| ("-o", &**p));
-    outputs::apart(&sound.chain(args.log.iter().map(|p| ("--log", &**p))).collect::<Vec<_>>(), &inputs)
+    outputs::check_distinct(&sound.chain(args.log.iter().map(|p| ("--log", &**p))).collect::<Vec<_>>(), &inputs)
 }

@@ -7,7 +7,7 @@ use super::{LogArgs, LogCommand};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{outputs, term};
 use ca_haptic::take::{End, Summary, Take, export, recover};
-use ca_model::plain::plain;
+use ca_model::printable::printable;
 use serde_json::json;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -37,7 +37,7 @@ pub fn run(args: &LogArgs) -> Outcome {
 
 /// Refuses to overwrite the take, or without `force` any existing file.
 fn free(path: &Path, from: &Path, force: bool) -> Result<(), Failure> {
-    outputs::apart(&[("-o", path)], &[("the take", from)])?;
+    outputs::check_distinct(&[("-o", path)], &[("the take", from)])?;
     if path.is_file() && !force {
         return Err(Failure::Failed(format!("`{}` exists; use `--force` to overwrite it", path.display())));
     }
@@ -115,7 +115,7 @@ fn info(take: &Take, s: &Summary) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     let h = &take.header;
     let size = std::fs::metadata(&take.path).map_or(0, |m| m.len());
-    writeln!(out, "{}: {:.3} s of `{}`, {}", take.path.display(), s.seconds, plain(&h.title), bytes(size))?;
+    writeln!(out, "{}: {:.3} s of `{}`, {}", take.path.display(), s.seconds, printable(&h.title), bytes(size))?;
     let get = |key: &str| h.host.get(key).map_or("?", String::as_str);
     writeln!(out, "  written by ca {} on {} {}", get("ca"), get("os"), get("arch"))?;
     writeln!(out, "  rates      sound {} Hz, gesture {} Hz", h.rate, h.rate / f64::from(h.ratio))?;

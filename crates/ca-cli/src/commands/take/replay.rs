@@ -11,7 +11,7 @@ use ca_haptic::take::{Replay, ReplayVerdict, Take};
 use ca_io::format::Format;
 use ca_io::sound::WavOut;
 use ca_lab::catalog;
-use ca_model::plain::plain;
+use ca_model::printable::printable;
 use ca_model::quantity::short;
 use ca_take::account::Account;
 use serde_json::{Value, json};
@@ -21,7 +21,7 @@ use std::io::Write;
 pub fn run(args: &ReplayArgs) -> Outcome {
     if let Some(path) = &args.output {
         ca_live::check_wav_path(path)?;
-        outputs::apart(&[("-o", path)], &[("the take", &args.file)])?;
+        outputs::check_distinct(&[("-o", path)], &[("the take", &args.file)])?;
     }
     let mut take = Take::open(&args.file)?;
     // the ledger does not change the bits of the sound, as the comparison shows
@@ -49,7 +49,7 @@ pub fn run(args: &ReplayArgs) -> Outcome {
 fn text(take: &Take, v: &ReplayVerdict, account: Option<&Account>) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     let title = if take.header.title.is_empty() { &take.header.file } else { &take.header.title };
-    writeln!(out, "{}: {:.3} s of `{}`", take.path.display(), v.seconds, plain(title))?;
+    writeln!(out, "{}: {:.3} s of `{}`", take.path.display(), v.seconds, printable(title))?;
     writeln!(
         out,
         "  compared   {} force frames, {} sound samples, {} hashes of the state",

@@ -86,7 +86,7 @@ fn print(loaded: &Loaded, done: &[Tuned], as_json: bool) -> Result<(), Failure> 
         let list: Vec<Json> = done
             .iter()
             .map(|t| {
-                json!({ "part": t.part, "wanted_hz": t.wanted, "before_hz": t.before, "heard_hz": t.heard, "off_cents": t.off(),
+                json!({ "part": t.part, "wanted_hz": t.target, "before_hz": t.before, "heard_hz": t.reached, "off_cents": t.off(),
                     "number": t.number })
             })
             .collect();
@@ -96,7 +96,7 @@ fn print(loaded: &Loaded, done: &[Tuned], as_json: bool) -> Result<(), Failure> 
     writeln!(out, "{}", loaded.name)?;
     for t in done {
         let off = t.off();
-        let (from, to) = (quantity::Plain(t.before), quantity::Plain(t.heard));
+        let (from, to) = (quantity::Plain(t.before), quantity::Plain(t.reached));
         writeln!(out, "  {}: {from:.4} Hz → {to:.4} Hz, {off:+.6} cents off, by {}", t.part, t.number)?;
     }
     Ok(())

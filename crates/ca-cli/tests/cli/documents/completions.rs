@@ -1,10 +1,10 @@
 //! Tests shell completion in bash.
 
-use crate::desk::{BAR, Desk};
+use crate::sandbox::{BAR, Sandbox};
 
 /// Returns the candidates of bash for the last word.
 #[cfg(unix)]
-fn offered(desk: &Desk, words: &str) -> Vec<String> {
+fn offered(sandbox: &Sandbox, words: &str) -> Vec<String> {
     let last = words.split(' ').count() - 1;
     let word = words.split(' ').next_back().unwrap();
     let script = format!(
@@ -13,17 +13,17 @@ bash -c '. ./ca.bash; complete -p ca > /dev/null; COMP_WORDS=({words} ); [ -n \"
 COMP_CWORD={last} COMP_TYPE=9; _clap_complete_ca ca \"{word}\" 2> err
 printf \"%s\\n\" \"${{COMPREPLY[@]}}\"'; rm ca.bash err"
     );
-    desk.sh(&script).is(0).out.lines().map(str::to_owned).collect()
+    sandbox.sh(&script).is(0).out.lines().map(str::to_owned).collect()
 }
 
 #[cfg(unix)]
 #[test]
 fn bash_completes_commands_options_and_models() {
-    let desk = Desk::new();
-    desk.put("harp.ca.toml", BAR).put("harm.txt", "").put("harp.mdl", "");
-    std::fs::create_dir(desk.path("harbour")).unwrap();
+    let sandbox = Sandbox::new();
+    sandbox.put("harp.ca.toml", BAR).put("harm.txt", "").put("harp.mdl", "");
+    std::fs::create_dir(sandbox.path("harbour")).unwrap();
     let has = |words: &str, all: &[&str], none: &[&str]| {
-        let offered = offered(&desk, words);
+        let offered = offered(&sandbox, words);
         assert!(all.iter().all(|w| offered.iter().any(|o| o == w)), "{words}: {offered:?}");
         assert!(!none.iter().any(|w| offered.iter().any(|o| o == w)), "{words}: {offered:?}");
     };
@@ -42,7 +42,7 @@ fn bash_completes_commands_options_and_models() {
 
 #[test]
 fn every_shell_has_a_script() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     for (shell, word) in [
         ("bash", "complete -o"),
         ("zsh", "#compdef ca"),
@@ -50,8 +50,8 @@ fn every_shell_has_a_script() {
         ("elvish", "ca"),
         ("powershell", "ca"),
     ] {
-        let script = desk.ca(&["completions", shell]).is(0).out;
+        let script = sandbox.ca(&["completions", shell]).is(0).out;
         assert!(script.contains(word) && script.contains("COMPLETE"), "{shell}: {script}");
     }
-    desk.ca(&["completions", "csh"]).is(2).says(&["bash", "zsh", "fish"]);
+    sandbox.ca(&["completions", "csh"]).is(2).says(&["bash", "zsh", "fish"]);
 }

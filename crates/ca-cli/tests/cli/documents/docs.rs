@@ -2,8 +2,8 @@
 
 use super::commands;
 #[cfg(unix)]
-use crate::desk::peak;
-use crate::desk::{Desk, blocks, from_root};
+use crate::sandbox::peak;
+use crate::sandbox::{Sandbox, blocks, from_root};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -33,13 +33,13 @@ fn fresh(page: &str, want: &str) {
 
 #[test]
 fn the_page_of_kinds_is_fresh() {
-    fresh("docs/kinds.md", &format!("{INTRO}{}", Desk::new().ca(&["list", "--markdown"]).is(0).out));
+    fresh("docs/kinds.md", &format!("{INTRO}{}", Sandbox::new().ca(&["list", "--markdown"]).is(0).out));
 }
 
 #[test]
 fn the_page_of_commands_is_fresh() {
-    let desk = Desk::new();
-    let help = |words: &[&str]| desk.with(&[("COLUMNS", "100")], &[&["help"][..], words].concat()).is(0).out;
+    let sandbox = Sandbox::new();
+    let help = |words: &[&str]| sandbox.with(&[("COLUMNS", "100")], &[&["help"][..], words].concat()).is(0).out;
     fresh("docs/commands.md", &commands::page(help));
 }
 
@@ -51,16 +51,16 @@ fn language() -> Vec<(PathBuf, String)> {
 
 #[test]
 fn the_examples_of_the_format_are_models_without_findings() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let mut seen = 0;
     for (path, page) in language() {
         let models = blocks(&page, "toml");
         assert!(!models.is_empty() || path.ends_with("README.md"), "{}: no example", path.display());
         for (_, model) in &models {
-            desk.put("example.ca.toml", model);
-            let r = desk.ca(&["render", "example.ca.toml", "--seconds", "2"]).is(0);
+            sandbox.put("example.ca.toml", model);
+            let r = sandbox.ca(&["render", "example.ca.toml", "--seconds", "2"]).is(0);
             assert_eq!(r.err, "", "{model}");
-            let check = desk.ca(&["check", "example.ca.toml"]).is(0);
+            let check = sandbox.ca(&["check", "example.ca.toml"]).is(0);
             assert_eq!(check.err, "", "{model}");
         }
         seen += models.len();
@@ -218,21 +218,21 @@ fn links_between_documents_lead_somewhere() {
 #[test]
 fn the_commands_of_the_page_of_imports_run() {
     let page = fs::read_to_string(from_root("docs/import.md")).unwrap();
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     for language in ["text", "toml"] {
         for (before, file) in blocks(&page, language) {
-            desk.put(before.rsplit('`').nth(1).unwrap(), file);
+            sandbox.put(before.rsplit('`').nth(1).unwrap(), file);
         }
     }
     let lines: Vec<&str> = blocks(&page, "sh").into_iter().flat_map(|(_, b)| b.lines()).collect();
     assert!(lines.len() >= 7, "{lines:?}");
-    let said: String = lines.iter().map(|line| desk.sh(line).is(0)).map(|ran| ran.out + &ran.err).collect();
+    let said: String = lines.iter().map(|line| sandbox.sh(line).is(0)).map(|ran| ran.out + &ran.err).collect();
     for words in ["N201", "read as the position one sample before", "6 MAT, 9 LIA: 6 MAS, 8 REF, 1 BUT"] {
         assert!(said.contains(words), "no `{words}` in\n{said}");
     }
-    let read = |name: &str| fs::read(desk.path(name)).unwrap();
+    let read = |name: &str| fs::read(sandbox.path(name)).unwrap();
     assert!(read("one.wav") == read("direct.wav"), "the sound of the imported model is another");
-    assert!(peak(&desk.wav("pyramid.wav").1) > 1e-3 && peak(&desk.wav("played.wav").1) > 1e-3);
+    assert!(peak(&sandbox.wav("pyramid.wav").1) > 1e-3 && peak(&sandbox.wav("played.wav").1) > 1e-3);
 }
 
 /// The pages for contributors name existing files, and CONTRIBUTING.md has two pages.

@@ -2,9 +2,9 @@
 
 mod effects;
 
-use crate::desk::{Desk, blocks, from_root, peak};
 #[cfg(unix)]
 use crate::long_form::long_form;
+use crate::sandbox::{Sandbox, blocks, from_root, peak};
 #[cfg(unix)]
 use effects::Line;
 use std::fs;
@@ -27,12 +27,12 @@ fn the_first_command_renders_and_the_second_tests() {
     let readme = readme();
     let commands = commands(&readme);
     let args = commands[0].strip_prefix("cargo run --release --bin ca -- ").expect("the first command runs `ca`");
-    let desk = Desk::new();
-    desk.ca(&args.split(' ').collect::<Vec<_>>()).is(0);
+    let sandbox = Sandbox::new();
+    sandbox.ca(&args.split(' ').collect::<Vec<_>>()).is(0);
     let (name, _) = readme.split_once(".wav`").unwrap();
     let name = name.rsplit('`').next().unwrap();
-    assert_eq!(desk.files(), [format!("{name}.wav")], "the file that the README names");
-    assert!(peak(&desk.wav(&desk.files()[0]).1) > 0.05, "it is heard");
+    assert_eq!(sandbox.files(), [format!("{name}.wav")], "the file that the README names");
+    assert!(peak(&sandbox.wav(&sandbox.files()[0]).1) > 0.05, "it is heard");
 
     assert_eq!(commands[1], "tests/run");
     let recipe = fs::read_to_string(from_root(".ci/run")).unwrap();
@@ -55,23 +55,23 @@ fn every_ca_line_does_what_it_is_there_for() {
     let mut ran_lines = 0;
     for page in PAGES {
         let text = fs::read_to_string(from_root(page)).unwrap();
-        let desk = Desk::new();
+        let sandbox = Sandbox::new();
         let models = blocks(&text, "toml");
         assert!(models.len() <= 1, "{page}: at most one model, saved under one name");
         for (before, model) in models {
             // the file name of the model is the last text in backquotes before it
             let name = before.rsplit('`').nth(1).unwrap();
             assert!(name.ends_with(".ca.toml"), "{page}: {name}");
-            desk.put(name, model);
+            sandbox.put(name, model);
         }
         let mut lines = lines(&text, false);
         if !long_form("`ca bench` as the documents have it") {
             lines.retain(|l| l.verb() != "bench");
         }
         for line in &lines {
-            let before = effects::files(&desk);
-            let ran = desk.sh(line.text).is(0);
-            effects::check(&desk, line, &before, &ran);
+            let before = effects::files(&sandbox);
+            let ran = sandbox.sh(line.text).is(0);
+            effects::check(&sandbox, line, &before, &ran);
         }
         ran_lines += lines.len();
     }
@@ -87,33 +87,33 @@ mod in_real_time {
     #[test]
     fn what_is_served_does_what_it_is_there_for() {
         let page = fs::read_to_string(from_root("docs/hand.md")).unwrap();
-        let desk = Desk::new();
+        let sandbox = Sandbox::new();
         let lines = lines(&page, true);
         let [device, server, rest @ ..] = &lines[..] else { panic!("a device and a server") };
         assert!(device.beside && server.verb() == "serve" && rest.len() >= 3);
-        play(&desk, server, device);
+        play(&sandbox, server, device);
         for line in rest {
-            let before = effects::files(&desk);
-            let ran = desk.sh(line.text).is(0);
-            effects::check(&desk, line, &before, &ran);
+            let before = effects::files(&sandbox);
+            let ran = sandbox.sh(line.text).is(0);
+            effects::check(&sandbox, line, &before, &ran);
         }
     }
 
     /// Plays the strokes of a simulated device until the forces are as the page says. On a stalled machine the
     /// watchdogs end the forces as intended, so it plays again.
-    fn play(desk: &Desk, server: &Line, device: &Line) {
+    fn play(sandbox: &Sandbox, server: &Line, device: &Line) {
         const TRIES: usize = 10;
         for _ in 0..TRIES {
-            desk.files().iter().for_each(|f| fs::remove_file(desk.path(f)).unwrap());
-            desk.sh(device.text).is(0);
-            let ran = desk.sh(server.text);
+            sandbox.files().iter().for_each(|f| fs::remove_file(sandbox.path(f)).unwrap());
+            sandbox.sh(device.text).is(0);
+            let ran = sandbox.sh(server.text);
             // the device waits for the server and ends by itself
-            let felt = effects::felt(desk, device);
+            let felt = effects::felt(sandbox, device);
             let stood_still = ran.out.contains("WATCHDOG");
             let code = if stood_still && ran.code == 3 { 3 } else { 0 };
             let ran = ran.is(code);
             if felt > 1.0 {
-                return effects::check(desk, server, &effects::files(desk), &ran);
+                return effects::check(sandbox, server, &effects::files(sandbox), &ran);
             }
             assert!(stood_still, "more than a newton, says the page, and {felt} N were felt\n{}{}", ran.out, ran.err);
         }
@@ -132,14 +132,14 @@ fn commands_in_its_sentences_are_commands() {
     let mut seen = 0;
     let spans = text.split('`').skip(1).step_by(2).filter(|s| !s.contains('\n'));
     for line in spans.filter_map(Line::new) {
-        let desk = Desk::new();
+        let sandbox = Sandbox::new();
         let bundled = line.words.get(1).filter(|m| ca_lab::load::bundled(m).is_some());
         if bundled.is_some() && line.verb() == "render" {
-            let before = effects::files(&desk);
-            let ran = desk.sh(line.text).is(0);
-            effects::check(&desk, &line, &before, &ran);
+            let before = effects::files(&sandbox);
+            let ran = sandbox.sh(line.text).is(0);
+            effects::check(&sandbox, &line, &before, &ran);
         } else {
-            let help = desk.ca(&[line.verb(), "--help"]).is(0).out;
+            let help = sandbox.ca(&[line.verb(), "--help"]).is(0).out;
             for option in line.words.iter().filter(|w| w.starts_with("--")) {
                 assert!(help.contains(option.as_str()), "`{}`: no {option} in\n{help}", line.text);
             }

@@ -1,8 +1,8 @@
 //! Tests the JSON Schema with an independent validator: it accepts every model and example, and refuses what a schema
 //! can refuse.
 
-use crate::desk::{Desk, blocks, from_root};
 use crate::documents::docs::markdown;
+use crate::sandbox::{Sandbox, blocks, from_root};
 use jsonschema::Validator;
 use serde_json::{Value as Json, json};
 use std::fs;
@@ -11,7 +11,7 @@ use toml_edit::{DocumentMut, Item, TableLike, Value};
 
 /// Validator for the output of `ca list --schema`, which must be a valid schema.
 fn validator() -> Validator {
-    let schema = Desk::new().ca(&["list", "--schema"]).is(0).json();
+    let schema = Sandbox::new().ca(&["list", "--schema"]).is(0).json();
     jsonschema::draft202012::meta::validate(&schema).unwrap_or_else(|e| panic!("no schema: {e}"));
     jsonschema::draft202012::new(&schema).unwrap_or_else(|e| panic!("no schema: {e}"))
 }
@@ -118,26 +118,29 @@ fn the_schema_refuses_what_it_can() {
 #[test]
 fn a_new_model_names_its_schema() {
     let v = validator();
-    let desk = Desk::new();
-    fs::create_dir(desk.path("mine")).unwrap();
+    let sandbox = Sandbox::new();
+    fs::create_dir(sandbox.path("mine")).unwrap();
     for (args, title) in
         [(&["new", "mine/a.ca.toml"][..], "My string"), (&["new", "mine/b.ca.toml", "--from", "glass"], "")]
     {
-        desk.ca(args).is(0);
-        let text = fs::read_to_string(desk.path(args[1])).unwrap();
+        sandbox.ca(args).is(0);
+        let text = fs::read_to_string(sandbox.path(args[1])).unwrap();
         let line = text.lines().next().unwrap();
         let named = line.strip_prefix("#:schema ").expect("the first line names a schema");
         // like Taplo, resolves the path from the folder of the model
-        let schema = fs::read_to_string(desk.path("mine").join(named)).unwrap();
+        let schema = fs::read_to_string(sandbox.path("mine").join(named)).unwrap();
         let schema: Json = serde_json::from_str(&schema).unwrap();
-        assert_eq!(schema, desk.ca(&["list", "--schema"]).is(0).json());
+        assert_eq!(schema, sandbox.ca(&["list", "--schema"]).is(0).json());
         assert_eq!(wrong(&v, &text), Vec::<String>::new());
         assert!(text.contains(title));
-        assert!(!desk.ca(&["check", args[1]]).is(0).out.contains("schema"), "a line for editors is no text for people");
+        assert!(
+            !sandbox.ca(&["check", args[1]]).is(0).out.contains("schema"),
+            "a line for editors is no text for people"
+        );
     }
     // an older schema is replaced; another file is kept and named
-    desk.put("mine/ca.schema.json", "{\"title\": \"CORDIS-ANIMA model\"}").ca(&["new", "mine/c.ca.toml"]).is(0);
-    assert!(fs::read_to_string(desk.path("mine/ca.schema.json")).unwrap().contains("\"MAS\""));
-    desk.put("mine/ca.schema.json", "precious").ca(&["new", "mine/d.ca.toml"]).is(1).says(&["ca.schema.json"]);
-    assert_eq!(fs::read_to_string(desk.path("mine/ca.schema.json")).unwrap(), "precious");
+    sandbox.put("mine/ca.schema.json", "{\"title\": \"CORDIS-ANIMA model\"}").ca(&["new", "mine/c.ca.toml"]).is(0);
+    assert!(fs::read_to_string(sandbox.path("mine/ca.schema.json")).unwrap().contains("\"MAS\""));
+    sandbox.put("mine/ca.schema.json", "precious").ca(&["new", "mine/d.ca.toml"]).is(1).says(&["ca.schema.json"]);
+    assert_eq!(fs::read_to_string(sandbox.path("mine/ca.schema.json")).unwrap(), "precious");
 }

@@ -1,7 +1,7 @@
 //! Checks that code, messages and documents use the terms of the field instead of private words.
 
-use crate::desk::from_root;
 use crate::documents::docs::texts;
+use crate::sandbox::from_root;
 use std::fs;
 
 /// Words to avoid, in two parts so that this file does not match, and the proper term.

@@ -1,15 +1,15 @@
 //! Tests `ca accuracy`: references, orders, Pareto front, recommendation, and page.
 
-use crate::desk::Desk;
+use crate::sandbox::Sandbox;
 use serde_json::Value as Json;
 use std::fs;
 
 fn measured(text: &str, more: &[&str]) -> Json {
-    let desk = Desk::new();
-    desk.put("model.ca.toml", text);
+    let sandbox = Sandbox::new();
+    sandbox.put("model.ca.toml", text);
     let mut args = vec!["accuracy", "model.ca.toml", "--json"];
     args.extend(more);
-    serde_json::from_str(&desk.ca(&args).is(0).out).expect("JSON")
+    serde_json::from_str(&sandbox.ca(&args).is(0).out).expect("JSON")
 }
 
 fn row<'a>(found: &'a Json, method: &str, times: u64) -> &'a Json {
@@ -164,10 +164,10 @@ fn what_an_output_hears_is_what_is_measured() {
 
 #[test]
 fn the_page_has_a_plot_and_the_table() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let short = ["accuracy", "glass", "--seconds", "0.3", "--times", "1,2", "--reference", "8", "-o", "glass.html"];
-    let text = desk.ca(&short).is(0).out;
-    let page = fs::read_to_string(desk.path("glass.html")).expect("a page");
+    let text = sandbox.ca(&short).is(0).out;
+    let page = fs::read_to_string(sandbox.path("glass.html")).expect("a page");
     for word in ["error", "ns/sample", "as written", "stability"] {
         assert!(text.contains(word) && page.contains(word), "{word}\n{text}");
     }
@@ -176,22 +176,22 @@ fn the_page_has_a_plot_and_the_table() {
 
 #[test]
 fn nothing_to_hear_is_a_failure() {
-    let desk = Desk::new();
-    desk.put("mute.ca.toml", "[MAS]\na = { m = 1 }\n");
-    desk.ca(&["accuracy", "mute.ca.toml"]).is(1).says(&["--probe"]);
-    desk.put("still.ca.toml", "[MAS]\na = { m = 1 }\n[SOX]\nout = { from = \"a\" }\n");
-    desk.ca(&["accuracy", "still.ca.toml", "--seconds", "0.01"]).is(1).says(&["no motion of `out`", "--seconds"]);
-    desk.ca(&["accuracy", "glass", "--error", "0"]).is(2).says(&["above 0"]);
+    let sandbox = Sandbox::new();
+    sandbox.put("mute.ca.toml", "[MAS]\na = { m = 1 }\n");
+    sandbox.ca(&["accuracy", "mute.ca.toml"]).is(1).says(&["--probe"]);
+    sandbox.put("still.ca.toml", "[MAS]\na = { m = 1 }\n[SOX]\nout = { from = \"a\" }\n");
+    sandbox.ca(&["accuracy", "still.ca.toml", "--seconds", "0.01"]).is(1).says(&["no motion of `out`", "--seconds"]);
+    sandbox.ca(&["accuracy", "glass", "--error", "0"]).is(2).says(&["above 0"]);
 }
 
 /// A row is not recommended if the uncertainty of the reference exceeds the limit, however small its error seems.
 #[test]
 fn no_way_is_better_than_its_reference_is_known() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let text = format!("{CHAIN}[CUB]\nhard = {{ between = [\"l\", \"b\"], k3 = \"10 GN/m^3\" }}\n");
-    desk.put("hard.ca.toml", &text);
+    sandbox.put("hard.ca.toml", &text);
     let short = ["accuracy", "hard.ca.toml", "--seconds", "0.02", "--times", "1", "--reference", "4"];
-    let ask = |error: &str, more: &[&str]| desk.ca(&[&short[..], &["--error", error], more].concat());
+    let ask = |error: &str, more: &[&str]| sandbox.ca(&[&short[..], &["--error", error], more].concat());
     let plain = ask("1e-30", &[]).is(3);
     assert!(
         plain.out.contains("the reference is accurate only to") && plain.out.contains("`--reference`"),
@@ -205,16 +205,16 @@ fn no_way_is_better_than_its_reference_is_known() {
         assert!(found["recommended"].is_null(), "{found:#}");
         assert!(found["verdict"].as_str().is_some_and(|v| v.contains("`--reference`")), "{found:#}");
     }
-    desk.put("line.ca.toml", CHAIN);
-    let r = desk.ca(&["accuracy", "line.ca.toml", "--seconds", "0.02", "--times", "1", "--error", "1e-30"]).is(3);
+    sandbox.put("line.ca.toml", CHAIN);
+    let r = sandbox.ca(&["accuracy", "line.ca.toml", "--seconds", "0.02", "--times", "1", "--error", "1e-30"]).is(3);
     assert!(r.out.contains("the closed form is accurate only to 1.0e-12"), "{}", r.out);
 }
 
 #[test]
 fn no_reference_is_beyond_all_rates() {
-    let desk = Desk::new();
-    desk.put("model.ca.toml", CHAIN);
-    desk.ca(&["accuracy", "model.ca.toml", "--reference", "256"]).is(2).says(&["at most 208 times the rate"]);
+    let sandbox = Sandbox::new();
+    sandbox.put("model.ca.toml", CHAIN);
+    sandbox.ca(&["accuracy", "model.ca.toml", "--reference", "256"]).is(2).says(&["at most 208 times the rate"]);
 }
 
 /// The model in single precision agrees to its rounding at every multiple of the rate. Models that do not fit in single
@@ -263,31 +263,31 @@ fn the_page_of_error_against_run_time_is_true() {
 /// `--error` plays a model by another method, and writes it.
 #[test]
 fn a_render_meets_an_error_by_the_cheapest_proven_method() {
-    let desk = Desk::new();
-    desk.put(
+    let sandbox = Sandbox::new();
+    sandbox.put(
         "own.ca.toml",
         "# kept\n[SOL]\nwall = {}\n[MAS]\nbob = { m = \"1 g\", x = \"1 mm\", v = \"-1 m/s\" }\n\
          [BUT]\nhit = { between = [\"wall\", \"bob\"], k = \"40 kN/m\" }\n[SOX]\nout = { from = \"bob\" }\n",
     );
     let render =
-        |more: &[&str]| desk.ca(&[&["render", "own.ca.toml", "--seconds", "0.02", "-o", "out.wav"], more].concat());
+        |more: &[&str]| sandbox.ca(&[&["render", "own.ca.toml", "--seconds", "0.02", "-o", "out.wav"], more].concat());
     let ran = render(&["--error", "0.01", "--write", "chosen.ca.toml"]).is(0);
     assert!(ran.err.contains("error") && ran.err.contains("per sample") && ran.err.contains("proven"), "{}", ran.err);
-    let chosen = fs::read_to_string(desk.path("chosen.ca.toml")).unwrap();
+    let chosen = fs::read_to_string(sandbox.path("chosen.ca.toml")).unwrap();
     assert!(chosen.starts_with("# kept\n") && chosen.contains("method"), "{chosen}");
     // the written model is computed as the render was
-    let by_error = fs::read(desk.path("out.wav")).unwrap();
-    desk.ca(&["render", "chosen.ca.toml", "--seconds", "0.02", "-o", "again.wav", "-q"]).is(0);
-    assert!(by_error == fs::read(desk.path("again.wav")).unwrap());
-    let ran = desk.ca(&["check", "chosen.ca.toml"]).is(0);
+    let by_error = fs::read(sandbox.path("out.wav")).unwrap();
+    sandbox.ca(&["render", "chosen.ca.toml", "--seconds", "0.02", "-o", "again.wav", "-q"]).is(0);
+    assert!(by_error == fs::read(sandbox.path("again.wav")).unwrap());
+    let ran = sandbox.ca(&["check", "chosen.ca.toml"]).is(0);
     assert!(ran.out.contains("proven"), "{}", ran.out);
 
     render(&["--error", "1e-30"]).is(1).says(&["no method has an error of at most 1e-30"]);
     // outputs are checked before the model is measured, and a model from standard input is read once
-    desk.ca(&["render", "own.ca.toml", "--error", "0.01", "-o", "out.txt"]).is(2);
-    desk.sh("cat own.ca.toml | ca render - --error 0.01 --seconds 0.02 -o piped.wav -q").is(0);
+    sandbox.ca(&["render", "own.ca.toml", "--error", "0.01", "-o", "out.txt"]).is(2);
+    sandbox.sh("cat own.ca.toml | ca render - --error 0.01 --seconds 0.02 -o piped.wav -q").is(0);
     // the choice depends on measured times, so another run may choose another method
-    assert_eq!(by_error.len(), fs::read(desk.path("piped.wav")).unwrap().len());
+    assert_eq!(by_error.len(), fs::read(sandbox.path("piped.wav")).unwrap().len());
     render(&["--error", "0"]).is(2);
     render(&["--write", "other.ca.toml"]).is(2);
     render(&["--error", "0.01", "--write", "chosen.ca.toml"])

@@ -1,20 +1,20 @@
 //! Tests the output of commands about the rate boundary and the output stage, and the options for them.
 
-use crate::desk::{Desk, KEY, STRUCK, peak};
+use crate::sandbox::{KEY, STRUCK, Sandbox, peak};
 
 #[test]
 fn check_tells_delays_and_what_a_key_asks_of_a_device() {
-    let desk = Desk::new();
-    desk.put("struck.ca.toml", STRUCK);
-    let r = desk.ca(&["check", "struck.ca.toml"]).is(0);
+    let sandbox = Sandbox::new();
+    sandbox.put("struck.ca.toml", STRUCK);
+    let r = sandbox.ca(&["check", "struck.ca.toml"]).is(0);
     r.says(&["gesture to force 0.333 ms, gesture to sound 0.333 ms\n", "interpolated linearly over the frame"])
         .says(&["`key`: sum of springs 2 kN/m; to stay passive, the device needs a friction of 0.667 N s/m"])
         .says(&["a friction of 1 N s/m allows 3 kN/m, or 1.5 kN/m if the device applies each force a frame later"]);
     let set = ["check", "struck.ca.toml", "--latency", "2", "--border", "hold", "--set", "rate.filter=18 kHz"];
-    let r = desk.ca(&set).is(0);
+    let r = sandbox.ca(&set).is(0);
     r.says(&["gesture to force 1.00 ms, gesture to sound 1.50 ms", "2 frames from", "0.500 ms from the output filter"])
         .says(&["held over the frame", "needs a friction of 2.00 N s/m", "1 N s/m allows 1 kN/m"]);
-    let j = desk.ca(&[&set[..], &["--json"]].concat()).is(0).json();
+    let j = sandbox.ca(&[&set[..], &["--json"]].concat()).is(0).json();
     let of = |path: &str| j["summary"]["latency"].pointer(path).cloned().unwrap();
     for (path, want) in [
         ("/gesture_to_force_ms", 1.0),
@@ -29,34 +29,34 @@ fn check_tells_delays_and_what_a_key_asks_of_a_device() {
         assert!((is / want - 1.0).abs() < 1e-9, "{path}: {is}");
     }
     assert_eq!((of("/border/shape"), of("/border/latency")), ("hold".into(), 2.into()));
-    let r = desk.ca(&["check", "struck.ca.toml", "--no-feedback"]).is(0).says(&["no force feedback"]);
+    let r = sandbox.ca(&["check", "struck.ca.toml", "--no-feedback"]).is(0).says(&["no force feedback"]);
     assert!(!r.out.contains("passive"), "{}", r.out);
     let one = ["check", "struck.ca.toml", "--set", "rate.gesture=48 kHz"];
-    desk.ca(&one).is(0).says(&["the force of the tick", "0.0208 N s/m"]);
+    sandbox.ca(&one).is(0).says(&["the force of the tick", "0.0208 N s/m"]);
 }
 
 /// Oversampling is reported. Its sound is the plain one delayed by the filter, apart from the error of the scheme.
 #[test]
 fn finer_ticks_are_reported_and_heard() {
-    let desk = Desk::new();
-    desk.put("struck.ca.toml", STRUCK).put("key.csv", KEY);
+    let sandbox = Sandbox::new();
+    sandbox.put("struck.ca.toml", STRUCK).put("key.csv", KEY);
     let four = ["--set", "rate.oversample=4"];
-    let check = |more: &[&str]| desk.ca(&[&["check", "struck.ca.toml"], &four[..], more].concat()).is(0);
+    let check = |more: &[&str]| sandbox.ca(&[&["check", "struck.ca.toml"], &four[..], more].concat()).is(0);
     check(&[])
         .says(&["rates      sound 48 kHz (4 ticks per sample), gesture 3 kHz, 64 ticks per frame"])
         .says(&["gesture to force 0.333 ms", "0.854 ms from the output filter"]);
     check(&["--schedule"]).says(&["ticks between", "to samples", "to ticks", "low pass", "whole tick"]);
     assert_eq!(check(&["--json"]).json()["summary"]["oversample"], 4);
-    let r = desk.ca(&["check", "struck.ca.toml", "--schedule"]).is(0).says(&["one tick per sample"]);
+    let r = sandbox.ca(&["check", "struck.ca.toml", "--schedule"]).is(0).says(&["one tick per sample"]);
     assert!(!r.out.contains("ticks between") && !r.out.contains("(1 tick"), "{}", r.out);
-    let modes = desk.ca(&[&["modes", "struck.ca.toml"], &four[..]].concat()).is(0);
+    let modes = sandbox.ca(&[&["modes", "struck.ca.toml"], &four[..]].concat()).is(0);
     modes.says(&["at 48000 Hz (4 ticks per sample)"]);
-    let bad = desk.ca(&["check", "struck.ca.toml", "--set", "rate.oversample=65"]).is(1);
+    let bad = sandbox.ca(&["check", "struck.ca.toml", "--set", "rate.oversample=65"]).is(1);
     assert!(bad.err.contains("use a value from 1 to 64"), "{}", bad.err);
     let play = |more: &[&str]| {
         let args = ["render", "struck.ca.toml", "--gesture", "key.csv", "--seconds", "200 ms", "-q"];
-        desk.ca(&[&args[..], more].concat()).is(0);
-        desk.wav("struck.wav").1
+        sandbox.ca(&[&args[..], more].concat()).is(0);
+        sandbox.wav("struck.wav").1
     };
     let (plain, fine) = (play(&[]), play(&four));
     assert_eq!(plain.len(), fine.len());
@@ -66,12 +66,12 @@ fn finer_ticks_are_reported_and_heard() {
 
 #[test]
 fn a_render_is_late_without_a_force_or_filtered() {
-    let desk = Desk::new();
-    desk.put("struck.ca.toml", STRUCK).put("key.csv", KEY);
+    let sandbox = Sandbox::new();
+    sandbox.put("struck.ca.toml", STRUCK).put("key.csv", KEY);
     let play = |more: &[&str]| {
         let args = ["render", "struck.ca.toml", "--gesture", "key.csv", "--seconds", "500 ms", "-q", "--no-fade"];
-        desk.ca(&[&args[..], more].concat()).is(0);
-        desk.wav("struck.wav").1
+        sandbox.ca(&[&args[..], more].concat()).is(0);
+        sandbox.wav("struck.wav").1
     };
     let plain = play(&[]);
     assert!(peak(&plain) > 0.1);
@@ -88,14 +88,15 @@ fn a_render_is_late_without_a_force_or_filtered() {
 
 #[test]
 fn the_report_says_how_late_and_what_each_hand_gave() {
-    let desk = Desk::new();
-    desk.put("struck.ca.toml", STRUCK);
+    let sandbox = Sandbox::new();
+    sandbox.put("struck.ca.toml", STRUCK);
     let args = ["render", "struck.ca.toml", "--latency", "1", "--energy"];
-    let r = desk.ca(&args).is(0).says(&["latency    gesture to force 0.667 ms", "through `key`", "given by its hand"]);
+    let r =
+        sandbox.ca(&args).is(0).says(&["latency    gesture to force 0.667 ms", "through `key`", "given by its hand"]);
     assert!(r.err.is_empty(), "{}", r.err);
     let ledger = |more: &[&str]| {
         let args = ["render", "struck.ca.toml", "--energy", "--json"];
-        let j = desk.ca(&[&args[..], more].concat()).is(0).json();
+        let j = sandbox.ca(&[&args[..], more].concat()).is(0).json();
         let of = |key: &str| j["energy"]["hands"][0][key].as_f64().unwrap();
         (of("received"), of("given"), of("leak"), j["latency"]["gesture_to_sound_ms"].as_f64().unwrap())
     };
@@ -107,69 +108,71 @@ fn the_report_says_how_late_and_what_each_hand_gave() {
 
 #[test]
 fn what_is_asked_of_a_border_that_is_not_there_is_said() {
-    let desk = Desk::new();
-    desk.put("bar.ca.toml", crate::desk::BAR);
+    let sandbox = Sandbox::new();
+    sandbox.put("bar.ca.toml", crate::sandbox::BAR);
     for verb in ["check", "render"] {
-        desk.ca(&[verb, "bar.ca.toml", "--latency", "3"]).is(0).says(&["no device key", "have no effect"]);
-        let r = desk.ca(&[verb, "bar.ca.toml"]).is(0);
+        sandbox.ca(&[verb, "bar.ca.toml", "--latency", "3"]).is(0).says(&["no device key", "have no effect"]);
+        let r = sandbox.ca(&[verb, "bar.ca.toml"]).is(0);
         assert!(r.err.is_empty() && !r.out.contains("latency"), "{}{}", r.out, r.err);
     }
-    desk.ca(&["check", "bar.ca.toml", "--set", "rate.filter=18 kHz"])
+    sandbox
+        .ca(&["check", "bar.ca.toml", "--set", "rate.filter=18 kHz"])
         .says(&["the output filter delays the sound by 0.500 ms"]);
-    desk.ca(&["check", "bar.ca.toml", "--latency", "-1"]).is(2);
-    desk.ca(&["check", "bar.ca.toml", "--border", "cubic"]).is(2).says(&["linear", "hold"]);
+    sandbox.ca(&["check", "bar.ca.toml", "--latency", "-1"]).is(2);
+    sandbox.ca(&["check", "bar.ca.toml", "--border", "cubic"]).is(2).says(&["linear", "hold"]);
 }
 
 #[test]
 fn a_group_at_the_gesture_rate_is_reported() {
-    let desk = Desk::new();
-    desk.put(
+    let sandbox = Sandbox::new();
+    sandbox.put(
         "slow.ca.toml",
         "[slow]\nrate = \"gesture\"\n[slow.STRING]\nlow = { n = 200, k = \"5 kN/m\", m = \"10 g\" }\n[MAS]\nbob = { m = \"1 g\", dx0 \
          = \"1 mm\" }\n[RES]\ntie = { between = [\"slow.low[50]\", \"bob\"], k = 100 }\n[SOX]\nout = { from = \"bob\" }\n",
     );
-    let r = desk.ca(&["check", "slow.ca.toml", "--schedule"]).is(0);
+    let r = sandbox.ca(&["check", "slow.ca.toml", "--schedule"]).is(0);
     r.says(&["group      200 masses and 201 links once per frame; links to the rest act on 1 axes, exact\n"]).says(&[
         "gesture group",
         "the group: 200 masses and 201 links take",
         "once in 16 ticks",
         "proven",
     ]);
-    let j = desk.ca(&["check", "slow.ca.toml", "--schedule", "--json"]).is(0).json();
+    let j = sandbox.ca(&["check", "slow.ca.toml", "--schedule", "--json"]).is(0).json();
     assert_eq!(
         j["summary"]["slow"],
         serde_json::json!({"masses": 200, "links": 201, "coupled": 1, "compensated": false})
     );
     assert!(j["schedule"]["ns_of_group_per_frame"].as_f64().unwrap() > 0.0);
-    desk.put("struck.ca.toml", STRUCK);
-    assert!(desk.ca(&["check", "struck.ca.toml", "--json"]).is(0).json()["summary"]["slow"].is_null());
+    sandbox.put("struck.ca.toml", STRUCK);
+    assert!(sandbox.ca(&["check", "struck.ca.toml", "--json"]).is(0).json()["summary"]["slow"].is_null());
 }
 
 /// A rate boundary that may make energy is reported with the energy it made. For an exact boundary, this line is
 /// absent.
 #[test]
 fn a_compensated_border_has_an_account() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let model = "[hammer]\nrate = \"gesture\"\nborder = \"compensated\"\n[hammer.MAS]\nhead = { m = \"50 g\", x = \"5 mm\", v = \"-1 m/s\" \
                  }\n[CEL]\nbar = { m = \"20 g\", f = \"330 Hz\", t60 = \"2 s\" }\n[BUT]\nstrike = { between = [\"bar\", \
                  \"hammer.head\"], k = \"20 kN/m\" }\n[SOX]\nout = { from = \"bar\", gain = 100 }\n";
-    desk.put("hit.ca.toml", model);
-    desk.ca(&["check", "hit.ca.toml"]).is(0).says(&[
+    sandbox.put("hit.ca.toml", model);
+    sandbox.ca(&["check", "hit.ca.toml"]).is(0).says(&[
         "W107",
         "stability  not proven",
         "links to the rest act on 1 axes, compensated:",
     ]);
-    desk.put("light.ca.toml", &model.replace("50 g", "2 g"));
-    desk.ca(&["check", "light.ca.toml"])
+    sandbox.put("light.ca.toml", &model.replace("50 g", "2 g"));
+    sandbox
+        .ca(&["check", "light.ca.toml"])
         .is(0)
         .says(&["W107", "`hammer.head` is too light for its links to the sound: T²K/M is 1.11"]);
     let render = ["render", "hit.ca.toml", "--energy", "--seconds", "0.5"];
-    desk.ca(&render).is(0).says(&["of it by the compensated border of groups at the gesture rate"]);
-    let j = desk.ca(&[&render[..], &["--json"]].concat()).is(0).json();
+    sandbox.ca(&render).is(0).says(&["of it by the compensated border of groups at the gesture rate"]);
+    let j = sandbox.ca(&[&render[..], &["--json"]].concat()).is(0).json();
     let of = |key: &str| j["energy"][key].as_f64().unwrap();
     assert!(of("made_at_border") != 0.0 && of("made_at_border").abs() < 0.02 * of("peak"), "{j:#}");
     assert!(of("relative_residual") < 1e-9, "{j:#}");
-    desk.put("hit.ca.toml", &model.replace("BUT", "RES"));
-    let j = desk.ca(&[&render[..], &["--json"]].concat()).is(0).json();
+    sandbox.put("hit.ca.toml", &model.replace("BUT", "RES"));
+    let j = sandbox.ca(&[&render[..], &["--json"]].concat()).is(0).json();
     assert!(j["energy"]["made_at_border"].is_null(), "{j:#}");
 }

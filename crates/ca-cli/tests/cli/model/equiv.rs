@@ -1,7 +1,7 @@
 //! Tests `ca equiv` and `ca check --device`: the scale of a model in the hand, shown, written, and compared with a
 //! device.
 
-use crate::desk::{Desk, STRUCK};
+use crate::sandbox::{STRUCK, Sandbox};
 use std::fs;
 
 /// A model in per-sample units at 44.1 kHz, with comments to be kept.
@@ -35,26 +35,26 @@ fn near(is: f64, want: f64) {
 
 #[test]
 fn a_row_is_set_and_the_others_follow() {
-    let desk = Desk::new();
-    desk.put("paper.ca.toml", PAPER);
+    let sandbox = Sandbox::new();
+    sandbox.put("paper.ca.toml", PAPER);
     let both = ["equiv", "paper.ca.toml", "--set", "mass=20g:1.0", "--set", "position=20 mm:1"];
-    let j = desk.ca(&[&both[..], &["--json"]].concat()).is(0).json();
+    let j = sandbox.ca(&[&both[..], &["--json"]].concat()).is(0).json();
     for (row, want) in [("position", 0.02), ("force", 777_924.0), ("mass", 0.02), ("stiffness", 38_896_200.0)] {
         near(factor(&j, row), want);
     }
-    let shown = desk.ca(&both).is(0).says(&["per sample of 44.1 kHz", "777924 N", "15558.5 J"]);
+    let shown = sandbox.ca(&both).is(0).says(&["per sample of 44.1 kHz", "777924 N", "15558.5 J"]);
     assert!(!shown.out.contains("alpha"), "{}", shown.out);
-    desk.ca(&[&both[..], &["--verbose"]].concat()).is(0).says(&["alpha 50 ", "beta 777924"]);
-    assert_eq!(fs::read_to_string(desk.path("paper.ca.toml")).unwrap(), PAPER);
+    sandbox.ca(&[&both[..], &["--verbose"]].concat()).is(0).says(&["alpha 50 ", "beta 777924"]);
+    assert_eq!(fs::read_to_string(sandbox.path("paper.ca.toml")).unwrap(), PAPER);
 }
 
 #[test]
 fn a_file_is_changed_there_and_nowhere_else() {
-    let desk = Desk::new();
-    desk.put("paper.ca.toml", PAPER);
-    let read = || fs::read_to_string(desk.path("paper.ca.toml")).unwrap();
-    let table = || desk.ca(&["equiv", "paper.ca.toml", "--json"]).is(0).json();
-    let go = |args: &[&str]| desk.ca(&[&["equiv", "paper.ca.toml", "--in-place"], args].concat()).is(0);
+    let sandbox = Sandbox::new();
+    sandbox.put("paper.ca.toml", PAPER);
+    let read = || fs::read_to_string(sandbox.path("paper.ca.toml")).unwrap();
+    let table = || sandbox.ca(&["equiv", "paper.ca.toml", "--json"]).is(0).json();
+    let go = |args: &[&str]| sandbox.ca(&[&["equiv", "paper.ca.toml", "--in-place"], args].concat()).is(0);
     go(&["--set", "position=20 mm:1"]);
     assert!(read().starts_with(PAPER), "{}", read());
     assert!(read().ends_with("[equivalence]\nposition = [\"20 mm\", 1.0]\n"), "{}", read());
@@ -86,13 +86,13 @@ fn a_file_is_changed_there_and_nowhere_else() {
     assert_eq!((&j["keys"][0]["lever"], &j["keys"][1]["energy_gain"]), (&true.into(), &1.5.into()));
     assert!(read().starts_with(PAPER), "{}", read());
     // other commands report the key in units at the hand
-    desk.ca(&["check", "paper.ca.toml"]).is(0).says(&["`key3`: sum of springs"]);
+    sandbox.ca(&["check", "paper.ca.toml"]).is(0).says(&["`key3`: sum of springs"]);
 }
 
 #[test]
 fn what_does_not_fit_is_refused() {
-    let desk = Desk::new();
-    desk.put("paper.ca.toml", PAPER).put("struck.ca.toml", STRUCK);
+    let sandbox = Sandbox::new();
+    sandbox.put("paper.ca.toml", PAPER).put("struck.ca.toml", STRUCK);
     for (args, word) in [
         (&["--set", "mass=20g:1", "--set", "stiffness=1:1"][..], "with `mass`, set one of `position`"),
         (&["--set", "mass=20g:1", "--anchor", "stiffness"], "are the same equivalence"),
@@ -107,22 +107,22 @@ fn what_does_not_fit_is_refused() {
         (&["--key", "key3", "--lever", "2", "--position", "2"], "cannot be used with"),
         (&["--lever", "2"], "--key"),
     ] {
-        desk.ca(&[&["equiv", "paper.ca.toml"], args].concat()).is(2).says(&[word]);
+        sandbox.ca(&[&["equiv", "paper.ca.toml"], args].concat()).is(2).says(&[word]);
     }
-    desk.ca(&["equiv", "paper.ca.toml", "--key", "key5", "--lever", "2"]).is(1).says(&["E013", "did you mean `key"]);
-    desk.ca(&["equiv", "piano_key", "--in-place"]).is(2).says(&["--write"]);
-    desk.ca(&["equiv", "paper.ca.toml", "--write", "struck.ca.toml"]).is(1).says(&["--force"]);
-    assert_eq!(desk.files(), ["paper.ca.toml", "struck.ca.toml"]);
+    sandbox.ca(&["equiv", "paper.ca.toml", "--key", "key5", "--lever", "2"]).is(1).says(&["E013", "did you mean `key"]);
+    sandbox.ca(&["equiv", "piano_key", "--in-place"]).is(2).says(&["--write"]);
+    sandbox.ca(&["equiv", "paper.ca.toml", "--write", "struck.ca.toml"]).is(1).says(&["--force"]);
+    assert_eq!(sandbox.files(), ["paper.ca.toml", "struck.ca.toml"]);
 }
 
 #[test]
 fn check_says_what_a_device_cannot_render() {
-    let desk = Desk::new();
-    desk.put("paper.ca.toml", PAPER);
+    let sandbox = Sandbox::new();
+    sandbox.put("paper.ca.toml", PAPER);
     // K = 2e-4 at 20 g and 20 mm is 7779.24 N/m; a TGR of 2 N s/m is passive up to 2 / (2 · frame)
     let set = ["equiv", "paper.ca.toml", "--set", "mass=20g:1", "--set", "position=20 mm:1", "--in-place"];
-    desk.ca(&set).is(0);
-    let j = desk.ca(&["check", "paper.ca.toml", "--device", "tgr12", "--json"]).is(3).json();
+    sandbox.ca(&set).is(0);
+    let j = sandbox.ca(&["check", "paper.ca.toml", "--device", "tgr12", "--json"]).is(3).json();
     let key = &j["device"]["keys"][0];
     near(key["certified"].as_f64().unwrap(), 7779.24);
     assert!(
@@ -137,28 +137,28 @@ fn check_says_what_a_device_cannot_render() {
     near(key["force"].as_f64().unwrap(), 7779.24 * 0.01);
     // the second key needs a degree of freedom beyond the twelve keys
     assert_eq!(j["device"]["keys"][1]["there"], false);
-    let reported = desk.ca(&["check", "paper.ca.toml", "--device", "tgr12"]).is(3);
+    let reported = sandbox.ca(&["check", "paper.ca.toml", "--device", "tgr12"]).is(3);
     reported.says(&["2.59 × the passive limit", "`shank`", "a degree of freedom beyond the 12", "not on this device"]);
     // a user profile, stiffer and slower
     let own = "name = \"mine\"\ntitle = \"Mine\"\nsource = \"me\"\ndof = 15\nrange = [-0.01, 0.01]\nforce = 100\nstiffness = 5000\nrate = 1000\n[body]\nfriction = 20\n";
-    desk.put("mine.toml", own);
-    let reported = desk.ca(&["check", "paper.ca.toml", "--device", "mine.toml"]).is(3);
+    sandbox.put("mine.toml", own);
+    let reported = sandbox.ca(&["check", "paper.ca.toml", "--device", "mine.toml"]).is(3);
     reported.says(&["the model needs 3 kHz, the device has 1 kHz", "1.56 × what it can render"]);
-    let j = desk.ca(&["check", "paper.ca.toml", "--device", "mine.toml", "--json"]).is(3).json();
+    let j = sandbox.ca(&["check", "paper.ca.toml", "--device", "mine.toml", "--json"]).is(3).json();
     near(j["device"]["passive"].as_f64().unwrap(), 20.0 / (2.0 / 1000.0));
-    desk.ca(&["check", "paper.ca.toml", "--device", "tgr21"]).is(2).says(&["did you mean `tgr12`?"]);
-    desk.put("bad.toml", "name = 3\n");
-    desk.ca(&["check", "paper.ca.toml", "--device", "bad.toml"]).is(1).says(&["bad.toml"]);
-    desk.ca(&["check", "hammer_piano", "--device", "tgr12"]).is(0).says(&["rendered up to 10", "the force reaches"]);
-    desk.ca(&["check", "hammered_string", "--device", "mouse"]).says(&["On "]);
+    sandbox.ca(&["check", "paper.ca.toml", "--device", "tgr21"]).is(2).says(&["did you mean `tgr12`?"]);
+    sandbox.put("bad.toml", "name = 3\n");
+    sandbox.ca(&["check", "paper.ca.toml", "--device", "bad.toml"]).is(1).says(&["bad.toml"]);
+    sandbox.ca(&["check", "hammer_piano", "--device", "tgr12"]).is(0).says(&["rendered up to 10", "the force reaches"]);
+    sandbox.ca(&["check", "hammered_string", "--device", "mouse"]).says(&["On "]);
 }
 
 #[test]
 fn check_compares_what_the_gesture_asks_for_with_the_travel() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     // as written, 90 mm of the model are 20 mm at the hand, and the gesture needs 40 mm of the model
     let asks = |file: &str, code: i32| {
-        let j = desk.ca(&["check", file, "--device", "tgr12", "--json"]).is(code).json();
+        let j = sandbox.ca(&["check", file, "--device", "tgr12", "--json"]).is(code).json();
         let key = &j["device"]["keys"][0];
         assert_eq!(key["name"], "key_x");
         ([0, 1].map(|i| key["asks"][i].as_f64().unwrap()), key["beyond_travel"].as_bool().unwrap())
@@ -168,8 +168,8 @@ fn check_compares_what_the_gesture_asks_for_with_the_travel() {
     near(span[1], 0.04 * 20.0 / 90.0);
     assert!(!beyond);
     // at scale 1, the gesture exceeds the travel
-    desk.ca(&["equiv", "rattle", "--set", "position=1 m:1 m", "--write", "plain.ca.toml"]).is(0);
-    let reported = desk.ca(&["check", "plain.ca.toml", "--device", "tgr12"]).is(3);
+    sandbox.ca(&["equiv", "rattle", "--set", "position=1 m:1 m", "--write", "plain.ca.toml"]).is(0);
+    let reported = sandbox.ca(&["check", "plain.ca.toml", "--device", "tgr12"]).is(3);
     let reported = reported.says(&["`key_x` needs -40 mm to 40 mm, the device has -10 mm to 10 mm"]);
     reported.says(&["beyond its travel", "ca equiv MODEL --set position="]);
     let (span, beyond) = asks("plain.ca.toml", 3);
@@ -179,22 +179,22 @@ fn check_compares_what_the_gesture_asks_for_with_the_travel() {
     // the gesture fits up to the exact scale of the travel
     for (real, fits) in [("10 mm", true), ("9.9 mm", true), ("10.1 mm", false)] {
         let set = format!("position={real}:40 mm");
-        desk.ca(&["equiv", "rattle", "--set", &set, "--write", "small.ca.toml", "--force"]).is(0);
+        sandbox.ca(&["equiv", "rattle", "--set", &set, "--write", "small.ca.toml", "--force"]).is(0);
         let (span, beyond) = asks("small.ca.toml", if fits { 0 } else { 3 });
         assert_eq!(beyond, !fits, "{real}: {span:?}");
     }
     // a key with a rest position outside the range of the device
-    desk.put("far.ca.toml", "[TGR]\nkey = { device = \"tgr12\", x = \"11 mm\" }\n[SOX]\nout = { from = \"key\" }\n");
-    desk.ca(&["check", "far.ca.toml", "--device", "tgr12"]).is(3).says(&["`key` needs 11 mm to 11 mm"]);
+    sandbox.put("far.ca.toml", "[TGR]\nkey = { device = \"tgr12\", x = \"11 mm\" }\n[SOX]\nout = { from = \"key\" }\n");
+    sandbox.ca(&["check", "far.ca.toml", "--device", "tgr12"]).is(3).says(&["`key` needs 11 mm to 11 mm"]);
 }
 
 #[test]
 fn a_law_that_stiffens_is_measured() {
     // k = 0 at rest, F = c e^3: the slope at the end of the travel is 3 c e^2
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let hard = "[TGR]\nkey = { device = \"tgr12\" }\n[SOL]\nwall = {}\n[CUB]\nhard = { between = [\"key\", \"wall\"], k = 1, k3 = 1e7 }\n[SOF]\nout = { from = \"hard\" }\n";
-    desk.put("hard.ca.toml", hard);
-    let j = desk.ca(&["check", "hard.ca.toml", "--device", "tgr12", "--json"]).json();
+    sandbox.put("hard.ca.toml", hard);
+    let j = sandbox.ca(&["check", "hard.ca.toml", "--device", "tgr12", "--json"]).json();
     let k = j["device"]["keys"][0]["steepest"].as_f64().unwrap_or_else(|| panic!("{j:#}"));
     assert!((k / (3.0 * 1e7 * 1e-4) - 1.0).abs() < 2e-3, "{k}");
 }

@@ -1,6 +1,6 @@
 //! Tests `ca fit`: its output, the written files, and third-party recordings.
 
-use crate::desk::{Desk, blocks, from_root};
+use crate::sandbox::{Sandbox, blocks, from_root};
 use crate::skipped::skipped;
 use std::fs;
 use std::path::PathBuf;
@@ -22,13 +22,13 @@ out = { from = "low[3]", gain = 400 }
 
 #[test]
 fn a_model_is_fitted_and_written_with_its_comments() {
-    let desk = Desk::new();
-    desk.put("mine.ca.toml", MINE);
+    let sandbox = Sandbox::new();
+    sandbox.put("mine.ca.toml", MINE);
     let render = ["--seconds", "0.5", "--no-fade", "-q", "--set", "low.f=112.3 Hz", "--set", "weight=20"];
-    desk.ca(&[&["render", "mine.ca.toml", "-o", "t.wav"][..], &render].concat()).is(0);
+    sandbox.ca(&[&["render", "mine.ca.toml", "-o", "t.wav"][..], &render].concat()).is(0);
     let fit = ["fit", "mine.ca.toml", "--to", "t.wav", "--vary", "low.f,weight"];
     let more = ["--seconds", "0.3", "--write", "found.ca.toml", "--report", "fit.html", "--json"];
-    let ran = desk.ca(&[&fit[..], &more].concat()).is(0);
+    let ran = sandbox.ca(&[&fit[..], &more].concat()).is(0);
     let printed = ran.json();
     let value = |k: usize| printed["parameters"][k]["value"].as_f64().unwrap();
     assert!((value(0) / 112.3 - 1.0).abs() < 5e-5, "{printed:#}");
@@ -37,27 +37,27 @@ fn a_model_is_fitted_and_written_with_its_comments() {
     assert!(printed["after"]["levels_db"].as_f64() < printed["before"]["levels_db"].as_f64());
     assert!(["settled", "explained", "nearer"].iter().all(|key| printed[key] == true), "{printed:#}");
     assert!(printed["parameters"][0]["deviation"].as_f64().unwrap() < 0.01, "{printed:#}");
-    let text = fs::read_to_string(desk.path("found.ca.toml")).unwrap();
+    let text = fs::read_to_string(sandbox.path("found.ca.toml")).unwrap();
     for kept in ["# mine", "unit = \"g\", min = 1, max = 90 }   # of the hammer", "# by frequency", "m = \"weight\""] {
         assert!(text.contains(kept), "{kept}\n{text}");
     }
     assert!(text.contains("f = \"112.3") && text.contains(" Hz\"") && text.contains("value = "), "{text}");
-    let page = fs::read_to_string(desk.path("fit.html")).unwrap();
+    let page = fs::read_to_string(sandbox.path("fit.html")).unwrap();
     assert!(page.contains("Before and after") && page.contains("low.f"));
     // the written model sounds like the target
-    desk.ca(&["render", "found.ca.toml", "-o", "f.wav", "--seconds", "0.5", "--no-fade", "-q"]).is(0);
-    let (a, b) = (desk.wav("t.wav").1, desk.wav("f.wav").1);
+    sandbox.ca(&["render", "found.ca.toml", "-o", "f.wav", "--seconds", "0.5", "--no-fade", "-q"]).is(0);
+    let (a, b) = (sandbox.wav("t.wav").1, sandbox.wav("f.wav").1);
     let left: f64 = a.iter().zip(&b).map(|(a, b)| (a - b) * (a - b)).sum();
     assert!(left < 1e-4 * a.iter().map(|a| a * a).sum::<f64>(), "{left}");
-    desk.ca(&fit).is(0).says(&["low.f: 110 Hz → 112.3", "±", "renders", "before:", "after:"]);
+    sandbox.ca(&fit).is(0).says(&["low.f: 110 Hz → 112.3", "±", "renders", "before:", "after:"]);
 }
 
 #[test]
 fn what_cannot_be_fitted_gets_an_answer() {
-    let desk = Desk::new();
-    desk.put("mine.ca.toml", MINE);
-    desk.put("mute.ca.toml", "[CEL]\nbar = { m = 1, f = 9, dx0 = 1 }\n").put("not.wav", "mine");
-    desk.ca(&["render", "mine.ca.toml", "-o", "t.wav", "--seconds", "0.1", "-q"]).is(0);
+    let sandbox = Sandbox::new();
+    sandbox.put("mine.ca.toml", MINE);
+    sandbox.put("mute.ca.toml", "[CEL]\nbar = { m = 1, f = 9, dx0 = 1 }\n").put("not.wav", "mine");
+    sandbox.ca(&["render", "mine.ca.toml", "-o", "t.wav", "--seconds", "0.1", "-q"]).is(0);
     for (args, code, word) in [
         (&["mine.ca.toml", "--to", "t.wav"][..], 2, "--vary"),
         (&["mine.ca.toml", "--to", "t.wav", "--vary", "lwo.f"], 2, "did you mean `low.f`?"),
@@ -84,37 +84,40 @@ fn what_cannot_be_fitted_gets_an_answer() {
         (&["hammered_string", "--to", "t.wav", "--vary", "low.f", "--in-place"], 2, "cannot be changed in place"),
         (&["mute.ca.toml", "--to", "t.wav", "--vary", "bar.f"], 1, "no output"),
     ] {
-        desk.ca(&[&["fit"], args].concat()).is(code).says(&[word]);
+        sandbox.ca(&[&["fit"], args].concat()).is(code).says(&[word]);
     }
-    assert_eq!(desk.files(), ["mine.ca.toml", "mute.ca.toml", "not.wav", "t.wav"]);
+    assert_eq!(sandbox.files(), ["mine.ca.toml", "mute.ca.toml", "not.wav", "t.wav"]);
 }
 
 /// A varied number may start from `--set` and is written, even into the model file itself.
 #[test]
 fn what_is_set_and_varied_is_written() {
-    let desk = Desk::new();
-    desk.put("mine.ca.toml", MINE);
+    let sandbox = Sandbox::new();
+    sandbox.put("mine.ca.toml", MINE);
     let render = ["--seconds", "0.3", "--no-fade", "-q", "--set", "low.f=112.3 Hz"];
-    desk.ca(&[&["render", "mine.ca.toml", "-o", "t.wav"][..], &render].concat()).is(0);
+    sandbox.ca(&[&["render", "mine.ca.toml", "-o", "t.wav"][..], &render].concat()).is(0);
     let fit = ["fit", "mine.ca.toml", "--to", "t.wav", "--vary", "low.f", "--set", "low.f=114 Hz", "--in-place"];
     let other = [&fit[..], &["--set", "weight=20"]].concat();
-    desk.ca(&other).is(2).says(&["`--set weight` changes a number that is not varied", "add the number to `--vary`"]);
-    desk.ca(&fit).is(0).says(&["low.f: 114 Hz → 112.3"]);
-    let text = fs::read_to_string(desk.path("mine.ca.toml")).unwrap();
+    sandbox
+        .ca(&other)
+        .is(2)
+        .says(&["`--set weight` changes a number that is not varied", "add the number to `--vary`"]);
+    sandbox.ca(&fit).is(0).says(&["low.f: 114 Hz → 112.3"]);
+    let text = fs::read_to_string(sandbox.path("mine.ca.toml")).unwrap();
     assert!(text.contains("f = \"112.3") && text.contains("value = 12,"), "{text}");
 }
 
 /// A search that ends too early prints no deviation and gives advice.
 #[test]
 fn a_search_that_is_cut_short_has_no_deviations() {
-    let desk = Desk::new();
-    desk.put("mine.ca.toml", MINE);
+    let sandbox = Sandbox::new();
+    sandbox.put("mine.ca.toml", MINE);
     let render = ["--seconds", "0.3", "--no-fade", "-q", "--set", "low.f=115 Hz", "--set", "weight=20"];
-    desk.ca(&[&["render", "mine.ca.toml", "-o", "t.wav"][..], &render].concat()).is(0);
+    sandbox.ca(&[&["render", "mine.ca.toml", "-o", "t.wav"][..], &render].concat()).is(0);
     let fit = ["fit", "mine.ca.toml", "--to", "t.wav", "--vary", "low.f,weight", "--renders", "8"];
-    let ran = desk.ca(&fit).is(0).says(&["did not converge within", "`--renders`", "uncertainty unknown"]);
+    let ran = sandbox.ca(&fit).is(0).says(&["did not converge within", "`--renders`", "uncertainty unknown"]);
     assert!(!ran.out.contains('±'), "{}", ran.out);
-    let printed = desk.ca(&[&fit[..], &["--json"]].concat()).is(0).json();
+    let printed = sandbox.ca(&[&fit[..], &["--json"]].concat()).is(0).json();
     assert_eq!(
         (&printed["settled"], &printed["parameters"][0]["deviation"]),
         (&false.into(), &serde_json::Value::Null)
@@ -124,34 +127,34 @@ fn a_search_that_is_cut_short_has_no_deviations() {
 /// A sound that no string produces: no deviations are printed, and nothing is written without improvement.
 #[test]
 fn a_sound_that_is_no_such_instrument_is_not_explained() {
-    let desk = Desk::new();
-    desk.put("mine.ca.toml", MINE);
+    let sandbox = Sandbox::new();
+    sandbox.put("mine.ca.toml", MINE);
     let spec = hound::WavSpec {
         channels: 1,
         sample_rate: 48_000,
         bits_per_sample: 32,
         sample_format: hound::SampleFormat::Float,
     };
-    let mut wav = hound::WavWriter::create(desk.path("constant.wav"), spec).unwrap();
+    let mut wav = hound::WavWriter::create(sandbox.path("constant.wav"), spec).unwrap();
     (0..14_400).for_each(|_| wav.write_sample(0.5_f32).unwrap());
     wav.finalize().unwrap();
     let fit = ["fit", "mine.ca.toml", "--to", "constant.wav", "--vary", "low.f,weight", "--in-place"];
-    let ran = desk.ca(&fit).is(3).says(&["does not explain this sound", "closer to the", "nothing is written"]);
+    let ran = sandbox.ca(&fit).is(3).says(&["does not explain this sound", "closer to the", "nothing is written"]);
     assert!(!ran.out.contains('±'), "{}", ran.out);
-    assert_eq!(fs::read_to_string(desk.path("mine.ca.toml")).unwrap(), MINE);
+    assert_eq!(fs::read_to_string(sandbox.path("mine.ca.toml")).unwrap(), MINE);
 }
 
 #[cfg(unix)]
 #[test]
 fn the_commands_of_the_page_run() {
     let page = fs::read_to_string(from_root("docs/fit.md")).unwrap();
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let lines: Vec<&str> = blocks(&page, "sh").into_iter().flat_map(|(_, b)| b.lines()).collect();
     assert!(lines.len() >= 2);
     for line in lines {
-        desk.sh(line).is(0);
+        sandbox.sh(line).is(0);
     }
-    assert_eq!(desk.files(), ["fit.html", "target.wav"]);
+    assert_eq!(sandbox.files(), ["fit.html", "target.wav"]);
 }
 
 /// A plucked guitar: a string with six numbers including gain and delay, compared with two damped sinusoids of four
@@ -193,11 +196,11 @@ fn a_recorded_guitar_is_explained_by_a_string() {
         ("Wood_Guitar/Wood_A5.wav", 110.0, 109.7, false),
         ("Carbon_Guitar/Carbon_E6.wav", 82.4, 82.5, false),
     ] {
-        let desk = Desk::new();
-        desk.put("guitar.ca.toml", &guitar(hertz));
+        let sandbox = Sandbox::new();
+        sandbox.put("guitar.ca.toml", &guitar(hertz));
         let wav = folder.join(name);
         let fit = ["fit", "guitar.ca.toml", "--to", wav.to_str().unwrap(), "--vary", "low.f,low.b,low.t60,low.z"];
-        let printed = desk.ca(&[&fit[..], &["--seconds", "1", "--json"]].concat()).is(0).json();
+        let printed = sandbox.ca(&[&fit[..], &["--seconds", "1", "--json"]].concat()).is(0).json();
         println!("{name}: {printed:#}");
         let b = &printed["beyond"];
         let of = |who: &str, what: &str| b[who][what].as_f64().unwrap();

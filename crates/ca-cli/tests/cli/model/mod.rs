@@ -1,12 +1,12 @@
 //! Tests of commands about a model: check, list, new, import, modes, tune, equiv, accuracy, fit.
 
 mod accuracy;
-mod against;
 mod border;
+mod check_device;
 mod commands;
 mod equiv;
 mod fit;
-mod numbers;
+mod number_format;
 mod pitch;
 mod ports;
 mod watch;

@@ -1,12 +1,12 @@
 //! Tests `ca bench`: tables, page, and the message for an unknown name. The speed of this machine is not tested.
 
-use crate::desk::Desk;
+use crate::sandbox::Sandbox;
 use std::fs;
 
 #[test]
 fn what_fits_was_measured_to_be_in_time() {
-    let desk = Desk::new();
-    let j = desk.ca(&["bench", "--only", "string,cells", "--json"]).is(0).json();
+    let sandbox = Sandbox::new();
+    let j = sandbox.ca(&["bench", "--only", "string,cells", "--json"]).is(0).json();
     let names: Vec<&str> = j["networks"].as_array().unwrap().iter().map(|n| n["network"].as_str().unwrap()).collect();
     assert_eq!(names, ["string", "cells"]);
     for network in j["networks"].as_array().unwrap() {
@@ -23,36 +23,41 @@ fn what_fits_was_measured_to_be_in_time() {
 
 #[test]
 fn a_page_has_what_was_printed() {
-    let desk = Desk::new();
-    let shown =
-        desk.ca(&["bench", "--only", "BUT", "--page", "bench.html"]).is(0).says(&["BUT", "44.1 kHz", "48 kHz", "140"]);
-    let page = fs::read_to_string(desk.path("bench.html")).unwrap();
+    let sandbox = Sandbox::new();
+    let shown = sandbox
+        .ca(&["bench", "--only", "BUT", "--page", "bench.html"])
+        .is(0)
+        .says(&["BUT", "44.1 kHz", "48 kHz", "140"]);
+    let page = fs::read_to_string(sandbox.path("bench.html")).unwrap();
     let row = shown.out.lines().find(|l| l.trim_start().starts_with("BUT ")).unwrap();
     for number in row.split_whitespace().skip(1).take(3) {
         assert!(page.contains(number), "{number} of `{row}` is not on the page");
     }
-    desk.ca(&["bench", "--only", "string", "--page", "bench.txt"]).is(2);
-    desk.ca(&["bench", "--page", "nowhere/bench.html"]).is(1).says(&["nowhere/bench.html", "make the directory first"]);
-    assert_eq!(desk.files(), ["bench.html"]);
+    sandbox.ca(&["bench", "--only", "string", "--page", "bench.txt"]).is(2);
+    sandbox
+        .ca(&["bench", "--page", "nowhere/bench.html"])
+        .is(1)
+        .says(&["nowhere/bench.html", "make the directory first"]);
+    assert_eq!(sandbox.files(), ["bench.html"]);
 }
 
 #[test]
 fn a_name_that_is_misspelt_gets_an_answer() {
-    let desk = Desk::new();
-    desk.ca(&["bench", "--only", "strnig"]).is(2).says(&["did you mean `string`?"]);
-    desk.ca(&["bench", "--only", "mesh,zzzzzz"]).is(2).says(&["no network `zzzzzz`", "string, cells, mesh"]);
+    let sandbox = Sandbox::new();
+    sandbox.ca(&["bench", "--only", "strnig"]).is(2).says(&["did you mean `string`?"]);
+    sandbox.ca(&["bench", "--only", "mesh,zzzzzz"]).is(2).says(&["no network `zzzzzz`", "string, cells, mesh"]);
 }
 
 /// A misspelt value would compare a processor with itself.
 #[test]
 fn vectors_that_there_are_not_are_refused() {
-    let desk = Desk::new();
-    let ran = desk.with(&[("CA_VECTORS", "AVX2")], &["list"]).is(2).says(&["neither `portable` nor `avx2`"]);
+    let sandbox = Sandbox::new();
+    let ran = sandbox.with(&[("CA_VECTORS", "AVX2")], &["list"]).is(2).says(&["neither `portable` nor `avx2`"]);
     assert_eq!(ran.out, "");
     let sounds = ["portable", "avx2"].map(|vectors| {
-        desk.with(&[("CA_VECTORS", vectors)], &["render", "plate", "--seconds", "0.2", "-o", "a.wav"]).is(0);
-        fs::read(desk.path("a.wav")).unwrap()
+        sandbox.with(&[("CA_VECTORS", vectors)], &["render", "plate", "--seconds", "0.2", "-o", "a.wav"]).is(0);
+        fs::read(sandbox.path("a.wav")).unwrap()
     });
-    desk.ca(&["render", "plate", "--seconds", "0.2", "-o", "b.wav"]).is(0);
-    assert!(sounds.iter().all(|s| *s == fs::read(desk.path("b.wav")).unwrap()), "the same bits");
+    sandbox.ca(&["render", "plate", "--seconds", "0.2", "-o", "b.wav"]).is(0);
+    assert!(sounds.iter().all(|s| *s == fs::read(sandbox.path("b.wav")).unwrap()), "the same bits");
 }

@@ -1,7 +1,7 @@
 //! Tests of commands that produce a sound, a page or a table: render, report, sweep, bench.
 
 mod bench;
-pub mod degraded;
+pub mod divergence_and_clipping;
 mod files;
 mod midi;
 mod pipes;

@@ -1,10 +1,10 @@
 //! Tests faulty models and devices through shared memory. A watcher checks every force on the line.
 
-use crate::fuzz::Fuzz;
-use crate::liar::Liar;
+use crate::faulty_device::FaultyDevice;
+use crate::force_watcher::{ForceWatcher, key};
 use crate::long_form::long_form;
-use crate::stage::{KEY, Stage, until};
-use crate::watch::{Watch, key};
+use crate::random_device::RandomDevice;
+use crate::sandbox::{KEY, Sandbox, until};
 use ca_haptic::frame::{Cause, Mode};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -12,9 +12,9 @@ use std::time::Duration;
 
 #[test]
 fn h9_a_throw_brakes_and_ends() {
-    let stage = Stage::new();
+    let sandbox = Sandbox::new();
     // a weak spring, so nothing pushes at either end
-    stage.put("weak.ca.toml", &KEY.replace("0.9 mm", "0 mm").replace("k = 500", "k = 10"));
+    sandbox.put("weak.ca.toml", &KEY.replace("0.9 mm", "0 mm").replace("k = 500", "k = 10"));
     // 15 mm in 20 ms every 1.5 s: half as fast again as the trip limit, but below the implausible speed. Some throws
     // happen with forces on.
     let mut throws = String::from("time,key\n0,-0.0075\n");
@@ -23,14 +23,14 @@ fn h9_a_throw_brakes_and_ends() {
         let [a, b] = if k % 2 == 0 { [-0.0075, 0.0075] } else { [0.0075, -0.0075] };
         writeln!(throws, "{t},{a}\n{},{b}", t + 0.02).unwrap();
     }
-    stage.put("throw.csv", &throws);
-    let watch = Watch::of(&stage.site, "key");
-    let server = stage.serve("weak.ca.toml", &["--json"]);
-    let _device = stage.key(&["--script", "file", "--gesture", "throw.csv"]);
-    stage.armed("it trips", |mode, cause| mode == "fault" && cause == "VELOCITY");
+    sandbox.put("throw.csv", &throws);
+    let watch = ForceWatcher::of(&sandbox.site, "key");
+    let server = sandbox.serve("weak.ca.toml", &["--json"]);
+    let _device = sandbox.key(&["--script", "file", "--gesture", "throw.csv"]);
+    sandbox.armed("it trips", |mode, cause| mode == "fault" && cause == "VELOCITY");
     let count = watch.count();
     until("it stays so", || watch.count() > count + 300);
-    assert_eq!(stage.state().1, "VELOCITY");
+    assert_eq!(sandbox.state().1, "VELOCITY");
     let reported = server.stop().json();
     assert!(reported["faults"].as_array().unwrap().iter().any(|f| f["cause"] == "VELOCITY"), "{reported:#}");
     let seen = watch.end(&key());
@@ -45,7 +45,7 @@ fn h9_a_throw_brakes_and_ends() {
 
 #[test]
 fn h1_a_model_that_gives_no_number_is_no_force() {
-    let stage = Stage::new();
+    let sandbox = Sandbox::new();
     // no force within 13 cm, and beyond it forces near the largest float, whose sum over a frame overflows
     let wild = r#"
 [TGR]
@@ -56,17 +56,17 @@ wall = {}
 cliff = { between = ["wall", "key"], spring = [[-1, -1.4e308], [-0.13, 0], [0.13, 0], [1, 1.4e308]] }
 "#;
     // without a coupling, which this cliff would need
-    let long = crate::stage::PROFILE.replace("0.01", "0.5") + "coupling = false\n";
-    stage.put("wild.ca.toml", wild).put("c/profiles/key.toml", &long);
-    let watch = Watch::of(&stage.site, "key");
-    let _server = stage.serve("wild.ca.toml", &["--quiet"]);
+    let long = crate::sandbox::PROFILE.replace("0.01", "0.5") + "coupling = false\n";
+    sandbox.put("wild.ca.toml", wild).put("c/profiles/key.toml", &long);
+    let watch = ForceWatcher::of(&sandbox.site, "key");
+    let _server = sandbox.serve("wild.ca.toml", &["--quiet"]);
     // three seconds at rest, then out to 30 cm and back at 0.3 m/s, repeated
-    let _device = Liar::moving(&stage.site, "key", |n, f| {
+    let _device = FaultyDevice::moving(&sandbox.site, "key", |n, f| {
         let t = (n % 18_000) as f64 / 3000.0;
         f.pos[0] = (0.3 * (t - 3.0)).min(0.3 * (6.0 - t)).clamp(0.0, 0.3);
     });
-    stage.armed("it trips", |mode, cause| mode == "fault" && (cause == "NONFINITE" || cause == "MODEL_UNSTABLE"));
-    assert_eq!(stage.state().1, "NONFINITE");
+    sandbox.armed("it trips", |mode, cause| mode == "fault" && (cause == "NONFINITE" || cause == "MODEL_UNSTABLE"));
+    assert_eq!(sandbox.state().1, "NONFINITE");
     let p = ca_haptic::profile::Profile::read(&long, "key").unwrap();
     let seen = watch.end(&p);
     assert!(seen.faults().contains(&Cause::Nonfinite), "{:?}", seen.faults());
@@ -77,14 +77,14 @@ cliff = { between = ["wall", "key"], spring = [[-1, -1.4e308], [-0.13, 0], [0.13
 
 #[test]
 fn h15_h16_a_model_that_explodes_leaves_hand_and_ear() {
-    let stage = Stage::new();
+    let sandbox = Sandbox::new();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/models/exploding_resonator.ca.toml");
-    stage.put("bang.ca.toml", &std::fs::read_to_string(root).unwrap());
-    let watch = Watch::of(&stage.site, "key");
-    let _device = stage.key(&["--script", "hold"]);
-    let server = stage.serve("bang.ca.toml", &["--json", "-o", "bang.wav"]);
+    sandbox.put("bang.ca.toml", &std::fs::read_to_string(root).unwrap());
+    let watch = ForceWatcher::of(&sandbox.site, "key");
+    let _device = sandbox.key(&["--script", "hold"]);
+    let server = sandbox.serve("bang.ca.toml", &["--json", "-o", "bang.wav"]);
     // on a stalled machine, it diverged before forces were on; arming loads it again
-    stage.armed("it diverges with forces on", |mode, cause| {
+    sandbox.armed("it diverges with forces on", |mode, cause| {
         mode == "fault" && cause == "MODEL_UNSTABLE" && watch.so_far().of(Mode::Ramp).next().is_some()
     });
     let count = watch.count();
@@ -94,7 +94,7 @@ fn h15_h16_a_model_that_explodes_leaves_hand_and_ear() {
     let seen = watch.end(&key());
     assert_eq!(seen.frames.last().map(|f| Mode::read(f.mode)), Some(Mode::Off), "the last word of a server");
     let samples: Vec<f32> =
-        hound::WavReader::open(stage.path("bang.wav")).unwrap().samples::<f32>().map(Result::unwrap).collect();
+        hound::WavReader::open(sandbox.path("bang.wav")).unwrap().samples::<f32>().map(Result::unwrap).collect();
     let peak = samples.iter().fold(0.0_f32, |a, b| a.max(b.abs()));
     assert!(peak > 0.1 && peak <= 1.0, "{peak}");
     // silence until the end, at least 100 ms
@@ -104,19 +104,19 @@ fn h15_h16_a_model_that_explodes_leaves_hand_and_ear() {
 #[test]
 fn h10_no_frame_of_a_device_moves_a_force_beyond_its_limits() {
     let all: u64 = if long_form("nine of ten frames") { 1_000_000 } else { 100_000 };
-    let stage = Stage::new();
-    stage.put("key.ca.toml", &KEY.replace("k = 500", "k = 20000").replace("0.9 mm", "0 mm"));
-    let watch = Watch::of(&stage.site, "key");
-    let server = stage.serve("key.ca.toml", &["--json"]);
-    let mut device = Fuzz::of(&stage.site, "key", all);
+    let sandbox = Sandbox::new();
+    sandbox.put("key.ca.toml", &KEY.replace("k = 500", "k = 20000").replace("0.9 mm", "0 mm"));
+    let watch = ForceWatcher::of(&sandbox.site, "key");
+    let server = sandbox.serve("key.ca.toml", &["--json"]);
+    let mut device = RandomDevice::of(&sandbox.site, "key", all);
     let end = std::time::Instant::now() + Duration::from_secs(600);
     while device.sent() < all {
-        assert!(std::time::Instant::now() < end && device.lives(), "{} frames were sent", device.sent());
-        stage.arm();
+        assert!(std::time::Instant::now() < end && device.is_running(), "{} frames were sent", device.sent());
+        sandbox.arm();
         std::thread::sleep(Duration::from_millis(100));
     }
     // after the invalid frames, the device can be played again
-    stage.on();
+    sandbox.on();
     device.end();
     let reported = server.stop().json();
     let seen = watch.end(&key());
@@ -139,16 +139,16 @@ fn h10_no_frame_of_a_device_moves_a_force_beyond_its_limits() {
 
 #[test]
 fn h8_another_session_is_another_device() {
-    let stage = Stage::new();
-    let watch = Watch::of(&stage.site, "key");
-    let _server = stage.serve("key.ca.toml", &["--quiet"]);
+    let sandbox = Sandbox::new();
+    let watch = ForceWatcher::of(&sandbox.site, "key");
+    let _server = sandbox.serve("key.ca.toml", &["--quiet"]);
     // the device is replaced every two seconds within a frame
-    let device = Liar::moving(&stage.site, "key", |n, f| {
+    let device = FaultyDevice::moving(&sandbox.site, "key", |n, f| {
         if n % 6000 == 0 {
             (f.session, f.seq) = (f.session + 1, 1);
         }
     });
-    stage.armed("it is noticed", |mode, cause| mode == "fault" && cause == "DISCONNECT");
+    sandbox.armed("it is noticed", |mode, cause| mode == "fault" && cause == "DISCONNECT");
     drop(device);
     assert!(watch.end(&key()).faults().contains(&Cause::Disconnect));
 }
@@ -156,27 +156,27 @@ fn h8_another_session_is_another_device() {
 #[test]
 fn h10_forces_end_with_the_reason_that_is_true() {
     type Wrong = fn(u64, &mut ca_haptic::frame::DeviceFrame);
-    let stage = Stage::new();
+    let sandbox = Sandbox::new();
     let cases: [(&str, &str, Wrong); 2] = [
         ("jumps of 2 m", "IMPLAUSIBLE", |n, f| f.pos[0] = if n % 2 == 0 { 2.0 } else { 4.0 }),
         ("no position is valid", "IMPLAUSIBLE", |_, f| f.mask = 0),
     ];
     for (name, cause, wrong) in cases {
-        let _server = stage.serve("key.ca.toml", &["--quiet"]);
+        let _server = sandbox.serve("key.ca.toml", &["--quiet"]);
         // wrong for half a second in every four
-        let _device = Liar::moving(&stage.site, "key", move |n, f| {
+        let _device = FaultyDevice::moving(&sandbox.site, "key", move |n, f| {
             if n % 12_000 >= 10_500 {
                 wrong(n, f);
             }
         });
-        stage.armed(name, |mode, why| mode == "fault" && why == cause);
+        sandbox.armed(name, |mode, why| mode == "fault" && why == cause);
     }
 }
 
 #[test]
 fn what_is_wrong_with_frames_is_said_and_no_version_blamed() {
     type Wrong = fn(&mut ca_haptic::frame::DeviceFrame);
-    let stage = Stage::new();
+    let sandbox = Sandbox::new();
     let cases: [(&str, Wrong); 4] = [
         ("of another layout", |f| f.layout ^= 1),
         ("of version 9", |f| f.version = 9),
@@ -184,10 +184,10 @@ fn what_is_wrong_with_frames_is_said_and_no_version_blamed() {
         ("are for `kex`", |f| f.device[2] = b'x'),
     ];
     for (want, wrong) in cases {
-        let server = stage.serve("key.ca.toml", &[]);
-        let _device = Liar::moving(&stage.site, "key", move |_, f| wrong(f));
-        until(want, || server.said().contains(want));
-        let said = server.said();
+        let server = sandbox.serve("key.ca.toml", &[]);
+        let _device = FaultyDevice::moving(&sandbox.site, "key", move |_, f| wrong(f));
+        until(want, || server.stderr().contains(want));
+        let said = server.stderr();
         assert_eq!(said.contains("of version 9"), want == "of version 9", "{said}");
     }
 }

@@ -7,7 +7,7 @@
 //! the requirements for each instrument.
 
 use crate::long_form::long_form;
-use crate::stage::{Stage, patient};
+use crate::sandbox::{Sandbox, patient};
 use ca_benches::instruments::{Instrument, Stroke, all};
 use ca_compile::Options;
 use ca_core::Scene;
@@ -23,12 +23,12 @@ fn late(faults: &[serde_json::Value]) -> bool {
 }
 
 /// Lists the errors of a run. Returns `None` if the engine continued without its device on a busy machine.
-fn attempt(stage: &Stage, i: &Instrument, hand: &[String]) -> Option<Vec<String>> {
+fn attempt(sandbox: &Sandbox, i: &Instrument, hand: &[String]) -> Option<Vec<String>> {
     let sound = format!("{}.wav", i.model);
-    let server = stage.serve(i.model, &["--clock", "device", "--arm", "--json", "-o", &sound]);
+    let server = sandbox.serve(i.model, &["--clock", "device", "--arm", "--json", "-o", &sound]);
     let mut args = vec!["device", "sim", "--lockstep", "--wait", "--json"];
     args.extend(hand.iter().map(String::as_str));
-    let felt = stage.spawn(&args).end();
+    let felt = sandbox.spawn(&args).end();
     let run = server.stop();
     if felt.code != Some(0) {
         return Some(vec![felt.err]);
@@ -48,14 +48,14 @@ fn attempt(stage: &Stage, i: &Instrument, hand: &[String]) -> Option<Vec<String>
     }
     let largest = felt["largest"].as_array().expect("a list").iter().filter_map(serde_json::Value::as_f64);
     let largest = largest.fold(0.0, f64::max);
-    if largest < i.stroke.felt {
-        wrong.push(format!("the hand feels {largest:.4} N, not {} N", i.stroke.felt));
+    if largest < i.stroke.min_force {
+        wrong.push(format!("the hand feels {largest:.4} N, not {} N", i.stroke.min_force));
     }
-    let sound = hound::WavReader::open(stage.path(&sound)).expect("a sound");
+    let sound = hound::WavReader::open(sandbox.path(&sound)).expect("a sound");
     let peak = sound.into_samples::<f32>().map(|s| f64::from(s.expect("a sample").abs())).fold(0.0, f64::max);
     let level = 20.0 * peak.max(1e-9).log10();
-    if !(i.stroke.heard..=0.0).contains(&level) {
-        wrong.push(format!("it peaks at {level:.1} dBFS, not at {} or more", i.stroke.heard));
+    if !(i.stroke.min_peak..=0.0).contains(&level) {
+        wrong.push(format!("it peaks at {level:.1} dBFS, not at {} or more", i.stroke.min_peak));
     }
     eprintln!("{}: {level:.1} dBFS, {largest:.3} N", i.model);
     Some(wrong)
@@ -65,8 +65,8 @@ fn attempt(stage: &Stage, i: &Instrument, hand: &[String]) -> Option<Vec<String>
 fn played(i: &Instrument, most: usize) -> Option<String> {
     let scene = i.load().compile(&Options::default()).expect("a bundled model compiles").scene;
     let (device, gesture) = hand(&scene, &i.stroke).filter(|_| scene.mats() + scene.lias() <= most)?;
-    let stage = Stage::beside();
-    stage.put("hand.csv", &gesture);
+    let sandbox = Sandbox::shared();
+    sandbox.put("hand.csv", &gesture);
     let shipped = |name: &str| SHIPPED.iter().find(|s| s.0 == name).map(|s| s.1);
     // a second device of the same type, or one with a user profile
     let own = if device.starts_with("tgr12") { "tgr12" } else { "unknown" };
@@ -75,11 +75,11 @@ fn played(i: &Instrument, most: usize) -> Option<String> {
     if i.stroke.clear > 0.0 {
         text = text.replace("[guard]\n", &format!("[guard]\nclear = {}\n", i.stroke.clear));
     }
-    stage.put(&format!("c/profiles/{device}.toml"), &text);
+    sandbox.put(&format!("c/profiles/{device}.toml"), &text);
     let seconds = i.stroke.seconds.to_string();
     let args = ["--profile", device, "--script", "file", "--gesture", "hand.csv", "--seconds", &seconds];
     let args = args.map(String::from);
-    let wrong = (0..8).find_map(|_| attempt(&stage, i, &args)).unwrap_or(vec!["no run without a hole".into()]);
+    let wrong = (0..8).find_map(|_| attempt(&sandbox, i, &args)).unwrap_or(vec!["no run without a hole".into()]);
     Some(if wrong.is_empty() { String::new() } else { format!("{}: {}", i.model, wrong.join("; ")) })
 }
 
@@ -113,12 +113,14 @@ fn hand<'a>(scene: &'a Scene, stroke: &Stroke) -> Option<(&'a str, String)> {
         if name != device {
             continue;
         }
-        let way = match (stroke.ways.iter().find(|w| w.0 == *dof), scene.about.gestures.iter().find(|g| g.0 == i.name))
-        {
-            (Some((_, own)), _) => own.to_vec(),
-            (None, Some((_, points))) => points.iter().map(|[t, x]| [t * stroke.slower, x / i.gains.alpha]).collect(),
-            (None, None) => vec![[0.0, i.rest / i.gains.alpha]],
-        };
+        let way =
+            match (stroke.motions.iter().find(|w| w.0 == *dof), scene.about.gestures.iter().find(|g| g.0 == i.name)) {
+                (Some((_, own)), _) => own.to_vec(),
+                (None, Some((_, points))) => {
+                    points.iter().map(|[t, x]| [t * stroke.slower, x / i.gains.alpha]).collect()
+                }
+                (None, None) => vec![[0.0, i.rest / i.gains.alpha]],
+            };
         ways.insert(*dof, way);
     }
     let mut csv = String::from("time");

@@ -2,9 +2,9 @@
 //! shared memory. Positions are functions of the frame number, so the `ack` of a force gives its expected value in
 //! closed form.
 
-use crate::liar::Liar;
-use crate::stage::{PROFILE, Stage, until};
-use crate::watch::{Seen, Watch};
+use crate::faulty_device::FaultyDevice;
+use crate::force_watcher::{ForceWatcher, Seen};
+use crate::sandbox::{PROFILE, Sandbox, until};
 use ca_haptic::frame::{Cause, DeviceFrame, Mode, flag, status};
 use ca_haptic::profile::Profile;
 use std::sync::Arc;
@@ -19,12 +19,12 @@ fn spring(far: &str, most: f64) -> String {
     )
 }
 
-/// A stage with that model and a key with additional profile entries.
-fn stage(model: &str, root: &str, guard: &str) -> (Stage, Profile) {
-    let stage = Stage::new();
+/// A sandbox with that model and a key with additional profile entries.
+fn sandbox(model: &str, root: &str, guard: &str) -> (Sandbox, Profile) {
+    let sandbox = Sandbox::new();
     let text = PROFILE.replace("dof = 1", &format!("dof = 1\n{root}")) + guard;
-    stage.put("c/profiles/key.toml", &text).put("key.ca.toml", model);
-    (stage, Profile::read(&text, "key").unwrap())
+    sandbox.put("c/profiles/key.toml", &text).put("key.ca.toml", model);
+    (sandbox, Profile::read(&text, "key").unwrap())
 }
 
 /// Frames in mode on, with a fresh position and a flag.
@@ -34,17 +34,17 @@ fn with(seen: &Seen, bit: u32) -> Vec<(u64, f64)> {
 
 #[test]
 fn h4_motors_stay_within_their_rating() {
-    let (stage, p) = stage(&spring("1 m", 20.0), "continuous = 3.0", "");
-    let watch = Watch::of(&stage.site, "key");
-    let _server = stage.serve("key.ca.toml", &["--quiet"]);
-    let _device = Liar::moving(&stage.site, "key", |_, _| {});
+    let (sandbox, p) = sandbox(&spring("1 m", 20.0), "continuous = 3.0", "");
+    let watch = ForceWatcher::of(&sandbox.site, "key");
+    let _server = sandbox.serve("key.ca.toml", &["--quiet"]);
+    let _device = FaultyDevice::moving(&sandbox.site, "key", |_, _| {});
     let count = watch.count();
     until("four seconds of it", || {
         // time at rest is harmless if forces went off meanwhile
-        if stage.state().0 != "on" {
-            stage.ca(&["set", "k=0 N/m"]).is(0);
-            stage.on();
-            stage.ca(&["set", "k=10 N/m"]).is(0);
+        if sandbox.state().0 != "on" {
+            sandbox.ca(&["set", "k=0 N/m"]).is(0);
+            sandbox.on();
+            sandbox.ca(&["set", "k=10 N/m"]).is(0);
         }
         watch.count() > count + 15_000
     });
@@ -64,13 +64,13 @@ fn h4_motors_stay_within_their_rating() {
 
 #[test]
 fn h11_the_edge_of_the_travel_is_soft() {
-    let (stage, p) = stage(&spring("0 m", 20.0), "", "passivity = false\ncoupling = false\n");
-    let watch = Watch::of(&stage.site, "key");
-    let _server = stage.serve("key.ca.toml", &["--quiet"]);
+    let (sandbox, p) = sandbox(&spring("0 m", 20.0), "", "passivity = false\ncoupling = false\n");
+    let watch = ForceWatcher::of(&sandbox.site, "key");
+    let _server = sandbox.serve("key.ca.toml", &["--quiet"]);
     let place = |n: u64| 0.0099 * (std::f64::consts::TAU * 0.2 * n as f64 / 3000.0).sin();
-    let _device = Liar::moving(&stage.site, "key", move |n, f| f.pos[0] = place(n));
+    let _device = FaultyDevice::moving(&sandbox.site, "key", move |n, f| f.pos[0] = place(n));
     until("both edges are felt", || {
-        stage.on();
+        sandbox.on();
         let edges = with(&watch.so_far(), flag::EDGE);
         edges.iter().any(|f| f.1 > 8.0) && edges.iter().any(|f| f.1 < -8.0)
     });
@@ -87,19 +87,19 @@ fn h11_the_edge_of_the_travel_is_soft() {
 
 #[test]
 fn h13_an_oscillation_is_weakened() {
-    let (stage, p) = stage(&spring("0 m", 9000.0), "", "passivity = false\ncoupling = false\n");
-    let watch = Watch::of(&stage.site, "key");
-    let _server = stage.serve("key.ca.toml", &["--quiet"]);
+    let (sandbox, p) = sandbox(&spring("0 m", 9000.0), "", "passivity = false\ncoupling = false\n");
+    let watch = ForceWatcher::of(&sandbox.site, "key");
+    let _server = sandbox.serve("key.ca.toml", &["--quiet"]);
     // one second at rest, then half a second at 60 Hz: 0.38 m/s, and 5 N with 5 kN/m
     let burst = |n: u64| (n % 4500).checked_sub(3000);
     let place = move |n: u64| burst(n).map_or(0.0, |b| 1e-3 * (std::f64::consts::TAU * b as f64 / 50.0).sin());
-    let _device = Liar::moving(&stage.site, "key", move |n, f| f.pos[0] = place(n));
-    stage.on();
-    stage.ca(&["set", "k=5 kN/m"]).is(0);
+    let _device = FaultyDevice::moving(&sandbox.site, "key", move |n, f| f.pos[0] = place(n));
+    sandbox.on();
+    sandbox.ca(&["set", "k=5 kN/m"]).is(0);
     // the end of a burst, long after its detection
     let late = |f: &&(u64, f64)| burst(f.0).is_some_and(|b| b > 600);
     until("it is noticed", || {
-        stage.on();
+        sandbox.on();
         with(&watch.so_far(), flag::OSCILLATION).iter().filter(late).count() > 600
     });
     let seen = watch.end(&p);
@@ -127,13 +127,13 @@ fn h14_what_a_device_says_of_itself_ends_forces_with_its_cause() {
         (|f| f.cause = Cause::Software as u16, Cause::Software),
         (|f| f.cause = Cause::Velocity as u16, Cause::Velocity),
     ];
-    let stage = Stage::new();
-    let watch = Watch::of(&stage.site, "key");
-    let _server = stage.serve("key.ca.toml", &["--quiet"]);
+    let sandbox = Sandbox::new();
+    let watch = ForceWatcher::of(&sandbox.site, "key");
+    let _server = sandbox.serve("key.ca.toml", &["--quiet"]);
     let says = Arc::new(AtomicUsize::new(SAID.len()));
     let what = says.clone();
     let good = DeviceFrame::new("key", 1);
-    let _device = Liar::moving(&stage.site, "key", move |_, f| {
+    let _device = FaultyDevice::moving(&sandbox.site, "key", move |_, f| {
         (f.status, f.cause) = (good.status, good.cause);
         if let Some((say, _)) = SAID.get(what.load(Relaxed)) {
             say(f);
@@ -142,19 +142,19 @@ fn h14_what_a_device_says_of_itself_ends_forces_with_its_cause() {
     for (k, (_, cause)) in SAID.iter().enumerate() {
         until(cause.name(), || {
             says.store(SAID.len(), Relaxed);
-            stage.on();
+            sandbox.on();
             says.store(k, Relaxed);
-            until("forces are off", || stage.state().0 == "fault");
-            stage.state().1 == cause.name()
+            until("forces are off", || sandbox.state().0 == "fault");
+            sandbox.state().1 == cause.name()
         });
         // the fault persists after the device recovers
         says.store(SAID.len(), Relaxed);
-        let frames = stage.state().2;
-        until("frames come", || stage.state().2 > frames + 300);
-        let (mode, now, _) = stage.state();
+        let frames = sandbox.state().2;
+        until("frames come", || sandbox.state().2 > frames + 300);
+        let (mode, now, _) = sandbox.state();
         assert_eq!((mode.as_str(), now.as_str()), ("fault", cause.name()));
     }
-    let seen = watch.end(&crate::watch::key());
+    let seen = watch.end(&crate::force_watcher::key());
     for (_, cause) in SAID {
         assert!(seen.faults().contains(&cause), "{cause:?}: {:?}", seen.faults());
     }

@@ -3,18 +3,18 @@
 //! `tests/run` selects these tests by the name of this module. They mostly wait, so they run in parallel with all
 //! others.
 
-mod conform;
-mod described;
-mod dialogue;
+mod calibrate_dialogue;
+mod conformance;
+mod device_commands;
 mod faults;
-mod flood;
 mod instruments;
 mod limits;
-mod other;
+mod no_device;
+mod other_user;
 mod piano;
-mod quiet;
+mod request_flood;
+mod self_description;
 mod soak;
 mod sound;
-mod stopped;
+mod stopped_processes;
 mod theory;
-mod verbs;

@@ -4,7 +4,7 @@
 //! Device and engine wait for each other, so the page is reproducible up to a last digit. `UPDATE=1` writes the page.
 
 use crate::long_form::long_form;
-use crate::stage::{Stage, patient};
+use crate::sandbox::{Sandbox, patient};
 use ca_haptic::profile::SHIPPED;
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -34,13 +34,13 @@ fn play(speed: f64) -> Played {
 }
 
 fn attempt(speed: f64) -> Option<Played> {
-    let stage = Stage::new();
+    let sandbox = Sandbox::new();
     let tgr12 = SHIPPED.iter().find(|s| s.0 == "tgr12").expect("shipped").1;
-    stage.put("c/profiles/tgr12.toml", &patient(tgr12));
+    sandbox.put("c/profiles/tgr12.toml", &patient(tgr12));
     let hand = format!("{speed} m/s");
     let server =
-        stage.serve("hammer_piano", &["--clock", "device", "--arm", "--json", "-o", "p.wav", "--log", "p.mcap"]);
-    let device = stage.spawn(&[
+        sandbox.serve("hammer_piano", &["--clock", "device", "--arm", "--json", "-o", "p.wav", "--log", "p.mcap"]);
+    let device = sandbox.spawn(&[
         "device",
         "sim",
         "--lockstep",
@@ -65,7 +65,7 @@ fn attempt(speed: f64) -> Option<Played> {
         eprintln!("once more: {frames} frames, {faults:?}");
         return None;
     }
-    let log = stage.read("felt.csv");
+    let log = sandbox.read("felt.csv");
     let felt: Vec<[f64; 3]> = log
         .lines()
         .skip(1)
@@ -74,9 +74,9 @@ fn attempt(speed: f64) -> Option<Played> {
         .map(|c| [1, 7, 19].map(|i: usize| c[i].parse::<f64>().expect("a number")))
         .map(|[t, x, f]| [t, 1e3 * x - UP, f])
         .collect();
-    let sound = hound::WavReader::open(stage.path("p.wav")).unwrap();
+    let sound = hound::WavReader::open(sandbox.path("p.wav")).unwrap();
     let peak = sound.into_samples::<f32>().map(|s| f64::from(s.unwrap().abs())).fold(0.0, f64::max);
-    let replay = stage.ca(&["replay", "p.mcap", "--verify", "--energy", "--json"]).is(0).json();
+    let replay = sandbox.ca(&["replay", "p.mcap", "--verify", "--energy", "--json"]).is(0).json();
     let energy = replay["energy"].clone();
     Some(Played { felt, peak, energy })
 }

@@ -1,10 +1,10 @@
 //! Plays for a minute with both cores busy (long form only). Every frame must be accounted for, and no memory may leak.
 //! `tests/alloc` checks that the engine thread allocates nothing, and the bench `latency` measures delays.
 
+use crate::force_watcher::{ForceWatcher, Seen, key};
+use crate::helper_process;
 use crate::long_form::long_form;
-use crate::role;
-use crate::stage::{Stage, until};
-use crate::watch::{Seen, Watch, key};
+use crate::sandbox::{Sandbox, until};
 use serde_json::Value;
 use std::fs;
 use std::time::{Duration, Instant};
@@ -24,24 +24,24 @@ struct Played {
 }
 
 fn played(seconds: u64, load: bool) -> Played {
-    let stage = Stage::new();
-    let watch = Watch::of(&stage.site, "key");
-    let server = stage.serve("key.ca.toml", &["--json"]);
-    let load = load.then(|| role::load(&stage.site));
-    let mut device = stage.key(&["--script", "shake", "--seconds", &seconds.to_string(), "--json"]);
-    stage.arm();
+    let sandbox = Sandbox::new();
+    let watch = ForceWatcher::of(&sandbox.site, "key");
+    let server = sandbox.serve("key.ca.toml", &["--json"]);
+    let load = load.then(|| helper_process::load(&sandbox.site));
+    let mut device = sandbox.key(&["--script", "shake", "--seconds", &seconds.to_string(), "--json"]);
+    sandbox.arm();
     // device frames are the clock of this test; a stalled device has fewer
     let early = 3000 * seconds / 6;
     let waited = Instant::now() + Duration::from_secs(30 + seconds);
-    while stage.state().2 < early && device.lives() {
-        assert!(Instant::now() < waited, "{early} frames do not come: {:?}", stage.state());
+    while sandbox.state().2 < early && device.is_running() {
+        assert!(Instant::now() < waited, "{early} frames do not come: {:?}", sandbox.state());
         std::thread::sleep(Duration::from_millis(50));
     }
     let early = resident(server.id());
     let device = device.end().is(0).json();
     let mut frames = 0;
     until("the server has all", || {
-        let now = stage.state().2;
+        let now = sandbox.state().2;
         std::mem::replace(&mut frames, now) == now
     });
     let memory = [early, resident(server.id())];

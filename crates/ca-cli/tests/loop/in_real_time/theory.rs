@@ -2,7 +2,7 @@
 //! (docs/numerics.md §5.2, §5.3), here with two processes, gateway, rings and frames. Lock-step makes the loop
 //! reproducible.
 
-use crate::stage::Stage;
+use crate::sandbox::Sandbox;
 
 /// Record of a run: positions per frame \[m\], and the log as text.
 struct Run {
@@ -43,14 +43,14 @@ ttl = 0.1
 /// adds a frame, so the run is repeated.
 fn run(model: &str, profile: &str, push: &str, delay: &str, seconds: &str) -> Run {
     for _ in 0..10 {
-        let stage = Stage::new();
-        stage.put("c/profiles/key.toml", profile).put("loop.ca.toml", model);
-        let server = stage.serve("loop.ca.toml", &["--arm", "--clock", "device", "--json"]);
+        let sandbox = Sandbox::new();
+        sandbox.put("c/profiles/key.toml", profile).put("loop.ca.toml", model);
+        let server = sandbox.serve("loop.ca.toml", &["--arm", "--clock", "device", "--json"]);
         let args = ["--script", "push", "--push", push, "--delay", delay, "--seconds", seconds];
-        let device = stage.key(&[&args[..], &["--lockstep", "--force-log", "felt.csv", "--json"]].concat());
+        let device = sandbox.key(&[&args[..], &["--lockstep", "--force-log", "felt.csv", "--json"]].concat());
         let seen = device.end().is(0).json();
         let reported = server.stop().json();
-        let text = stage.read("felt.csv");
+        let text = sandbox.read("felt.csv");
         // after the device ends, the engine waits in vain at least once
         let alone = reported["frames"].as_u64().unwrap() - reported["devices"][0]["frames"].as_u64().unwrap();
         let lost = seen["asked_again"].as_u64().unwrap() + reported["faults"].as_array().unwrap().len() as u64;
@@ -69,7 +69,7 @@ fn is_whole(log: &str) -> bool {
 }
 
 fn spring(k: f64) -> String {
-    let key = crate::stage::KEY.replace("0.9 mm", "0 mm").replace("k = 500", &format!("k = {k:e}"));
+    let key = crate::sandbox::KEY.replace("0.9 mm", "0 mm").replace("k = 500", &format!("k = {k:e}"));
     assert!(key.contains(&format!("{k:e}")));
     key
 }

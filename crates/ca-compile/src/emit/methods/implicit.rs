@@ -3,7 +3,7 @@
 //! Links that share masses have one common factorisation; a link that shares none is solved in closed form. A pattern
 //! with too much fill-in is refused, since it is solved in every tick.
 
-use crate::emit::plan::Plan;
+use crate::emit::layout_builder::LayoutBuilder;
 use crate::emit::rows::links::Links;
 use crate::net::{End, LiaNode, MatRole, Measure, OutputTap};
 use alloc::collections::{BTreeMap, BTreeSet};
@@ -20,19 +20,19 @@ use ca_model::{Model, Span};
 /// Largest number of entries of a factor; more cannot be solved within a tick on any machine.
 const LARGEST: usize = 1_000_000;
 
-impl Plan<'_> {
+impl LayoutBuilder<'_> {
     /// Returns the slots that a link acts on, end by end.
-    fn pulls(&self, l: &LiaNode, heard: &BTreeSet<u32>) -> Vec<Pull> {
+    fn pulls(&self, l: &LiaNode, read: &BTreeSet<u32>) -> Vec<Pull> {
         let mut all = Vec::new();
         for (side, sign) in [-1.0, 1.0].into_iter().enumerate() {
             let End::Mat(m) = l.ends[side] else { continue };
             let mat = &self.net.mats[m as usize];
-            let heard = matches!(mat.role, MatRole::Port(..) | MatRole::Slow) || heard.contains(&m);
+            let read = matches!(mat.role, MatRole::Port(..) | MatRole::Slow) || read.contains(&m);
             all.extend(directions(l, side, mat.slots()).into_iter().map(|(axis, w)| Pull {
                 place: self.slot[m as usize] + axis,
                 weight: sign * w,
                 moves: !mat.is_fixed() && axis < u32::from(mat.axes),
-                heard,
+                read,
             }));
         }
         all
@@ -50,12 +50,12 @@ impl Plan<'_> {
         let solved: Vec<(usize, &LiaNode)> = net.lias.iter().enumerate().filter(|(_, l)| l.law.implicit).collect();
         let (_, first) = solved.first()?;
         let item = &model.items[net.items[first.item as usize].model];
-        let heard: BTreeSet<u32> = net
+        let read: BTreeSet<u32> = net
             .outs
             .iter()
             .filter_map(|o| if let OutputTap::ForceOn(End::Mat(m)) = o.tap { Some(m) } else { None })
             .collect();
-        let pulls: Vec<Vec<Pull>> = solved.iter().map(|(_, l)| self.pulls(l, &heard)).collect();
+        let pulls: Vec<Vec<Pull>> = solved.iter().map(|(_, l)| self.pulls(l, &read)).collect();
         let mut met: BTreeMap<u32, u32> = BTreeMap::new();
         for p in pulls.iter().flatten().filter(|p| p.moves) {
             *met.entry(p.place).or_default() += 1;
@@ -84,7 +84,7 @@ impl Plan<'_> {
                     let next = number.len() as u32;
                     force.moving.push((*number.entry(p.place).or_insert(next), p.weight));
                 } else {
-                    needed |= p.heard;
+                    needed |= p.read;
                     force.fixed.push((p.place, p.weight));
                 }
             }
@@ -141,7 +141,7 @@ struct Pull {
     /// True if forces move the slot.
     moves: bool,
     /// True if the force on the slot is read although forces do not move it.
-    heard: bool,
+    read: bool,
 }
 
 /// Returns the axes, with weights, by which a link measures one of its ends.

@@ -29,9 +29,9 @@ pub fn oversample(
         reads.insert(0, Op::pass(Pass::Inputs, inputs.len()));
     }
     // Between samples only the filter reads the outputs.
-    let unheard = |op: &Op| if op.pass == Pass::LowPass { Op::pass(Pass::Remember, op.n) } else { *op };
-    let heard = writes.iter().filter(|_| !layout.out.lowpass.is_empty()).map(unheard);
-    let ops: Vec<Op> = reads.iter().chain(forces).copied().chain(heard).chain(moves.iter().copied()).collect();
+    let without_output = |op: &Op| if op.pass == Pass::LowPass { Op::pass(Pass::Remember, op.n) } else { *op };
+    let writes_between = writes.iter().filter(|_| !layout.out.lowpass.is_empty()).map(without_output);
+    let ops: Vec<Op> = reads.iter().chain(forces).copied().chain(writes_between).chain(moves.iter().copied()).collect();
     layout.rates.substeps = Some(Substeps { times: net.oversample, tick: ops.into(), inputs });
     reads.insert(0, Op::pass(Pass::Between, net.oversample as usize - 1));
     writes.push(Op::pass(Pass::ToSamples, 1));

@@ -2,9 +2,9 @@
 //!
 //! It shows which sums may be computed in another way: a floating-point sum depends on its order, and a scene must not.
 
-use crate::emit::plan::Plan;
+use crate::emit::layout_builder::LayoutBuilder;
 use crate::emit::rows::batch::Batch;
-use crate::net::lines::LineNode;
+use crate::net::waveguides::WaveguideNode;
 use crate::net::{End, MatRole, OutputTap};
 use alloc::vec::Vec;
 use ca_core::internal::op::layout::MeasureKind;
@@ -23,18 +23,20 @@ pub struct Added {
 
 impl Added {
     /// Collects the forces of the links of `batches`, and all others.
-    pub fn new(plan: &Plan, batches: &[Batch]) -> Added {
-        let n = plan.coef_slots();
+    pub fn new(builder: &LayoutBuilder, batches: &[Batch]) -> Added {
+        let n = builder.coef_slots();
         let (behind, mut whole) = (alloc::vec![0u8; n], alloc::vec![false; n]);
         let plain = |batch: &Batch| {
-            let shape = plan.shape(batch.links[0], batch.law);
-            let sets = plan.net.lias[batch.links[0] as usize].sets.is_some();
+            let shape = builder.shape(batch.links[0], batch.law);
+            let sets = builder.net.lias[batch.links[0] as usize].sets.is_some();
             shape.measure == MeasureKind::Line && shape.onto.is_none() && !sets
         };
         let lined: Vec<bool> = batches.iter().map(plain).collect();
         let forces = || {
             let lined = batches.iter().zip(&lined).enumerate().filter(|(_, (_, lined))| **lined);
-            lined.flat_map(|(i, (b, _))| b.links.iter().flat_map(move |l| plan.ends(*l).map(|slot| (slot as usize, i))))
+            lined.flat_map(|(i, (b, _))| {
+                b.links.iter().flat_map(move |l| builder.ends(*l).map(|slot| (slot as usize, i)))
+            })
         };
         let mut start = alloc::vec![0u32; n + 1];
         forces().for_each(|(slot, _)| start[slot + 1] += 1);
@@ -45,44 +47,44 @@ impl Added {
             next[slot] += 1;
         }
         for (batch, _) in batches.iter().zip(&lined).filter(|(_, lined)| !**lined) {
-            let ends = batch.links.iter().flat_map(|l| plan.net.lias[*l as usize].all_ends());
-            ends.for_each(|end| mark(&mut whole, plan.at(end), 3));
+            let ends = batch.links.iter().flat_map(|l| builder.net.lias[*l as usize].all_ends());
+            ends.for_each(|end| mark(&mut whole, builder.at(end), 3));
         }
         let mut all = Added { start, by, behind, whole };
-        all.others(plan);
+        all.other_forces(builder);
         all
     }
 
     /// Adds moving points, weight, ports, and the slots whose sum is read.
-    fn others(&mut self, plan: &Plan) {
-        let net = plan.net;
-        for (push, slot) in net.pushes.iter().filter_map(|p| Some((p, plan.alive(p.end, p.axis)?))) {
+    fn other_forces(&mut self, builder: &LayoutBuilder) {
+        let net = builder.net;
+        for (push, slot) in net.pushes.iter().filter_map(|p| Some((p, builder.alive(p.end, p.axis)?))) {
             let slot = slot as usize;
             self.whole[slot] |= !net.pushes_line(push);
             self.behind[slot] = self.behind[slot].saturating_add(1);
         }
-        for (p, slot) in net.points.iter().zip(&plan.point).filter(|(_, slot)| **slot != u32::MAX) {
+        for (p, slot) in net.points.iter().zip(&builder.point).filter(|(_, slot)| **slot != u32::MAX) {
             let slot = *slot as usize;
             // A point without forces passes none on.
             let touched = self.whole[slot] || self.behind[slot] > 0 || !self.of(slot).is_empty();
             for m in net.families.of(&p.family).nodes {
-                let node = plan.slot[*m as usize] as usize;
+                let node = builder.slot[*m as usize] as usize;
                 self.whole[node] |= p.shape.is_some();
                 self.behind[node] = self.behind[node].saturating_add(u8::from(touched));
             }
         }
-        for (m, slot) in net.mats.iter().zip(&plan.slot).filter(|(_, slot)| **slot != u32::MAX) {
+        for (m, slot) in net.mats.iter().zip(&builder.slot).filter(|(_, slot)| **slot != u32::MAX) {
             let weighed = !m.is_fixed() && net.medium(m).gravity.iter().any(|g| *g != 0.0);
             if weighed || matches!(m.role, MatRole::Port(..) | MatRole::Slow) {
                 mark(&mut self.whole, *slot, m.slots() as usize);
             }
         }
         let read = net.outs.iter().filter_map(|o| match o.tap {
-            OutputTap::ForceOn(e) => plan.alive(e, o.axis),
+            OutputTap::ForceOn(e) => builder.alive(e, o.axis),
             _ => None,
         });
-        let junctions = net.lines.iter().filter(|l| l.tuned.is_some()).flat_map(LineNode::junctions);
-        let junctions = junctions.filter_map(|m| plan.alive(End::Mat(m), 0));
+        let junctions = net.lines.iter().filter(|l| l.tuned.is_some()).flat_map(WaveguideNode::junctions);
+        let junctions = junctions.filter_map(|m| builder.alive(End::Mat(m), 0));
         read.chain(junctions).for_each(|slot| mark(&mut self.whole, slot, 1));
     }
 

@@ -5,7 +5,7 @@
 //! order ([`Added`]), links along the rows first.
 
 use crate::emit::cost;
-use crate::emit::plan::Plan;
+use crate::emit::layout_builder::LayoutBuilder;
 use crate::emit::rows::added::Added;
 use crate::emit::rows::batch::{Batch, JOINT, Mesh};
 use alloc::vec::Vec;
@@ -13,20 +13,20 @@ use ca_core::internal::op::Band;
 use ca_core::internal::state::Fold;
 use core::ops::Range;
 
-fn slots(plan: &Plan, b: &Batch) -> Range<u32> {
-    let [first, second] = plan.ends(b.links[0]);
+fn slots(builder: &LayoutBuilder, b: &Batch) -> Range<u32> {
+    let [first, second] = builder.ends(b.links[0]);
     first..second + b.links.len() as u32
 }
 
 /// Returns the first slots of both ends of a row, and its number of links.
-fn ends(plan: &Plan, b: &Batch) -> ([u32; 2], u32) {
-    (plan.ends(b.links[0]), b.links.len() as u32)
+fn ends(builder: &LayoutBuilder, b: &Batch) -> ([u32; 2], u32) {
+    (builder.ends(b.links[0]), b.links.len() as u32)
 }
 
 /// Returns the meshes among `batches` whose masses have one class (`alike`), each with its batches in the order of
 /// their slots.
 pub fn meshes(
-    plan: &Plan,
+    builder: &LayoutBuilder,
     batches: &[Batch],
     added: &Added,
     fits: impl Fn(&Batch) -> bool,
@@ -39,14 +39,14 @@ pub fn meshes(
         if width < 2 || tried[i] || !fits(across) {
             continue;
         }
-        let mut range = slots(plan, across);
+        let mut range = slots(builder, across);
         let mut stages: Vec<Option<u8>> = alloc::vec![None; batches.len()];
         // Rows of the same law that share masses with the mesh so far.
         loop {
             let found = range.clone();
             for (k, b) in batches.iter().enumerate().filter(|(_, b)| b.stride == 1 || b.stride == width) {
                 let same = stages[k].is_none() && core::ptr::eq(b.law, across.law) && fits(b);
-                let r = if same { slots(plan, b) } else { 0..0 };
+                let r = if same { slots(builder, b) } else { 0..0 };
                 if r.start < range.end && range.start < r.end {
                     range = range.start.min(r.start)..range.end.max(r.end);
                     stages[k] = Some(u8::from(b.stride == width));
@@ -69,7 +69,7 @@ pub fn meshes(
             if b.stride < 2 || b.stride == width || !core::ptr::eq(b.law, across.law) || !fits(b) {
                 continue;
             }
-            let ([first, second], n) = ends(plan, b);
+            let ([first, second], n) = ends(builder, b);
             // Offset from the first node of the body to the first of their second ends, or of their first ends.
             let above = second.checked_sub(range.start).filter(|above| above + n <= width as u32);
             let below = first.checked_sub(range.start).filter(|below| {
@@ -89,11 +89,11 @@ pub fn meshes(
         }
         let mut of: Vec<usize> = (0..batches.len()).filter(|k| stages[*k].is_some()).collect();
         of.iter().filter(|k| batches[**k].stride > 1).for_each(|k| tried[*k] = true);
-        of.sort_by_key(|k| (stages[*k], slots(plan, &batches[*k]).start));
+        of.sort_by_key(|k| (stages[*k], slots(builder, &batches[*k]).start));
         // If two rows of one direction meet at a mass, the lower one must add first. Two links of one direction between
         // the same masses are not a mesh.
         let behind = |a: &usize, b: &usize| {
-            let (([a_first, _], n), ([b_first, _], _)) = (ends(plan, &batches[*a]), ends(plan, &batches[*b]));
+            let (([a_first, _], n), ([b_first, _], _)) = (ends(builder, &batches[*a]), ends(builder, &batches[*b]));
             stages[*a] != stages[*b] || (a < b && a_first + n <= b_first)
         };
         let ordered = of.is_sorted_by(behind);
@@ -115,12 +115,12 @@ pub fn meshes(
 }
 
 /// Returns the batches of a mesh as two, links along its rows and links across them, with joints in the gaps.
-pub fn joined(plan: &Plan, mesh: Mesh, of: &[Batch]) -> [Batch; 2] {
+pub fn joined(builder: &LayoutBuilder, mesh: Mesh, of: &[Batch]) -> [Batch; 2] {
     let width = mesh.width as usize;
     [(1, Band::Along(width)), (width, Band::Across)].map(|(stride, band)| {
         let mut links = alloc::vec![JOINT; mesh.nodes()];
         for l in of.iter().filter(|b| (b.stride == 1) == (stride == 1)).flat_map(|b| &b.links) {
-            links[mesh.node((plan.ends(*l)[0] - mesh.first) as usize)] = *l;
+            links[mesh.node((builder.ends(*l)[0] - mesh.first) as usize)] = *l;
         }
         Batch { links, stride, band, mesh: Some(mesh), ..of[0] }
     })

@@ -3,7 +3,7 @@
 //! A batch contains all decisions about it (integration, folding, mesh), so that each step only reads the result of the
 //! previous one.
 
-use crate::emit::plan::Plan;
+use crate::emit::layout_builder::LayoutBuilder;
 use crate::net::Pruned;
 use alloc::vec::Vec;
 use ca_core::internal::op::{Band, Hub, Integrate, MeasureKind};
@@ -39,12 +39,12 @@ impl Batch {
     }
 
     /// Returns whether it consists of explicit links on a line that are looked up.
-    pub fn is_looked_up(&self, plan: &Plan) -> bool {
+    pub fn is_looked_up(&self, builder: &LayoutBuilder) -> bool {
         let in_a_row = self.stride > 0 || self.hub != Hub::None || self.folded || self.mesh.is_some();
         if in_a_row || !self.law.stage.is_explicit() || self.links.contains(&JOINT) {
             return false;
         }
-        let shape = plan.shape(self.links[0], self.law);
+        let shape = builder.shape(self.links[0], self.law);
         shape.measure == MeasureKind::Line && shape.onto.is_none()
     }
 
@@ -54,8 +54,8 @@ impl Batch {
     }
 
     /// Returns the first slot of the masses of a row.
-    pub fn slot(&self, plan: &Plan) -> u32 {
-        self.mesh.map_or_else(|| plan.ends(self.links[0])[0], |m| m.first)
+    pub fn slot(&self, builder: &LayoutBuilder) -> u32 {
+        self.mesh.map_or_else(|| builder.ends(self.links[0])[0], |m| m.first)
     }
 }
 

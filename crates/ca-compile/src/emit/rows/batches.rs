@@ -1,6 +1,6 @@
 //! Batches: groups links of one law into passes, with rows as runs without indices.
 
-use crate::emit::plan::Plan;
+use crate::emit::layout_builder::LayoutBuilder;
 use crate::emit::rows::batch::Batch;
 use crate::emit::rows::space::{POINT, SHORTEST as SHORTEST_IN_SPACE};
 use crate::options::KernelClass;
@@ -26,9 +26,9 @@ pub struct Shape {
     set: Option<u32>,
 }
 
-impl Plan<'_> {
+impl LayoutBuilder<'_> {
     /// Returns the batches of links: in document order, or by law with rows as runs. Batches that are solved after the
-    /// others come last. The flag is true if their order differs from arithmetic 2, see [`sorted`](super::sorted).
+    /// others come last. The flag is true if their order differs from arithmetic 2, see [`row_order`](super::row_order).
     pub fn batches(&self, class: KernelClass) -> (Vec<Batch>, bool) {
         let laws = self.laws(class);
         let batch = |(links, stride): (Vec<u32>, usize)| {
@@ -87,16 +87,16 @@ impl Plan<'_> {
                 out.push((group, 0));
                 continue;
             }
-            let mut loose = Vec::new();
+            let mut singles = Vec::new();
             for row in group.chunk_by(|a, b| self.follows(*a, *b, 1)) {
                 if let Some(stride) = self.stride(row) {
                     out.push((row.to_vec(), stride));
                 } else {
-                    loose.extend_from_slice(row);
+                    singles.extend_from_slice(row);
                 }
             }
-            if !loose.is_empty() {
-                out.push((loose, 0));
+            if !singles.is_empty() {
+                out.push((singles, 0));
             }
         }
         (out, sorted)

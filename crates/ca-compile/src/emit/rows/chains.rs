@@ -1,10 +1,10 @@
 //! Chains: short rows close behind each other, e.g. in a mesh of 10 × 10, run as one.
 //!
 //! This step follows the batches, because each of these rows is too short for a run, and the document order of state
-//! hashes ([`written`](super::written)) depends on the batches and must not change. The order of forces on each mass is
+//! hashes ([`document_order`](super::document_order)) depends on the batches and must not change. The order of forces on each mass is
 //! kept: a row stays among the links that are looked up if one of these comes before it at one of its masses.
 
-use crate::emit::plan::Plan;
+use crate::emit::layout_builder::LayoutBuilder;
 use crate::emit::rows::batch::Batch;
 use crate::emit::rows::batches::SHORTEST_RUN;
 use crate::options::{KernelClass, Options};
@@ -14,7 +14,7 @@ use alloc::vec::Vec;
 /// Largest gap between two rows of a chain \[slots\]: the mass at which the first one ends.
 const GAP: u32 = 1;
 
-impl Plan<'_> {
+impl LayoutBuilder<'_> {
     /// Returns the batches, with the chains of each before the rest of it.
     pub fn chained(&self, options: &Options, batches: Vec<Batch>) -> Vec<Batch> {
         let mut all = Vec::with_capacity(batches.len());
@@ -23,10 +23,10 @@ impl Plan<'_> {
                 all.push(batch);
                 continue;
             }
-            let (rows, loose) = self.rows_of(&batch.links);
+            let (rows, singles) = self.rows_of(&batch.links);
             all.extend(rows.into_iter().map(|(links, stride)| Batch { links, stride, ..batch }));
-            if !loose.is_empty() {
-                all.push(Batch { links: loose, ..batch });
+            if !singles.is_empty() {
+                all.push(Batch { links: singles, ..batch });
             }
         }
         all
@@ -40,7 +40,7 @@ impl Plan<'_> {
             let next = last(a) + 1;
             stride(a) == stride(b) && (next..=next + GAP).contains(&first(b)[0])
         };
-        let (mut rows, mut loose, mut passed) = (Vec::new(), Vec::new(), BTreeSet::new());
+        let (mut rows, mut singles, mut passed) = (Vec::new(), Vec::new(), BTreeSet::new());
         let short: Vec<&[u32]> = links.chunk_by(|a, b| self.follows(*a, *b, 1)).collect();
         for chain in short.chunk_by(behind) {
             let each = || chain.iter().copied().flatten().copied();
@@ -51,9 +51,9 @@ impl Plan<'_> {
                 rows.extend(chain.iter().map(|row| (row.to_vec(), stride(row) as usize)));
             } else {
                 passed.extend(each().flat_map(|l| self.ends(l)));
-                loose.extend(each());
+                singles.extend(each());
             }
         }
-        (rows, loose)
+        (rows, singles)
     }
 }

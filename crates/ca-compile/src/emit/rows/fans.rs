@@ -2,11 +2,11 @@
 //! keys, hammers and notes written as lists.
 //!
 //! This step uses slots only, after all steps that move them, and only divides batches. Links stay in their order, so
-//! that the order of forces on each mass is kept. MATs return to document order ([`settled`](Plan::settled)) if that
+//! that the order of forces on each mass is kept. MATs return to document order ([`settled`](LayoutBuilder::settled)) if that
 //! makes such lists: the storage order places a note after its hammer, which helps rows only.
 
 use crate::emit::cost;
-use crate::emit::plan::Plan;
+use crate::emit::layout_builder::LayoutBuilder;
 use crate::emit::rows::batch::Batch;
 use crate::emit::rows::batches::SHORTEST_RUN;
 use crate::net::{End, MatNode};
@@ -15,7 +15,7 @@ use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 use ca_core::internal::op::Hub;
 
-impl Plan<'_> {
+impl LayoutBuilder<'_> {
     /// Returns the order in which MATs outside the rows of `batches` are in document order, if nothing else depends on
     /// their slots. Returns `None` if this does not make fans.
     pub fn settled(&self, order: &[u32], options: &Options, batches: &[Batch]) -> Option<Vec<u32>> {
@@ -47,13 +47,13 @@ impl Plan<'_> {
         mats.sort_unstable();
         let mut now = order.to_vec();
         places.iter().zip(&mats).for_each(|(i, m)| now[*i] = *m);
-        let settled = Plan::new(net, &now);
+        let settled = LayoutBuilder::new(net, &now);
         let looked_up = batches.iter().filter(|b| b.law.wide && b.is_looked_up(&settled));
-        looked_up.flat_map(|b| settled.cut(b)).any(|part| part.1 != Part::Loose).then_some(now)
+        looked_up.flat_map(|b| settled.cut(b)).any(|part| part.1 != Part::Single).then_some(now)
     }
 
     /// Returns the slot in `to` of each slot of this plan, whose MATs are in another order.
-    pub fn moved(&self, to: &Plan) -> Vec<u32> {
+    pub fn moved(&self, to: &LayoutBuilder) -> Vec<u32> {
         let mut all = alloc::vec![0; self.coef_slots()];
         let mats = self.net.mats.iter().map(MatNode::slots).zip(self.slot.iter().zip(&to.slot));
         let points = self.point.iter().zip(&to.point).map(|places| (1, places));
@@ -73,7 +73,7 @@ impl Plan<'_> {
             }
             for (links, part) in self.cut(&batch) {
                 let (stride, hub) = match part {
-                    Part::Loose => (0, Hub::None),
+                    Part::Single => (0, Hub::None),
                     Part::Run(stride) => (stride, Hub::None),
                     Part::Fan(hub) => (0, hub),
                 };
@@ -89,10 +89,10 @@ impl Plan<'_> {
         let mut all: Vec<(Vec<u32>, Part)> = Vec::new();
         let mut at = 0;
         while at < links.len() {
-            let behind_loose = matches!(all.last(), Some((_, Part::Loose)));
-            let (n, part) = self.part(&links[at..], |n| cost::fans(n, batch.law.coefs, behind_loose));
+            let behind_singles = matches!(all.last(), Some((_, Part::Single)));
+            let (n, part) = self.part(&links[at..], |n| cost::fans(n, batch.law.coefs, behind_singles));
             match all.last_mut() {
-                Some((loose, Part::Loose)) if part == Part::Loose => loose.extend(&links[at..at + n]),
+                Some((singles, Part::Single)) if part == Part::Single => singles.extend(&links[at..at + n]),
                 _ => all.push((links[at..at + n].to_vec(), part)),
             }
             at += n;
@@ -117,7 +117,7 @@ impl Plan<'_> {
             () if run >= SHORTEST_RUN && second > first => (run, Part::Run((second - first) as usize)),
             () if worth(from_first) && apart(first, second, from_first) => (from_first, Part::Fan(Hub::First)),
             () if worth(from_second) && apart(second, first, from_second) => (from_second, Part::Fan(Hub::Second)),
-            () => (1, Part::Loose),
+            () => (1, Part::Single),
         }
     }
 }
@@ -126,7 +126,7 @@ impl Plan<'_> {
 #[derive(Clone, Copy, PartialEq)]
 enum Part {
     /// Looked up one by one.
-    Loose,
+    Single,
     /// A row of this stride.
     Run(usize),
     /// From one slot to a row.

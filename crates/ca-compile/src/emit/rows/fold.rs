@@ -6,9 +6,9 @@
 //! with vectors of eight this saves a third of the time. In single precision rows are not folded.
 
 use crate::emit::cost;
+use crate::emit::layout_builder::LayoutBuilder;
 use crate::emit::masses::Masses;
 use crate::emit::pass_list::{self, Class};
-use crate::emit::plan::Plan;
 use crate::emit::rows::batch::{Batch, JOINT, Mesh, can_fold};
 use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
@@ -17,17 +17,17 @@ use ca_core::internal::state::Fold;
 
 /// Returns which batches are rows that [`cost`] advises to fold. Other rows at their masses lose their constant stride
 /// and are looked up one by one.
-fn chosen(plan: &Plan, batches: &[Batch]) -> Vec<bool> {
+fn chosen(builder: &LayoutBuilder, batches: &[Batch]) -> Vec<bool> {
     let wide = |b: &Batch| b.integrate != Integrate::No && b.law.wide;
-    let mut folds: Vec<bool> = batches.iter().map(|b| can_fold(plan.net) && wide(b)).collect();
-    let mut owner: Vec<u32> = alloc::vec![u32::MAX; plan.coef_slots()];
+    let mut folds: Vec<bool> = batches.iter().map(|b| can_fold(builder.net) && wide(b)).collect();
+    let mut owner: Vec<u32> = alloc::vec![u32::MAX; builder.coef_slots()];
     for (i, b) in batches.iter().enumerate().filter(|(i, _)| folds[*i]) {
-        owner[b.slot(plan) as usize..][..b.masses()].fill(i as u32);
+        owner[b.slot(builder) as usize..][..b.masses()].fill(i as u32);
     }
     // Links of other rows at each of them.
     let mut over = alloc::vec![0; batches.len()];
     let touched = |b: &Batch, visit: &mut dyn FnMut(usize)| {
-        let from = b.slot(plan) as usize;
+        let from = b.slot(builder) as usize;
         let slots = (from..from + b.links.len()).chain(from + b.stride..from + b.stride + b.links.len());
         slots.map(|slot| owner[slot] as usize).filter(|i| *i < batches.len()).for_each(visit);
     };
@@ -62,14 +62,19 @@ impl Row {
 
 /// Folds the rows for which this is cheaper, and lays out slots, classes and coefficients again. Returns the new
 /// position of each slot; empty if no row is folded.
-pub fn fold(plan: &mut Plan, masses: &mut Masses, classes: &mut Vec<Option<Class>>, batches: &mut [Batch]) -> Vec<u32> {
+pub fn fold(
+    builder: &mut LayoutBuilder,
+    masses: &mut Masses,
+    classes: &mut Vec<Option<Class>>,
+    batches: &mut [Batch],
+) -> Vec<u32> {
     let mut rows = Vec::new();
-    let folds = chosen(plan, batches);
+    let folds = chosen(builder, batches);
     for (row, _) in batches.iter_mut().zip(folds).filter(|(_, folds)| *folds) {
         let masses = row.masses();
         let nodes = row.mesh.map_or(masses, |mesh| mesh.nodes());
         let fold = Fold { first: 0, rows: nodes.div_ceil(Fold::LANES) as u32 };
-        let now = Row { from: row.slot(plan) as usize, masses, mesh: row.mesh, fold };
+        let now = Row { from: row.slot(builder) as usize, masses, mesh: row.mesh, fold };
         let mut links = alloc::vec![JOINT; now.slots()];
         for (i, l) in row.links.iter().enumerate() {
             links[fold.at(i)] = *l;
@@ -84,7 +89,7 @@ pub fn fold(plan: &mut Plan, masses: &mut Masses, classes: &mut Vec<Option<Class
         return Vec::new();
     }
     rows.sort_by_key(|r| r.from);
-    let n = plan.coef_slots();
+    let n = builder.coef_slots();
     let mut to: Vec<u32> = Vec::with_capacity(n);
     // Slots so far, and the number of slots of MATs, after which moving points begin.
     let (mut at, mut of_mats) = (0, None);
@@ -110,11 +115,11 @@ pub fn fold(plan: &mut Plan, masses: &mut Masses, classes: &mut Vec<Option<Class
     let slots = at.next_multiple_of(Fold::LANES);
     // Other rows may have another stride now, or none.
     for b in batches.iter_mut().filter(|b| b.stride > 0) {
-        let [first, second] = [0, b.stride].map(|more| &to[b.slot(plan) as usize + more..][..b.links.len()]);
+        let [first, second] = [0, b.stride].map(|more| &to[b.slot(builder) as usize + more..][..b.links.len()]);
         let in_a_row = [first, second].iter().all(|ends| ends.windows(2).all(|pair| pair[1] == pair[0] + 1));
         b.stride = if in_a_row { (second[0] - first[0]) as usize } else { 0 };
     }
-    for slot in plan.slot.iter_mut().chain(&mut plan.point).filter(|s| **s != u32::MAX) {
+    for slot in builder.slot.iter_mut().chain(&mut builder.point).filter(|s| **s != u32::MAX) {
         *slot = to[*slot as usize];
     }
     for mesh in batches.iter_mut().filter_map(|b| b.mesh.as_mut()) {
@@ -129,8 +134,8 @@ pub fn fold(plan: &mut Plan, masses: &mut Masses, classes: &mut Vec<Option<Class
     for all in [&mut masses.x, &mut masses.v, &mut masses.rest] {
         *all = column(all);
     }
-    plan.coef = plan.coef.chunks_exact(n).flat_map(column).collect();
-    for coef in &mut plan.live {
+    builder.coef = builder.coef.chunks_exact(n).flat_map(column).collect();
+    for coef in &mut builder.live {
         let (column, slot) = (*coef as usize / n, *coef as usize % n);
         *coef = (column * slots) as u32 + to[slot];
     }
@@ -140,7 +145,7 @@ pub fn fold(plan: &mut Plan, masses: &mut Masses, classes: &mut Vec<Option<Class
     for row in &rows {
         now[row.fold.first as usize..][..row.slots()].fill(classes[row.from]);
     }
-    pass_list::spread(&mut now);
+    pass_list::fill_classes(&mut now);
     *classes = now;
     to
 }

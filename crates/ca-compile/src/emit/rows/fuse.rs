@@ -5,32 +5,32 @@
 //! on its masses is then not stored, so nothing else may read it: no output of force, and no link that is solved after
 //! the others. (The ledger reads it only at ports, which are not integrated.)
 
+use crate::emit::layout_builder::LayoutBuilder;
 use crate::emit::pass_list::Class;
-use crate::emit::plan::Plan;
 use crate::emit::rows::added::Added;
 use crate::emit::rows::bands;
 use crate::emit::rows::batch::Batch;
 use crate::emit::rows::batch::can_fold;
 use crate::options::{KernelClass, Options};
 use alloc::vec::Vec;
-use ca_core::internal::op::heard::COEFS;
 use ca_core::internal::op::layout::Account;
+use ca_core::internal::op::output_links::COEFS;
 use ca_core::internal::op::{Band, Form, Integrate, Op};
 use ca_core::internal::scene::symbols::SymbolsBuilder;
 
 /// Marks the rows that integrate their masses. `classes` has the class of each slot; slots that do not move get the
 /// class of the row.
-pub fn mark(plan: &Plan, options: &Options, classes: &mut [Option<Class>], batches: &mut [Batch]) {
-    let net = plan.net;
+pub fn mark(builder: &LayoutBuilder, options: &Options, classes: &mut [Option<Class>], batches: &mut [Batch]) {
+    let net = builder.net;
     let staged = batches.iter().any(|b| b.law.implicit || !b.law.stage.is_explicit());
     if options.kernel != KernelClass::Fast || staged || net.as_milib || net.is_composed() {
         return;
     }
-    let added = Added::new(plan, batches);
+    let added = Added::new(builder, batches);
     let fits = |b: &Batch| b.stride > 0 && b.law.linear && b.law.mem == 0 && b.law.coefs <= COEFS;
     // A mesh is folded, which needs a law with vector kernels.
     let folds = |b: &Batch| b.law.wide && can_fold(net) && fits(b);
-    let found = bands::meshes(plan, batches, &added, folds, |range| class_of(&classes[range]).is_some());
+    let found = bands::meshes(builder, batches, &added, folds, |range| class_of(&classes[range]).is_some());
     for (mesh, of) in found {
         let classes = &mut classes[mesh.first as usize..][..mesh.slots as usize];
         let integrate = integrate(classes);
@@ -42,7 +42,7 @@ pub fn mark(plan: &Plan, options: &Options, classes: &mut [Option<Class>], batch
         if row.mesh.is_some() || row.stride != 1 || !fits(row) {
             continue;
         }
-        let slot = plan.ends(row.links[0])[0] as usize;
+        let slot = builder.ends(row.links[0])[0] as usize;
         let range = slot..slot + row.links.len() + 1;
         let begins = |slot: usize| added.begins(slot, |k| (k == i).then_some(0));
         // After the last MAT come moving points, which are not integrated.

@@ -4,14 +4,14 @@
 //! forces on each mass is kept.
 
 use crate::emit::cost;
-use crate::emit::plan::Plan;
+use crate::emit::layout_builder::LayoutBuilder;
 use crate::emit::rows::bands;
 use crate::emit::rows::batch::{Batch, JOINT, Mesh};
 use crate::options::{KernelClass, Options};
 use alloc::vec::Vec;
 use ca_core::internal::op::Integrate;
 
-impl Plan<'_> {
+impl LayoutBuilder<'_> {
     /// Joins rows to longer ones if the next begins soon after the previous: a pass per row of a mesh would wait longer
     /// than it computes. Rows that integrate come first, in the order of their slots. Other rows are joined only if
     /// they are adjacent in the list, so that the order of forces on each mass is kept.

@@ -1,7 +1,7 @@
 //! Links: the arrays of all batches, and the position of each link.
 
+use crate::emit::layout_builder::LayoutBuilder;
 use crate::emit::penetration;
-use crate::emit::plan::Plan;
 use crate::emit::rows::batch::{Batch, JOINT};
 use crate::net::{End, Measure, Pruned, elongation};
 use crate::options::Options;
@@ -9,7 +9,7 @@ use alloc::borrow::Cow;
 use alloc::vec::Vec;
 use ca_core::Law;
 use ca_core::internal::live::{Loader, Source};
-use ca_core::internal::op::layout::{HeardLink, PairSet};
+use ca_core::internal::op::layout::{OutputLink, PairSet};
 use ca_core::internal::op::{Band, Form, Integrate, MeasureKind, Op, Ports, SolveStage};
 use ca_core::internal::state::Fold;
 use ca_model::Model;
@@ -38,7 +38,7 @@ pub struct Links {
     /// Number of stored forces.
     pub tap: usize,
     /// Links of fused rows whose force is an output, by their number in the network.
-    pub heard: Vec<(u32, HeardLink)>,
+    pub output_links: Vec<(u32, OutputLink)>,
     /// Pass and position of each link of the network.
     pub where_is: Vec<(u32, u32)>,
 }
@@ -56,7 +56,7 @@ pub fn own_tables(net: &Pruned) -> Vec<(&'static Law, ca_core::Table)> {
     own
 }
 
-impl Plan<'_> {
+impl LayoutBuilder<'_> {
     /// Returns the first slots of the ends of a link.
     pub fn ends(&self, l: u32) -> [u32; 2] {
         let l = &self.net.lias[l as usize];
@@ -75,7 +75,7 @@ impl Plan<'_> {
             Measure::Line(_) => None,
             Measure::Along(n) => Some([n[0], n[1], n[2], 0.0]),
             Measure::Radial => {
-                let [x, y, z] = self.net.apart(ends);
+                let [x, y, z] = self.net.rest_vector(ends);
                 Some([x, y, z, soften * soften])
             }
         }
@@ -85,7 +85,7 @@ impl Plan<'_> {
     pub fn links(&mut self, batches: Vec<Batch>, options: &Options, diags: &mut Diags, model: &Model) -> Links {
         let net = self.net;
         let own = own_tables(net);
-        let heard = self.heard();
+        let read = self.output_links();
         // With a 0 on either side, for rows that integrate.
         let passing = |b: &&Batch| b.stride > 0 || b.band == Band::Across;
         let scratch = batches.iter().filter(passing).map(|b| b.links.len() + 2).max().unwrap_or(0);
@@ -100,7 +100,7 @@ impl Plan<'_> {
             e0: Vec::with_capacity(net.lias.len()),
             mem: 0,
             tap: scratch,
-            heard: Vec::new(),
+            output_links: Vec::new(),
             where_is: alloc::vec![(0, 0); net.lias.len()],
         };
         let mut to = Vec::new();
@@ -156,18 +156,18 @@ impl Plan<'_> {
                     penetration::warn(net, l, k.e0[first + i], &reach, model, diags);
                 }
             }
-            let some_heard = batch.iter().any(|l| heard.contains(l));
+            let some_read = batch.iter().any(|l| read.contains(l));
             // The ledger needs the work of a link if that differs from what it stores and loses.
             let radial = [Some(shape.measure), shape.onto].contains(&Some(MeasureKind::Radial));
             let audited = options.energy && (!law.linear || law.implicit || radial);
-            let tap = audited || some_heard && integrate == Integrate::No;
-            if some_heard && !tap {
+            let tap = audited || some_read && integrate == Integrate::No;
+            if some_read && !tap {
                 let coefs = law.coefs as u32;
-                for (i, l) in batch.iter().enumerate().filter(|(_, l)| heard.contains(l)) {
+                for (i, l) in batch.iter().enumerate().filter(|(_, l)| read.contains(l)) {
                     let (ends, e0, coef, tap) = (self.ends(*l), k.e0[first + i], (coef + i) as u32, k.tap as u32);
-                    k.heard.push((
+                    k.output_links.push((
                         *l,
-                        HeardLink { law, force: law.fns.force, ends, e0, coef, step: n as u32, coefs, tap },
+                        OutputLink { law, force: law.fns.force, ends, e0, coef, step: n as u32, coefs, tap },
                     ));
                     k.tap += 1;
                 }

@@ -4,7 +4,7 @@
 //! therefore one kind of gesture for players and takes. A sine has a point at every gesture frame, like the position of
 //! a device; if it is too fast for that, it has one at every sample.
 
-mod maker;
+mod build;
 
 use crate::lower::values::Values;
 use crate::net::Resolved;
@@ -12,6 +12,7 @@ use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
+use build::CurveBuilder;
 use ca_core::Unit;
 use ca_core::internal::kind::alg_to_si;
 use ca_model::diag::Diag;
@@ -19,7 +20,6 @@ use ca_model::quantity::Plain;
 use ca_model::sections::CURVES;
 use ca_model::suggest::nearest;
 use ca_model::{Entry, Value};
-use maker::Maker;
 
 /// Largest number of points.
 pub const MOST: usize = 1 << 22;
@@ -42,7 +42,7 @@ pub struct Curves<'a, 'v> {
     /// Tick of the reference rate, if bare values are in `alg` units; times are always in seconds.
     pub alg: Option<f64>,
     /// Gestures being followed.
-    pub within: Vec<String>,
+    pub following: Vec<String>,
     /// Gestures already made.
     pub made: &'a mut BTreeMap<String, Option<Points>>,
 }
@@ -119,7 +119,7 @@ impl Curves<'_, '_> {
             });
             good = false;
         }
-        let mut m = Maker { c: self, t, at: e.span, what };
+        let mut m = CurveBuilder { c: self, t, at: e.span, what };
         let points = match of.key.as_str() {
             "points" => m.looped(of),
             "ramp" => m.ramp(of),

@@ -1,7 +1,7 @@
 //! Reads `[gesture]`: built-in gestures as points \[s, value\] for a port or a live parameter.
 
 use crate::lower::curve::{Curves, MOST};
-use crate::lower::named::Named;
+use crate::lower::parsed_param::ParsedParam;
 use crate::lower::values::Values;
 use crate::net::Resolved;
 use alloc::collections::{BTreeMap, BTreeSet};
@@ -15,7 +15,7 @@ use ca_model::suggest::nearest;
 use ca_model::{Entry, Model, Value};
 
 /// Reads all gestures.
-pub fn gestures(model: &Model, net: &mut Resolved, alg: Option<f64>, named: &[Named], diags: &mut Diags) {
+pub fn gestures(model: &Model, net: &mut Resolved, alg: Option<f64>, named: &[ParsedParam], diags: &mut Diags) {
     if model.gestures.is_empty() {
         return;
     }
@@ -44,7 +44,7 @@ pub fn gestures(model: &Model, net: &mut Resolved, alg: Option<f64>, named: &[Na
         }
         let what = format!("gesture `{}`", e.key);
         let (alg, within) = (alg.filter(|_| limits.is_none()), Vec::from([e.key.clone()]));
-        let curves = Curves { v: &mut v, net, all: &all, unit, units: &units, alg, within, made: &mut made };
+        let curves = Curves { v: &mut v, net, all: &all, unit, units: &units, alg, following: within, made: &mut made };
         let points = { curves }.curve(e, &what);
         let mut used = BTreeSet::new();
         refer(&e.value, &mut |name| _ = used.insert(name.to_string()));
@@ -87,7 +87,7 @@ fn refer(value: &Value, named: &mut dyn FnMut(&str)) {
     }
 }
 
-fn drives_nothing(e: &Entry, model: &Model, net: &Resolved, named: &[Named], diags: &mut Diags) {
+fn drives_nothing(e: &Entry, model: &Model, net: &Resolved, named: &[ParsedParam], diags: &mut Diags) {
     let mut d = Diag::error("E021", format!("gesture `{}` drives nothing", e.key));
     if let Some(n) = named.iter().find(|n| n.name == e.key) {
         if n.value.is_none() {

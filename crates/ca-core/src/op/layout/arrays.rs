@@ -3,7 +3,7 @@
 //! Each group is a plain structure, whose fields keep the order in which a plan stores them.
 
 use super::{
-    Crossing, DcBlocker, Driven, Enf, Enx, HeardLink, Modal, ModalCoupling, MovingPoint, Output, OutputRow, PairSet,
+    Crossing, DcBlocker, Driven, Enf, Enx, Modal, ModalCoupling, MovingPoint, Output, OutputLink, OutputRow, PairSet,
     SlowGroup, SolvedModal, Substeps,
 };
 use crate::numeric::Real;
@@ -118,7 +118,7 @@ pub struct PortArrays<R: Real = f64> {
 pub struct OutputArrays<R: Real = f64> {
     /// links of fused passes whose forces outputs read (any)
     #[cfg_attr(feature = "bytes", serde(skip))]
-    pub heard: Vec<HeardLink<R>>,
+    pub links: Vec<OutputLink<R>>,
     /// outputs (any), in this order: unfiltered, of motion, with a high-pass, of motion with a high-pass
     pub outputs: Vec<Output>,
     /// number of outputs of motion, without and with a high-pass. Their own lists save testing every output

@@ -15,7 +15,7 @@ pub struct Driven<R: Real = f64> {
     pub span: [f64; 2],
     /// number of rows of the table, at least two
     pub rows: usize,
-    /// coefficients to set: indices into [`LivePlan::coefs`](crate::live::LivePlan::coefs) (places)
+    /// coefficients to set: indices into [`LiveTable::coefs`](crate::live::LiveTable::coefs) (places)
     pub places: Vec<u32>,
     /// their values at equal steps of the parameter (rows x places)
     pub table: Vec<R>,

@@ -78,7 +78,7 @@ pub struct Account<R: Real = f64> {
 
 /// Data of the ledger.
 #[derive(Clone, Default)]
-pub struct LedgerPlan<R: Real = f64> {
+pub struct LedgerLayout<R: Real = f64> {
     /// batches of links, in the order of the passes
     pub accounts: Vec<Account<R>>,
     /// coefficient of the first MAT with weight

@@ -14,9 +14,9 @@ mod waves;
 pub use arrays::{Counts, LinkArrays, OutputArrays, Places, PortArrays, Rates};
 pub use driven::Driven;
 pub use group::{Copied, Response, SlowGroup};
-pub use ledger::{Account, AccountFns, LedgerPlan, Row};
+pub use ledger::{Account, AccountFns, LedgerLayout, Row};
 pub use modal::{Modal, ModalCoupling, SolvedModal};
-pub use outputs::{DcBlocker, HeardLink, Output, OutputRow, Tap};
+pub use outputs::{DcBlocker, Output, OutputLink, OutputRow, Tap};
 pub use waves::{Delay, Junction, Termination, Waves};
 
 use super::{Op, Vectors};
@@ -154,7 +154,7 @@ pub struct Crossing {
 /// Rule by which device ports cross the border: their [`Shape`], or tick by tick if a frame has one tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
-pub enum Way {
+pub enum BorderMethod {
     /// one tick per frame
     Synchronous,
     /// [`Shape::Linear`]
@@ -247,7 +247,7 @@ pub struct Layout<R: Real = f64> {
     pub implicit: Option<ImplicitLinks<R>>,
     /// data of the ledger, if the scene has one
     #[cfg_attr(feature = "bytes", serde(skip))]
-    pub ledger: Option<LedgerPlan<R>>,
+    pub ledger: Option<LedgerLayout<R>>,
     /// vectors that its passes use; the bits are the same with all
     #[cfg_attr(feature = "bytes", serde(skip))]
     pub vectors: Vectors,
@@ -255,11 +255,11 @@ pub struct Layout<R: Real = f64> {
 
 impl<R: Real> Layout<R> {
     /// Returns how device ports cross the border.
-    pub fn way(&self) -> Way {
+    pub fn border_method(&self) -> BorderMethod {
         match (self.rates.frame, self.ports.crossing.shape) {
-            (1, _) => Way::Synchronous,
-            (_, Shape::Linear) => Way::Linear,
-            (_, Shape::Hold) => Way::Hold,
+            (1, _) => BorderMethod::Synchronous,
+            (_, Shape::Linear) => BorderMethod::Linear,
+            (_, Shape::Hold) => BorderMethod::Hold,
         }
     }
 

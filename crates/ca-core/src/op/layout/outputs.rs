@@ -18,7 +18,7 @@ pub enum Tap {
 
 /// A linear link of a fused pass whose force an output reads.
 #[derive(Clone, Copy)]
-pub struct HeardLink<R: Real = f64> {
+pub struct OutputLink<R: Real = f64> {
     /// law of the link
     pub law: &'static Law,
     /// force function of the law

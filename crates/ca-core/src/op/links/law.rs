@@ -1,6 +1,6 @@
 //! A law as data: functions that the compiler, the ledger and the certificate call without knowing which law it is.
 
-use super::choose::kernel;
+use super::select_kernel::kernel;
 use crate::law::Phi;
 use crate::numeric::{Real, Table};
 use crate::op::account::{Energies, numbers};

@@ -115,7 +115,7 @@ pub type Pressed<R = f64> = (usize, usize, R, R);
 
 /// Calls `visit` for all pairs of a set that may have touched in the last two ticks, with the elongations before, at
 /// and after the tick between them. `d0` is the motion before the last one.
-pub fn touched<R: Real>(
+pub fn for_each_contact<R: Real>(
     layout: &Layout<R>,
     s: &State<R>,
     near: &mut VerletList,

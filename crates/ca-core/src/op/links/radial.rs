@@ -38,12 +38,12 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body<f64> fo
         }
         let whole = op.n - op.n % S::F64_LANES;
         // one more number, so that the last vector can be written as four
-        let mut room = [0.0; 3 * BLOCK + 1];
+        let mut scratch = [0.0; 3 * BLOCK + 1];
         let mut first = 0;
         while first < whole {
             let n = BLOCK.min(whole - first);
-            vectors(simd, op, layout, s, first, &mut room[..=3 * n]);
-            let v = &mut room[..3 * n];
+            vectors(simd, op, layout, s, first, &mut scratch[..=3 * n]);
+            let v = &mut scratch[..3 * n];
             if s.links.lengths[op.ports.reach + first] < 0.0 {
                 recall(op, layout, s, first, v);
             }
@@ -56,7 +56,7 @@ impl<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool> Body<f64> fo
 }
 
 /// Working memory of a block, for laws that are called link by link.
-struct Room {
+struct Scratch {
     /// vectors between ends, then forces, and one more number
     v: [f64; 3 * BLOCK + 1],
     /// lengths
@@ -74,7 +74,7 @@ struct Around<'a> {
     s: &'a mut State,
     first: usize,
     n: usize,
-    room: &'a mut Room,
+    scratch: &'a mut Scratch,
 }
 
 /// Computes lengths, elongations and their changes, before the law is called.
@@ -84,8 +84,8 @@ impl pulp::WithSimd for Before<'_> {
     type Output = ();
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Around { op, layout, s, first, n, room } = self.0;
-        let Room { v, l, e, w } = room;
+        let Around { op, layout, s, first, n, scratch } = self.0;
+        let Scratch { v, l, e, w } = scratch;
         vectors(simd, op, layout, s, first, &mut v[..=3 * n]);
         if s.links.lengths[op.ports.reach + first] < 0.0 {
             recall(op, layout, s, first, &v[..3 * n]);
@@ -111,8 +111,8 @@ impl pulp::WithSimd for Behind<'_> {
     type Output = ();
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Around { op, layout, s, first, n, room } = self.0;
-        let Room { v, l, e, .. } = room;
+        let Around { op, layout, s, first, n, scratch } = self.0;
+        let Scratch { v, l, e, .. } = scratch;
         let vectors = S::as_mut_simd_f64s(&mut v[..3 * n]).0.as_chunks_mut::<3>().0;
         let steps = vectors.len();
         let [l, force] = [l, e].map(|all| &S::as_simd_f64s(&all[..n]).0[..steps]);
@@ -127,17 +127,17 @@ impl pulp::WithSimd for Behind<'_> {
 pub fn by_law<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool>(op: &Op, layout: &Layout, s: &mut State) {
     // a multiple of 8 at any vector width, so that the same links are processed one by one on all machines
     let whole = if op.n < FEWEST { 0 } else { op.n - op.n % LANES };
-    let mut room = Room { v: [0.0; 3 * BLOCK + 1], l: [0.0; BLOCK], e: [0.0; BLOCK], w: [0.0; BLOCK] };
+    let mut scratch = Scratch { v: [0.0; 3 * BLOCK + 1], l: [0.0; BLOCK], e: [0.0; BLOCK], w: [0.0; BLOCK] };
     let mut first = 0;
     while first < whole {
         let n = BLOCK.min(whole - first);
-        layout.vectors.widest(Before(Around { op, layout, s: &mut *s, first, n, room: &mut room }));
+        layout.vectors.widest(Before(Around { op, layout, s: &mut *s, first, n, scratch: &mut scratch }));
         let mut columns: [&[f64]; C] = [&[]; C];
         for (k, column) in columns.iter_mut().enumerate() {
             *column = &s.coef[op.coef + k * op.n + first..][..n];
         }
         let mem = &mut s.links.mem[op.mem + first * M..][..n * M];
-        let (e, w) = (&mut room.e[..n], &room.w[..n]);
+        let (e, w) = (&mut scratch.e[..n], &scratch.w[..n]);
         for i in 0..n {
             let c = core::array::from_fn(|k| columns[k][i]);
             let mut none = [0.0; M];
@@ -147,7 +147,7 @@ pub fn by_law<P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool>(op:
         if TAP {
             s.links.tap[op.tap + first..][..n].copy_from_slice(e);
         }
-        layout.vectors.widest(Behind(Around { op, layout, s: &mut *s, first, n, room: &mut room }));
+        layout.vectors.widest(Behind(Around { op, layout, s: &mut *s, first, n, scratch: &mut scratch }));
         first += n;
     }
     links::<f64, P, Radial, C, M, TAP>(op, layout, s, whole..op.n);
@@ -263,16 +263,16 @@ fn block<'a, S: Simd>(v: &'a mut [f64], e0: &'a [f64], last: &'a mut [f64]) -> V
     (v, &S::as_simd_f64s(e0).0[..steps], &mut S::as_mut_simd_f64s(last).0[..steps])
 }
 
-/// Returns the squared softening lengths of a block in `room`, if it has any.
+/// Returns the squared softening lengths of a block in `scratch`, if it has any.
 #[inline(always)]
-fn softened<'a, S: Simd>(op: &Op, layout: &Layout, first: usize, room: &'a mut [f64]) -> Option<&'a [S::f64s]> {
+fn softened<'a, S: Simd>(op: &Op, layout: &Layout, first: usize, scratch: &'a mut [f64]) -> Option<&'a [S::f64s]> {
     if !op.form.soften {
         return None;
     }
-    for (soft, reach) in room.iter_mut().zip(&layout.links.reach[op.ports.reach + first..]) {
+    for (soft, reach) in scratch.iter_mut().zip(&layout.links.reach[op.ports.reach + first..]) {
         *soft = reach[3];
     }
-    Some(S::as_simd_f64s(room).0)
+    Some(S::as_simd_f64s(scratch).0)
 }
 
 /// Turns vectors into the forces on the first ends of their links, for a law with a vector form of its force.
@@ -293,8 +293,8 @@ fn pulls<S: Simd, P: Phi<C, M>, const C: usize, const M: usize, const TAP: bool>
     let lengths = &mut s.links.lengths[op.ports.reach + first..][..n];
     let (vectors, e0, last) = block::<S>(v, &layout.links.e0[op.first + first..][..n], lengths);
     let tap = S::as_mut_simd_f64s(if TAP { &mut s.links.tap[op.tap + first..][..n] } else { &mut [] }).0;
-    let mut room = [0.0; BLOCK];
-    let soft = softened::<S>(op, layout, first, &mut room[..n]);
+    let mut scratch = [0.0; BLOCK];
+    let soft = softened::<S>(op, layout, first, &mut scratch[..n]);
     for i in 0..vectors.len() {
         let v = simd.deinterleave_shfl_f64s(vectors[i]);
         let l = length(simd, v, soft.map(|soft| &soft[i]));

@@ -5,16 +5,16 @@
 use super::PlanError;
 use super::known::{Known, law_of};
 use super::record::{
-    AccountRecord, BeforeRecord, GroupRecord, HeardRecord, ItemRecord, LayoutRecord, LedgerRecord, LiveRecord,
-    LoadedRecord, LoaderRecord, ModuleRecord, OpRecord, ParamRecord, SceneRecord, SlowRecord, StateRecord,
+    AccountRecord, BeforeRecord, GroupRecord, ItemRecord, LayoutRecord, LedgerRecord, LiveRecord, LoadedRecord,
+    LoaderRecord, ModuleRecord, OpRecord, OutputLinkRecord, ParamRecord, SceneRecord, SlowRecord, StateRecord,
     SubstepsRecord, SymbolsRecord,
 };
 use super::verify::{self, Wrong};
 use crate::kind::{Role, Unit};
-use crate::live::{DrivenParam, LiveItem, LiveModule, LiveParam, LivePlan, Loader, Source};
+use crate::live::{DrivenParam, LiveItem, LiveModule, LiveParam, LiveTable, Loader, Source};
 use crate::numeric::VerletList;
 use crate::op::energy::empty_ledger;
-use crate::op::layout::{Account, HeardLink, Layout, LedgerPlan, SlowGroup, Substeps};
+use crate::op::layout::{Account, Layout, LedgerLayout, OutputLink, SlowGroup, Substeps};
 use crate::op::layout::{AccountFns, OutputArrays};
 use crate::op::{Form, Law, Op, Pass, Vectors};
 use crate::scene::bind::listed;
@@ -107,21 +107,21 @@ impl Laws {
     }
 
     fn layout(&self, record: LayoutRecord) -> Result<Layout, Wrong> {
-        let heard = record.heard.into_iter().map(|link| {
-            let HeardRecord { law, ends, e0, coef, step, coefs, tap } = link;
+        let output_links = record.output_links.into_iter().map(|link| {
+            let OutputLinkRecord { law, ends, e0, coef, step, coefs, tap } = link;
             let law = self.get(law)?;
-            Ok(HeardLink { law, force: law.fns.force, ends, e0, coef, step, coefs, tap })
+            Ok(OutputLink { law, force: law.fns.force, ends, e0, coef, step, coefs, tap })
         });
         let arrays = record.arrays.into_owned();
         Ok(Layout {
-            out: OutputArrays { heard: heard.collect::<Result<_, Wrong>>()?, ..arrays.out },
+            out: OutputArrays { links: output_links.collect::<Result<_, Wrong>>()?, ..arrays.out },
             ledger: record.ledger.map(|ledger| self.ledger(ledger)).transpose()?,
             vectors: Vectors::detect(),
             ..arrays
         })
     }
 
-    fn ledger(&self, record: LedgerRecord) -> Result<LedgerPlan, Wrong> {
+    fn ledger(&self, record: LedgerRecord) -> Result<LedgerLayout, Wrong> {
         let accounts = record.accounts.into_iter().map(|account| {
             let AccountRecord { op, n, ports, first, coef, mem, tap, law, linear, live, rows } = account;
             let law = self.get(law)?;
@@ -142,7 +142,7 @@ impl Laws {
             })
         });
         let accounts = accounts.collect::<Result<_, Wrong>>()?;
-        Ok(LedgerPlan { accounts, weight: record.weight, live: record.live })
+        Ok(LedgerLayout { accounts, weight: record.weight, live: record.live })
     }
 
     fn substeps(&self, record: SubstepsRecord) -> Result<Substeps, Wrong> {
@@ -195,7 +195,7 @@ fn loaded(record: LoadedRecord, layout: &Layout) -> Result<State, Wrong> {
 /// Makes a state at load without its group.
 fn flat(record: StateRecord, layout: &Layout) -> Result<State, Wrong> {
     verify::state(&record, layout)?;
-    let kick = record.kick.map(|kick| Box::new(Ledger { kick: kick.into_owned(), ..empty_ledger(layout) }));
+    let kick = record.kick.map(|kick| Box::new(Ledger { start_force: kick.into_owned(), ..empty_ledger(layout) }));
     let [x, d, f, coef, lengths, tap] =
         [&record.x, &record.d, &record.f, &record.coef, &record.lengths, &record.tap].map(|all| all[..].into());
     Ok(State {
@@ -234,13 +234,13 @@ fn flat(record: StateRecord, layout: &Layout) -> Result<State, Wrong> {
     })
 }
 
-fn live(record: LiveRecord, known: &Known) -> Result<LivePlan, PlanError> {
+fn live(record: LiveRecord, known: &Known) -> Result<LiveTable, PlanError> {
     let values: Vec<Arc<[Source]>> = record.values.into_iter().map(|list| Arc::from(&list[..])).collect();
     let driven = record
         .driven
         .into_iter()
         .map(|d| Ok(DrivenParam { param: param(d.param, known)?, port: d.port.into_owned(), span: d.span }));
-    Ok(LivePlan {
+    Ok(LiveTable {
         scene: Identity::default(),
         params: record.params.into_iter().map(|p| param(p, known)).collect::<Result<_, _>>()?,
         coefs: record.coefs.into_owned(),

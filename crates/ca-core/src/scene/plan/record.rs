@@ -39,7 +39,7 @@ pub(super) struct OpRecord {
 }
 
 #[derive(Serialize, Deserialize)]
-pub(super) struct HeardRecord {
+pub(super) struct OutputLinkRecord {
     pub law: u32,
     pub ends: [u32; 2],
     pub e0: f64,
@@ -75,7 +75,7 @@ pub(super) struct LedgerRecord {
 #[derive(Serialize, Deserialize)]
 pub(super) struct LayoutRecord<'a> {
     pub arrays: Cow<'a, Layout>,
-    pub heard: Vec<HeardRecord>,
+    pub output_links: Vec<OutputLinkRecord>,
     pub ledger: Option<LedgerRecord>,
 }
 

@@ -1,13 +1,13 @@
 //! Makes the record of a scene.
 
 use super::record::{
-    AccountRecord, BeforeRecord, DrivenRecord, GroupRecord, HeardRecord, ItemRecord, LayoutRecord, LedgerRecord, List,
-    LiveRecord, LoadedRecord, LoaderRecord, ModuleRecord, OpRecord, ParamRecord, RunRecord, SceneRecord, SlowRecord,
-    StateRecord, SubstepsRecord, SymbolsRecord,
+    AccountRecord, BeforeRecord, DrivenRecord, GroupRecord, ItemRecord, LayoutRecord, LedgerRecord, List, LiveRecord,
+    LoadedRecord, LoaderRecord, ModuleRecord, OpRecord, OutputLinkRecord, ParamRecord, RunRecord, SceneRecord,
+    SlowRecord, StateRecord, SubstepsRecord, SymbolsRecord,
 };
-use crate::live::{LiveItem, LiveParam, LivePlan, Loader, Source};
+use crate::live::{LiveItem, LiveParam, LiveTable, Loader, Source};
 use crate::op::layout::AccountFns;
-use crate::op::layout::{Account, HeardLink, Layout, LedgerPlan, SlowGroup, Substeps};
+use crate::op::layout::{Account, Layout, LedgerLayout, OutputLink, SlowGroup, Substeps};
 use crate::op::{Law, Op};
 use crate::scene::{About, InHand, OutputNames, Passes};
 use crate::scene::{Before, Scene, Symbols};
@@ -88,18 +88,18 @@ impl Codes {
     }
 
     fn layout<'a>(&mut self, layout: &'a Layout) -> LayoutRecord<'a> {
-        let heard = layout.out.heard.iter().map(|link| {
-            let &HeardLink { law, force: _, ends, e0, coef, step, coefs, tap } = link;
-            HeardRecord { law: self.place(law), ends, e0, coef, step, coefs, tap }
+        let output_links = layout.out.links.iter().map(|link| {
+            let &OutputLink { law, force: _, ends, e0, coef, step, coefs, tap } = link;
+            OutputLinkRecord { law: self.place(law), ends, e0, coef, step, coefs, tap }
         });
         LayoutRecord {
-            heard: heard.collect(),
+            output_links: output_links.collect(),
             ledger: layout.ledger.as_ref().map(|plan| self.ledger(plan)),
             arrays: Cow::Borrowed(layout),
         }
     }
 
-    fn ledger(&mut self, plan: &LedgerPlan) -> LedgerRecord {
+    fn ledger(&mut self, plan: &LedgerLayout) -> LedgerRecord {
         let accounts = plan.accounts.iter().map(|account| {
             let &Account {
                 op,
@@ -189,7 +189,7 @@ fn flat(state: &State) -> StateRecord<'_> {
         tick: _,
     } = state;
     let [x, d, f, coef, lengths, tap] = [x, d, f, coef, lengths, tap].map(|all| Cow::Borrowed(&all[..]));
-    let Ramps { index, whole, .. } = ramps;
+    let Ramps { index, instant: whole, .. } = ramps;
     StateRecord {
         x,
         d,
@@ -213,12 +213,12 @@ fn flat(state: &State) -> StateRecord<'_> {
         live: index.into(),
         whole: *whole,
         written: [slots, coefs].map(|order| Cow::Borrowed(&order[..])),
-        kick: ledger.as_deref().map(|ledger| (&ledger.kick).into()),
+        kick: ledger.as_deref().map(|ledger| (&ledger.start_force).into()),
     }
 }
 
-fn live(plan: &LivePlan) -> LiveRecord<'_> {
-    let LivePlan { scene: _, params, coefs, driven, driven_coefs, items, implicit } = plan;
+fn live(plan: &LiveTable) -> LiveRecord<'_> {
+    let LiveTable { scene: _, params, coefs, driven, driven_coefs, items, implicit } = plan;
     let mut values = Values::default();
     let items = items.iter().map(|item| values.item(item)).collect();
     let driven = driven.iter().map(|d| DrivenRecord { param: param(&d.param), port: (&d.port).into(), span: d.span });

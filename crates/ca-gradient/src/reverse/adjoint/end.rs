@@ -33,7 +33,7 @@ impl Adjoint<'_> {
         for l in self.listed.iter().chain(&self.rows) {
             for i in 0..l.of.n {
                 let [by_e, by_w] = l.products.each_ref().map(|sums| sums.get(i).copied().unwrap_or(0.0));
-                if let Some(ahead) = l.ahead.get(i) {
+                if let Some(ahead) = l.next_products.get(i) {
                     let [k, z, theta] = [0, 1, 2].map(|k| l.of.coef + k * l.of.n + i);
                     let more = ahead - by_w;
                     adjoint[number(coef[k])] += by_e + own[theta] * more;
@@ -45,9 +45,9 @@ impl Adjoint<'_> {
                     adjoint[number(coef[l.of.coef + k * l.of.n + i])] += e * by_e + w * by_w;
                 }
             }
-            for (i, alone) in l.alone.iter().enumerate() {
+            for (i, elongation_sums) in l.elongation_sums.iter().enumerate() {
                 let [slope, _] = l.of.basis.slopes(|k| own[l.of.coef + k * l.of.n + i]);
-                adjoint[number(place.layout.links.e0[l.of.first + i])] += slope * alone;
+                adjoint[number(place.layout.links.e0[l.of.first + i])] += slope * elongation_sums;
             }
         }
         for (v, by) in place.initial.links.mem.iter().zip(&self.mem) {

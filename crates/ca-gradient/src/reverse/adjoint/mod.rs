@@ -15,12 +15,12 @@ mod end;
 use crate::error::Error;
 use crate::parts::record::{Record, Row, whole_lines};
 use crate::parts::rows::Rows;
-use crate::parts::small::Small;
+use crate::parts::small_passes::Small;
 use crate::parts::{Basis, Link, Parts, number, unknown};
-use crate::reverse::heard::{HeardAdjoint, Outputs};
+use crate::reverse::outputs::{OutputAdjoint, Outputs};
 use crate::reverse::single::{Adjoints, Pairs, Single};
 use crate::reverse::sums::{Links, Masses, Seen, TICKS, Ticks};
-use crate::reverse::taps::HeardLink;
+use crate::reverse::tapped_links::TappedLink;
 use ca_core::internal::numeric::Aligned;
 use ca_core::internal::op::Op;
 use ca_core::internal::op::layout::Layout;
@@ -40,7 +40,7 @@ pub struct Adjoint<'a> {
     links: Vec<Single>,
     sets: Vec<Pairs>,
     last: Vec<Single>,
-    heard: Vec<HeardLink>,
+    tapped: Vec<TappedLink>,
     /// Adjoints of tapped link forces, by tap.
     taps: Vec<f64>,
     /// Sums of linear links: listed ones, and rows.
@@ -95,11 +95,12 @@ impl<'a> Adjoint<'a> {
         let wanted = |of: Rows| {
             let elongations = e0[of.first..][..of.n].iter().any(|v| is_needed(*v));
             let coefficients: Vec<bool> = (0..of.basis.0.len()).map(|k| needs(&of, k)).collect();
-            Links::wanted(of, &coefficients, elongations)
+            Links::for_changes(of, &coefficients, elongations)
         };
         let listed = |(k, basis): &(usize, Basis)| wanted(Rows::listed(scene, &scene.passes.forces[*k], basis));
-        let solved =
-            |k: &usize| wanted(Rows::listed(scene, &scene.passes.forces[*k], &Basis::implicit())).map(Links::ahead);
+        let solved = |k: &usize| {
+            wanted(Rows::listed(scene, &scene.passes.forces[*k], &Basis::implicit())).map(Links::for_implicit)
+        };
         let of_row = |(k, basis): &(usize, Basis)| Rows::integrated(&scene.passes.moves[*k], basis);
         let n = scene.layout.counts.n_mat;
         let own = [0, 1, 2].map(|k| coef[k * n..][..n].iter().any(|v| is_needed(*v)));
@@ -134,7 +135,7 @@ impl<'a> Adjoint<'a> {
             inputs: vec![0.0; scene.inputs.len()],
             driven: vec![0.0; parts.driven.len()],
             taps: vec![0.0; scene.layout.counts.n_tap],
-            heard: HeardLink::all(scene, parts, place),
+            tapped: TappedLink::all(scene, parts, place),
             layout,
             a,
             small,
@@ -146,17 +147,17 @@ impl<'a> Adjoint<'a> {
             place,
         };
         adjoint.moved = adjoint.motions();
-        let room = |wanted: bool| Aligned::zeros(if wanted { TICKS * whole_lines(n) } else { 0 });
+        let scratch = |wanted: bool| Aligned::zeros(if wanted { TICKS * whole_lines(n) } else { 0 });
         let own = !adjoint.rows.is_empty() || !adjoint.masses.is_idle();
         let differs = !parts.summed.is_empty() || !scene.layout.places.moving_points.is_empty();
-        adjoint.more = room(differs && !adjoint.listed.is_empty());
-        adjoint.nu = room(own || (!differs && !adjoint.listed.is_empty()));
+        adjoint.more = scratch(differs && !adjoint.listed.is_empty());
+        adjoint.nu = scratch(own || (!differs && !adjoint.listed.is_empty()));
         Ok(adjoint)
     }
 
     fn motions(&self) -> Vec<usize> {
         let l = &self.scene.layout;
-        let heard = l.out.outputs.iter().filter_map(|o| match o.tap {
+        let output_slots = l.out.outputs.iter().filter_map(|o| match o.tap {
             ca_core::internal::op::layout::Tap::Position(m) => Some(m as usize),
             _ => None,
         });
@@ -164,7 +165,7 @@ impl<'a> Adjoint<'a> {
         let sets = self.sets.iter().flat_map(|s| s.slots(self.scene));
         let nodes = l.places.nodes.iter().map(|m| *m as usize);
         let mut all: Vec<usize> =
-            heard.chain(links).chain(sets).chain(nodes).chain(self.heard.iter().flat_map(|h| h.ends)).collect();
+            output_slots.chain(links).chain(sets).chain(nodes).chain(self.tapped.iter().flat_map(|h| h.ends)).collect();
         all.sort_unstable();
         all.dedup();
         all
@@ -210,12 +211,12 @@ impl<'a> Adjoint<'a> {
         self.before.extend(summed.iter().map(|m| [a.x[*m], a.d[*m]]));
         let gains = |at: usize, v: f64| of_numbers[number(place.initial.coef[at])] += v;
         let (x, f, mut high_passes) = (&mut a.x, &mut a.f, Vec::new());
-        let to = |adjoint: HeardAdjoint| match adjoint {
-            HeardAdjoint::Place(m, v) => f[m] += v,
-            HeardAdjoint::Motion(m, v) => now[m] += v,
-            HeardAdjoint::Sum(m, v) => x[m] += v,
-            HeardAdjoint::Force(t, v) => taps[t] += v,
-            HeardAdjoint::HighPass(k, by) => high_passes.push((k, by)),
+        let to = |adjoint: OutputAdjoint| match adjoint {
+            OutputAdjoint::Place(m, v) => f[m] += v,
+            OutputAdjoint::Motion(m, v) => now[m] += v,
+            OutputAdjoint::Sum(m, v) => x[m] += v,
+            OutputAdjoint::Force(t, v) => taps[t] += v,
+            OutputAdjoint::HighPass(k, by) => high_passes.push((k, by)),
         };
         self.outputs.back(tick, adjoint, &row, to, gains);
         for (k, [r, g]) in high_passes {
@@ -258,7 +259,7 @@ impl<'a> Adjoint<'a> {
             }
             (a.f[m], now[m]) = (0.0, 0.0);
         }
-        for h in &self.heard {
+        for h in &self.tapped {
             let phi = std::mem::take(&mut taps[h.tap]);
             if phi != 0.0 {
                 h.back(&row, phi, a, now, of_numbers);

@@ -22,7 +22,7 @@ fn fastest(rate: u32, speed: f64, clock: impl Fn(f64) -> u64, spike: f64) -> (f6
             validator.take(&f, &mut hand);
         }
         validator.update(&mut hand);
-        (hand.frame, hand.fresh) = (hand.frame + 1, false);
+        (hand.frame, hand.is_new) = (hand.frame + 1, false);
         most = most.max(hand.v[0].abs());
         last = hand.v[0];
     }
@@ -71,9 +71,9 @@ fn ended(p: &Profile, what: &str, mut frames: impl FnMut(u32, &mut dyn FnMut(&De
     for n in 0..12_000_u32 {
         frames(n, &mut |f| _ = validator.take(f, &mut hand));
         validator.update(&mut hand);
-        hand.met = u32::MAX;
+        hand.arrived = u32::MAX;
         chain.pass(&mut hand);
-        (hand.frame, hand.fresh, hand.tripped) = (hand.frame + 1, false, Cause::None);
+        (hand.frame, hand.is_new, hand.tripped) = (hand.frame + 1, false, Cause::None);
         if n == 5999 {
             assert_eq!((hand.mode, hand.cause), (Mode::On, Cause::None), "{what}");
         }

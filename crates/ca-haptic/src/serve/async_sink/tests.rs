@@ -33,32 +33,32 @@ impl Sink for Disk {
     }
 }
 
-fn disk(room: BufferLimits, blocks: usize) -> (SinkHandle, AsyncSink<Disk>, Arc<Mutex<()>>) {
+fn disk(limits: BufferLimits, blocks: usize) -> (SinkHandle, AsyncSink<Disk>, Arc<Mutex<()>>) {
     let still = Arc::new(Mutex::new(()));
     let disk = Disk { still: still.clone(), ticks: vec![], records: vec![], blocks };
-    let (line, aside) = AsyncSink::start("ca disk", disk, room, RtRequest::default()).expect("a thread");
+    let (line, aside) = AsyncSink::start("ca disk", disk, limits, RtRequest::default()).expect("a thread");
     (line, aside, still)
 }
 
-fn room(seconds: f64) -> BufferLimits {
+fn limits(seconds: f64) -> BufferLimits {
     BufferLimits { rate: RATE, seconds, bytes: 1 << 28 }
 }
 
 #[test]
 fn what_waits_is_bounded_by_seconds_and_by_memory_and_the_rest_is_counted() {
     let each = size_of::<Message>() + size_of_val(&FRAME);
-    let by_bytes = BufferLimits { bytes: 700 * each, ..room(1e9) };
+    let by_bytes = BufferLimits { bytes: 700 * each, ..limits(1e9) };
     // 10 s of sound for a blocked disk
-    for (room, fits) in [(room(2.0), 6000), (room(0.5), 1500), (by_bytes, 700), (room(20.0), 30_000)] {
-        let (mut line, aside, still) = disk(room, usize::MAX);
+    for (limits, fits) in [(limits(2.0), 6000), (limits(0.5), 1500), (by_bytes, 700), (limits(20.0), 30_000)] {
+        let (mut line, aside, still) = disk(limits, usize::MAX);
         let held = still.lock().expect("nobody panics");
         for n in 0..30_000 {
             line.sound(16 * n, &FRAME).expect("handed over, or left out");
         }
-        assert_eq!(aside.lost(), [0, (30_000 - fits) * 16, 0], "{room:?}");
+        assert_eq!(aside.lost(), [0, (30_000 - fits) * 16, 0], "{limits:?}");
         drop(held);
         let disk = aside.end().expect("no failure").expect("a disk");
-        assert!(disk.ticks.iter().copied().eq((0..fits).map(|n| 16 * n)), "{room:?}");
+        assert!(disk.ticks.iter().copied().eq((0..fits).map(|n| 16 * n)), "{limits:?}");
     }
     // 30 s of a device at 3 kHz, its forces and two channels of sound fit in 256 MB
     let second = 6000 * (size_of::<Record>() + size_of::<Message>()) + 3000 * (each + size_of_val(&FRAME));
@@ -67,12 +67,12 @@ fn what_waits_is_bounded_by_seconds_and_by_memory_and_the_rest_is_counted() {
 
 #[test]
 fn a_loss_is_reported_while_it_lasts_and_that_it_is_over() {
-    let (mut line, aside, still) = disk(room(2.5), usize::MAX);
+    let (mut line, aside, still) = disk(limits(2.5), usize::MAX);
     let held = still.lock().expect("nobody panics");
     let mut reported = Vec::new();
     for n in 0..15_000_u64 {
         line.sound(16 * n, &FRAME).expect("handed over, or left out");
-        reported.extend(line.news().map(|(bad, text)| (16.0 * n as f64 / RATE, bad, text)));
+        reported.extend(line.poll_notice().map(|(bad, text)| (16.0 * n as f64 / RATE, bad, text)));
     }
     let at: Vec<f64> = reported.iter().map(|t| t.0).collect();
     assert_eq!(at, [2.0, 2.5, 3.5, 4.5], "{reported:?}");
@@ -86,8 +86,8 @@ fn a_loss_is_reported_while_it_lasts_and_that_it_is_over() {
     while line.shared.waiting.load(Relaxed) > 0 {
         std::thread::yield_now();
     }
-    assert_eq!(line.news(), Some((false, "disk: written in time again".into())));
-    assert_eq!(line.news(), None);
+    assert_eq!(line.poll_notice(), Some((false, "disk: written in time again".into())));
+    assert_eq!(line.poll_notice(), None);
     // data is accepted again, after one gap
     line.sound(240_000, &FRAME).expect("handed over");
     let lost = aside.lost();
@@ -97,19 +97,19 @@ fn a_loss_is_reported_while_it_lasts_and_that_it_is_over() {
 }
 
 /// Ticks of sounds, number of records, messages.
-type Heard = (Vec<u64>, u64, Vec<String>);
+type Received = (Vec<u64>, u64, Vec<String>);
 
 /// A sink that stores everything from the recorder.
 #[derive(Clone, Default)]
-struct Ear(Arc<Mutex<Heard>>);
+struct RecordingSink(Arc<Mutex<Received>>);
 
-impl Ear {
-    fn heard(&self) -> Heard {
+impl RecordingSink {
+    fn received(&self) -> Received {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }
 
-impl Sink for Ear {
+impl Sink for RecordingSink {
     fn record(&mut self, _: &Record) -> Result<(), FileError> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).1 += 1;
         Ok(())
@@ -118,14 +118,14 @@ impl Sink for Ear {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).0.push(tick);
         Ok(())
     }
-    fn said(&mut self, h: &Notice) -> Result<(), FileError> {
+    fn notice(&mut self, h: &Notice) -> Result<(), FileError> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).2.push(h.text.clone());
         Ok(())
     }
 }
 
 struct Played {
-    ear: Ear,
+    sink: RecordingSink,
     /// Failures known to the recorder before the disk continued, and after.
     broken: [usize; 2],
     disk: Result<Option<Disk>, FileError>,
@@ -134,17 +134,17 @@ struct Played {
 }
 
 /// Plays for a disk, which blocks all the while if `hold`, and for a sink that stores all. Arms in the last frame.
-fn play(room: BufferLimits, blocks: usize, frames: u64, hold: bool) -> Played {
+fn play(limits: BufferLimits, blocks: usize, frames: u64, hold: bool) -> Played {
     let (model, _) = read::read(crate::engine::tests::KEY, "key.ca.toml", &ca_model::catalog());
     let scene =
         Arc::new(compile(&model, &ca_model::catalog(), &ca_compile::Options::default()).expect("it compiles").scene);
     let engine = Engine::new(scene.clone(), vec![Port::new(&scene, setup())], Options::default());
     let (ends, mut gateway, recorder_ends) = rings(&scene, 1, 0);
     let shared = Arc::new(crate::serve::Shared::default());
-    let (line, aside, still) = disk(room, blocks);
+    let (line, aside, still) = disk(limits, blocks);
     let held = hold.then(|| still.lock().unwrap_or_else(PoisonError::into_inner));
-    let ear = Ear::default();
-    let sinks: Vec<Box<dyn Sink>> = vec![Box::new(line), Box::new(ear.clone())];
+    let sink = RecordingSink::default();
+    let sinks: Vec<Box<dyn Sink>> = vec![Box::new(line), Box::new(sink.clone())];
     let mut recorder = Recorder::new(recorder_ends, shared.clone(), scene, &engine.ports, sinks);
     let mut live = Live::new(engine, ends, shared, Clock::Device { patience: 0 }, RecordIntervals::default());
     for n in 0..frames {
@@ -159,11 +159,11 @@ fn play(room: BufferLimits, blocks: usize, frames: u64, hold: bool) -> Played {
     recorder.poll();
     let before = recorder.broken().len();
     // reports while the disk was blocked
-    let ear = Ear(Arc::new(Mutex::new(ear.heard())));
+    let sink = RecordingSink(Arc::new(Mutex::new(sink.received())));
     drop(held);
     if blocks < 100 && hold {
         // the recorder detects the failure when it hands over the next message
-        while !aside.shared.over.load(Relaxed) {
+        while !aside.shared.ended.load(Relaxed) {
             std::thread::yield_now();
         }
         recorder.say(false, "is anybody there?".into());
@@ -171,7 +171,7 @@ fn play(room: BufferLimits, blocks: usize, frames: u64, hold: bool) -> Played {
     recorder.poll();
     let summary = recorder.summary(&engine, vec![]);
     let lost = [[summary.lost_records, summary.lost_sound, summary.lost_views], aside.lost()];
-    Played { ear, broken: [before, recorder.broken().len()], disk: aside.end(), lost }
+    Played { sink, broken: [before, recorder.broken().len()], disk: aside.end(), lost }
 }
 
 /// A slow sink that sets a flag when it is dropped.
@@ -194,7 +194,7 @@ impl Drop for Slow {
 fn a_sink_that_nobody_ends_is_gone_with_its_owner() {
     let gone = Arc::new(AtomicBool::new(false));
     let (mut line, aside) =
-        AsyncSink::start("slow", Slow(gone.clone()), room(1.0), RtRequest::default()).expect("a thread");
+        AsyncSink::start("slow", Slow(gone.clone()), limits(1.0), RtRequest::default()).expect("a thread");
     line.sound(0, &[0.0]).expect("handed over");
     drop(aside);
     assert!(gone.load(Relaxed), "what it half wrote would stay");
@@ -202,17 +202,17 @@ fn a_sink_that_nobody_ends_is_gone_with_its_owner() {
 
 #[test]
 fn a_disk_that_stands_still_for_a_while_loses_nothing() {
-    let p = play(room(2.0), usize::MAX, 5000, true);
+    let p = play(limits(2.0), usize::MAX, 5000, true);
     let ticks = p.disk.expect("no failure").expect("a disk").ticks;
     assert_eq!((p.broken, p.lost, ticks.len()), ([0, 0], [[0; 3]; 2], 5001));
     assert!(ticks.windows(2).all(|w| w[0] < w[1]));
-    assert!(p.ear.heard().2.iter().all(|t| !t.contains("lost so far")), "{:?}", p.ear.heard().2);
+    assert!(p.sink.received().2.iter().all(|t| !t.contains("lost so far")), "{:?}", p.sink.received().2);
 }
 
 #[test]
 fn a_disk_that_stands_still_for_long_loses_what_is_counted_and_no_other_file_does() {
-    let p = play(room(1.0), usize::MAX, 9000, true);
-    let (ticks, records, reported) = p.ear.heard();
+    let p = play(limits(1.0), usize::MAX, 9000, true);
+    let (ticks, records, reported) = p.sink.received();
     // the other sink does not wait for the disk: it has a force and a sound per frame, two orders and a wait
     assert_eq!((ticks.len(), records), (9001, 9001 + 3));
     // a frame has the tick of its force, which is at its end
@@ -236,13 +236,13 @@ fn a_disk_that_stands_still_for_long_loses_what_is_counted_and_no_other_file_doe
 
 #[test]
 fn a_disk_that_fails_with_much_behind_it_is_reported_once_and_holds_up_nobody() {
-    let p = play(room(2.0), 10, 5000, true);
+    let p = play(limits(2.0), 10, 5000, true);
     assert_eq!((p.broken, p.disk.is_ok_and(|d| d.is_none())), ([0, 1], true));
 }
 
 #[test]
 fn a_full_disk_is_reported_once() {
-    let p = play(room(2.0), 10, 3000, false);
+    let p = play(limits(2.0), 10, 3000, false);
     // by the recorder if it polled again, else at the end
     assert_eq!(p.broken[1] + usize::from(p.disk.is_err()), 1);
     assert!(p.disk.is_err() || p.disk.is_ok_and(|d| d.is_none()));
@@ -251,12 +251,12 @@ fn a_full_disk_is_reported_once() {
 /// After a long pause, a sink is not late with the next data, and loses none of it.
 #[test]
 fn who_had_nothing_to_write_is_not_late() {
-    let (mut line, aside, still) = disk(room(2.0), usize::MAX);
+    let (mut line, aside, still) = disk(limits(2.0), usize::MAX);
     let held = still.lock().expect("nobody panics");
     // recorded from the tenth second on
     for n in 30_000..30_600 {
         line.sound(16 * n, &FRAME).expect("handed over");
-        assert_eq!(line.news(), None, "{n}");
+        assert_eq!(line.poll_notice(), None, "{n}");
     }
     drop(held);
     assert_eq!(aside.lost(), [0; 3]);

@@ -1,19 +1,19 @@
 //! Sends sound straight to a device that plays it: the ring between engine and device, and the device as a clock.
 //!
 //! ```text
-//! engine thread ── Follow ── samples ─► Player ── callback of the device
+//! engine thread ── DeviceClock ── samples ─► Player ── callback of the device
 //!                        ◄── calls ───
 //! ```
 //!
 //! The two sides share only rings and counters. [`Player`] is called by any player of sound and does not depend on the
-//! device. [`Follow`] gives the engine the time at which its next gesture frame is due. Each call of the device reports
+//! device. [`DeviceClock`] gives the engine the time at which its next gesture frame is due. Each call of the device reports
 //! its position, the samples taken and the time. Nothing else is exchanged, so either side can stall, and the other
 //! detects it.
 
 #[cfg(feature = "system")]
-mod dll;
+mod device_clock;
 #[cfg(feature = "system")]
-mod follow;
+mod dll;
 #[cfg(feature = "system")]
 mod outlet;
 mod outputs;
@@ -23,9 +23,9 @@ mod player;
 mod tests;
 
 #[cfg(feature = "system")]
-pub use dll::Dll;
+pub use device_clock::DeviceClock;
 #[cfg(feature = "system")]
-pub use follow::Follow;
+pub use dll::Dll;
 #[cfg(feature = "system")]
 pub use outlet::{Outlet, Patch, outlet};
 pub use outputs::{NoChoice, Outputs};
@@ -149,8 +149,8 @@ const GAPS: usize = 1000;
 
 impl Watch {
     /// Returns messages for people since the last call.
-    pub(super) fn news(&mut self) -> Vec<String> {
-        let mut news = Vec::new();
+    pub(super) fn take_messages(&mut self) -> Vec<String> {
+        let mut messages = Vec::new();
         while let Ok(at) = self.gaps.pop() {
             if self.reported.len() < GAPS {
                 self.reported.push(at);
@@ -158,7 +158,7 @@ impl Watch {
             // one message a second; the summary has all gaps
             if at >= self.quiet {
                 self.quiet = at + u64::from(self.playback.rate);
-                news.push(format!("{}: no samples to play at sample {at}", self.playback.host));
+                messages.push(format!("{}: no samples to play at sample {at}", self.playback.host));
             }
         }
         let alive = self.counts.alive.load(Relaxed);
@@ -170,11 +170,11 @@ impl Watch {
             };
             // the first start is not reported
             if !alive || self.counts.stops.load(Relaxed) > 0 {
-                news.push(format!("{}: {what}", self.playback.host));
+                messages.push(format!("{}: {what}", self.playback.host));
             }
             self.was_alive = alive;
         }
-        news
+        messages
     }
 
     /// Returns the summary.
@@ -207,10 +207,10 @@ const HELD: f64 = 0.1;
 /// Makes all three sides, for a scene with `channels` channels and `frame` samples per gesture frame, and for a device
 /// that asks for `buffer` samples at once.
 #[cfg(feature = "system")]
-pub fn link(channels: usize, frame: u32, playback: PlaybackDevice, buffer: u32) -> (Follow, Player, Watch) {
+pub fn link(channels: usize, frame: u32, playback: PlaybackDevice, buffer: u32) -> (DeviceClock, Player, Watch) {
     let counts = Arc::new(Counts::default());
     let rate = f64::from(playback.rate);
-    let lead = follow::lead(buffer, frame, rate);
+    let lead = device_clock::lead(buffer, frame, rate);
     let held = (HELD * rate) as usize;
     let places = 2 * (lead as usize + held) * channels;
     let (samples_in, samples) = RingBuffer::new(places);
@@ -219,6 +219,6 @@ pub fn link(channels: usize, frame: u32, playback: PlaybackDevice, buffer: u32) 
     counts.buffer.store(u64::from(buffer), Relaxed);
     counts.lead.store(lead, Relaxed);
     let player = Player::new(channels, rate, held as u64, samples, calls, gaps, counts.clone());
-    let follow = Follow::new(channels, frame, rate, buffer, samples_in, calls_out, counts.clone());
+    let follow = DeviceClock::new(channels, frame, rate, buffer, samples_in, calls_out, counts.clone());
     (follow, player, Watch { playback, counts, gaps: gaps_out, reported: Vec::new(), quiet: 0, was_alive: false })
 }

@@ -4,7 +4,7 @@
 //! a second ring and is freed there, so the engine thread neither allocates nor frees. Without a device, the engine
 //! follows the monotonic clock.
 
-use super::Follow;
+use super::DeviceClock;
 use rtrb::{Consumer, Producer, RingBuffer};
 
 /// Most changes that wait, and most devices that wait to be freed.
@@ -12,31 +12,31 @@ const WAITING: usize = 4;
 
 /// The engine's side.
 pub struct Outlet {
-    now: Option<Box<Follow>>,
-    next: Consumer<Option<Box<Follow>>>,
-    gone: Producer<Box<Follow>>,
+    now: Option<Box<DeviceClock>>,
+    next: Consumer<Option<Box<DeviceClock>>>,
+    gone: Producer<Box<DeviceClock>>,
 }
 
 /// The other side, which changes the device.
 pub struct Patch {
-    next: Producer<Option<Box<Follow>>>,
-    gone: Consumer<Box<Follow>>,
+    next: Producer<Option<Box<DeviceClock>>>,
+    gone: Consumer<Box<DeviceClock>>,
 }
 
 /// Makes both sides; `first` plays from the start.
-pub fn outlet(first: Option<Follow>) -> (Outlet, Patch) {
+pub fn outlet(first: Option<DeviceClock>) -> (Outlet, Patch) {
     let (to, next) = RingBuffer::new(WAITING);
     let (gone, back) = RingBuffer::new(WAITING);
     (Outlet { now: first.map(Box::new), next, gone }, Patch { next: to, gone: back })
 }
 
 impl Outlet {
-    pub(in crate::serve) fn now(&mut self) -> Option<&mut Follow> {
+    pub(in crate::serve) fn now(&mut self) -> Option<&mut DeviceClock> {
         self.now.as_deref_mut()
     }
 
     /// Applies a waiting change. Returns true if there was one.
-    pub(in crate::serve) fn turn(&mut self) -> bool {
+    pub(in crate::serve) fn poll(&mut self) -> bool {
         if self.gone.slots() == 0 {
             return false;
         }
@@ -51,7 +51,7 @@ impl Outlet {
 
 impl Patch {
     /// Sets the device that plays from the next frame on, if any. Returns false if too many earlier changes still wait.
-    pub fn put(&mut self, next: Option<Follow>) -> bool {
+    pub fn put(&mut self, next: Option<DeviceClock>) -> bool {
         while self.gone.pop().is_ok() {}
         self.next.push(next.map(Box::new)).is_ok()
     }
@@ -68,9 +68,9 @@ mod tests {
         let (first, mut first_player, _) = link(1, 16, who(), 64);
         let (second, mut second_player, _) = link(1, 16, who(), 64);
         let (mut outlet, mut patch) = outlet(Some(first));
-        assert!(!outlet.turn());
+        assert!(!outlet.poll());
         outlet.now().unwrap().put(&[0.25; 200]);
-        assert!(patch.put(Some(second)) && outlet.turn());
+        assert!(patch.put(Some(second)) && outlet.poll());
         outlet.now().unwrap().put(&[0.5; 200]);
         let mut out = [0.0; 200];
         first_player.fill(&mut out, 1, 0);
@@ -82,7 +82,7 @@ mod tests {
             assert!(patch.put(None));
         }
         assert!(!patch.put(None));
-        while outlet.turn() {}
+        while outlet.poll() {}
         assert!(outlet.now().is_none() && patch.put(None));
         // the old device is freed on the other side, and its player ends
         second_player.fill(&mut out, 1, 0);

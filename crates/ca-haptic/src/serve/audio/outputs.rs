@@ -17,7 +17,7 @@ pub struct Outputs {
     pub refused: Option<String>,
     /// Request that is not handled yet.
     #[serde(skip)]
-    pub asked: Option<String>,
+    pub pending: Option<String>,
 }
 
 /// The error if outputs cannot be chosen.
@@ -44,11 +44,11 @@ impl Outputs {
     ///
     /// # Errors
     /// If nothing can be chosen.
-    pub fn ask(&mut self, name: &str) -> Result<(), NoChoice> {
+    pub fn request(&mut self, name: &str) -> Result<(), NoChoice> {
         if self.choices.is_empty() {
             return Err(NoChoice);
         }
-        (self.asked, self.busy, self.refused) = (Some(name.into()), true, None);
+        (self.pending, self.busy, self.refused) = (Some(name.into()), true, None);
         Ok(())
     }
 }

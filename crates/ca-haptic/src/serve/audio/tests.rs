@@ -1,14 +1,14 @@
 //! Tests both sides with simulated devices. Time is a number here, so the test sets every delay.
 
 use super::*;
-use crate::serve::audio::follow::lead;
+use crate::serve::audio::device_clock::lead;
 
 const RATE: f64 = 48_000.0;
 const R: u64 = 16;
 
 /// An engine and a device in simulated time.
-struct Hall {
-    follow: Follow,
+struct FakeDevice {
+    follow: DeviceClock,
     player: Player,
     watch: Watch,
     /// Frames that the device requests at once.
@@ -45,11 +45,11 @@ fn sound(n: u64) -> f64 {
     0.25 + 0.5 * chance(n)
 }
 
-impl Hall {
-    fn new(call: u32, ppm: f64) -> Hall {
+impl FakeDevice {
+    fn new(call: u32, ppm: f64) -> FakeDevice {
         let who = PlaybackDevice { host: "paper".into(), device: "paper".into(), rate: RATE as u32, channels: 2 };
         let (follow, player, watch) = link(1, R as u32, who, call);
-        Hall {
+        FakeDevice {
             follow,
             player,
             watch,
@@ -73,7 +73,7 @@ impl Hall {
         let end = self.now + seconds * 1e9;
         while self.now < end {
             let frame = *self.frame.get_or_insert_with(|| {
-                self.follow.hear(self.now as u64);
+                self.follow.read_calls(self.now as u64);
                 let due = self.follow.due();
                 // a frame that need not wait is not late
                 (due, if due > self.now { due + (self.late)(self.frames) } else { self.now })
@@ -107,7 +107,7 @@ impl Hall {
     }
 
     fn reported(&mut self) -> AudioSummary {
-        self.watch.news();
+        self.watch.take_messages();
         self.watch.summary()
     }
 }
@@ -116,7 +116,7 @@ impl Hall {
 #[test]
 fn a_steady_device_hears_every_sample() {
     for (call, ppm) in [(64, -800.0), (64, 90.0), (256, 1000.0), (1024, -40.0)] {
-        let mut h = Hall::new(call, ppm);
+        let mut h = FakeDevice::new(call, ppm);
         h.late = |k| 3e5 * chance(k);
         h.jitter = |k| 4e5 * chance(k + 7);
         h.run(30.0);
@@ -143,7 +143,7 @@ fn a_steady_device_hears_every_sample() {
 /// The engine stalls for longer than the lead: the gap is counted at its sample, and sound continues bit for bit.
 #[test]
 fn a_gap_is_counted_and_heard_as_a_fade() {
-    let mut h = Hall::new(64, 0.0);
+    let mut h = FakeDevice::new(64, 0.0);
     h.late = |k| if k == 6000 { 2e7 } else { 0.0 };
     h.run(4.0);
     let reported = h.reported();
@@ -183,7 +183,7 @@ fn a_gap_is_counted_and_heard_as_a_fade() {
 #[test]
 fn forces_do_not_depend_on_a_sound_device() {
     let ppm = 500.0;
-    let mut h = Hall::new(64, ppm);
+    let mut h = FakeDevice::new(64, ppm);
     h.run(5.0);
     h.asks = false;
     let (at, frames) = (h.now, h.frames);
@@ -217,7 +217,7 @@ fn forces_do_not_depend_on_a_sound_device() {
 /// The device stalls, then asks for all of that time at once: the lead stays within the ring, and sound continues.
 #[test]
 fn a_device_that_makes_up_for_a_stall_is_heard_again() {
-    let mut h = Hall::new(256, 0.0);
+    let mut h = FakeDevice::new(256, 0.0);
     h.run(2.0);
     let n = h.sent;
     h.asks = false;
@@ -262,7 +262,7 @@ fn channels_go_where_they_belong() {
 /// At the end the rest is played, and the silence after it is not a gap.
 #[test]
 fn the_end_is_no_underrun() {
-    let Hall { mut follow, mut player, mut watch, .. } = Hall::new(64, 0.0);
+    let FakeDevice { mut follow, mut player, mut watch, .. } = FakeDevice::new(64, 0.0);
     follow.put(&[0.5; 100]);
     drop(follow);
     let mut heard = Vec::new();
@@ -273,6 +273,6 @@ fn the_end_is_no_underrun() {
         assert!(heard.len() < 10_000);
     }
     assert!(heard[..200].iter().all(|x| *x == 0.5) && heard[200..].iter().all(|x| x.abs() < 0.5));
-    watch.news();
+    watch.take_messages();
     assert!(watch.summary().is_faithful(), "{:?}", watch.summary());
 }

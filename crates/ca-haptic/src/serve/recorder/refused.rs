@@ -1,6 +1,6 @@
 //! The error of a command to the engine.
 
-use super::hand::FURTHEST;
+use super::manual::FURTHEST;
 use crate::engine::FixedPart;
 use ca_core::pointer;
 use std::fmt;

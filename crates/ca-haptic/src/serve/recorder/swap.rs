@@ -4,7 +4,7 @@
 //! edit of a value is audible.
 
 use super::super::picture;
-use super::{Recorder, Refused, hand};
+use super::{Recorder, Refused, manual};
 use crate::engine::{EngineCommand, Setup, Swap};
 use crate::version::{self, Version};
 use ca_core::{LiveParam, Scene};
@@ -21,8 +21,8 @@ impl Recorder {
     /// not take commands now.
     pub fn swap(&mut self, mut version: Version, setups: &[Setup]) -> Result<(), Refused> {
         let scene = version.scene.clone();
-        let room = self.ends.views.as_ref().map(|v| v.buffer().capacity());
-        if room.is_some_and(|room| room < PICTURES * picture(&scene)) {
+        let capacity = self.ends.views.as_ref().map(|v| v.buffer().capacity());
+        if capacity.is_some_and(|capacity| capacity < PICTURES * picture(&scene)) {
             return Err(Refused::Large);
         }
         let (load, new) = (self.scene.controls(), scene.controls());
@@ -30,28 +30,28 @@ impl Recorder {
         let fits = |now: &LiveParam| new.params().iter().any(|p| p.name == now.name && p.unit.dim.same(now.unit.dim));
         version.moved = moved.filter(|(now, _)| fits(now)).map(|(now, _)| (now.name.clone(), now.value)).collect();
         let (state, controls) = version::begin(&scene, &version.moved);
-        let swap = Swap::new(&self.scene, scene, state, setups, (self.versions + 1, version.anew))?;
+        let swap = Swap::new(&self.scene, scene, state, setups, (self.versions + 1, version.restart))?;
         self.command(EngineCommand::Swap(Box::new(swap)))?;
         self.versions += 1;
-        self.coming = Some((Arc::new(version), controls));
+        self.pending = Some((Arc::new(version), controls));
         Ok(())
     }
 
     /// Returns true while a version is on its way to the engine; commands to the scene must wait some milliseconds.
     pub fn is_swapping(&self) -> bool {
-        self.coming.is_some()
+        self.pending.is_some()
     }
 
     /// Returns the scene that plays, or is about to.
     pub fn scene(&self) -> &Arc<Scene> {
-        self.coming.as_ref().map_or(&self.scene, |c| &c.0.scene)
+        self.pending.as_ref().map_or(&self.scene, |c| &c.0.scene)
     }
 
     /// Notes that the engine plays the new version.
     pub(super) fn swapped(&mut self, tick: u64) {
-        let Some((version, controls)) = self.coming.take() else { return };
-        self.hand = hand::Hand::new(&version.scene);
+        let Some((version, controls)) = self.pending.take() else { return };
+        self.manual = manual::ManualProgress::new(&version.scene);
         (self.scene, self.controls) = (version.scene.clone(), controls);
-        self.tell(|s| s.swapped(tick, &version));
+        self.for_each_sink(|s| s.swapped(tick, &version));
     }
 }

@@ -64,13 +64,13 @@ impl ReplayVerdict {
 }
 
 #[derive(Default)]
-pub(super) struct Apart {
+pub(super) struct Deviation {
     peak: f64,
     /// Largest difference so far.
     worst: Option<(f64, Difference)>,
 }
 
-impl Apart {
+impl Deviation {
     pub(super) fn see(&mut self, was: f64, is: f64, difference: impl FnOnce() -> Difference) {
         self.peak = self.peak.max(was.abs());
         let apart = (is - was).abs();

@@ -2,9 +2,9 @@
 //!
 //! All are declared before the first frame, so that a viewer knows them from the first chunk.
 
-use super::super::flat::{Energy, Hand, Hashed, Lost, Ordered, Reloaded, Rt};
 use super::super::header::Header;
-use super::super::next::MODEL;
+use super::super::next_version::MODEL;
+use super::super::records::{Energy, Hand, Hashed, Lost, Ordered, Reloaded, Rt};
 use super::super::{cdr, topic};
 use super::views;
 use crate::frame::{DOF, DeviceFrame, ForceFrame};

@@ -4,7 +4,7 @@
 //! new test, and a command unknown here fails until its effect is defined.
 #![cfg(unix)]
 
-use crate::desk::{Desk, Ran, peak};
+use crate::sandbox::{RunOutput, Sandbox, peak};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -69,12 +69,12 @@ impl<'a> Line<'a> {
 
 pub type Files = BTreeMap<String, Vec<u8>>;
 
-pub fn files(desk: &Desk) -> Files {
-    desk.files().into_iter().map(|f| (f.clone(), fs::read(desk.path(&f)).unwrap())).collect()
+pub fn files(sandbox: &Sandbox) -> Files {
+    sandbox.files().into_iter().map(|f| (f.clone(), fs::read(sandbox.path(&f)).unwrap())).collect()
 }
 
 /// Checks the effects of a completed line.
-pub fn check(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
+pub fn check(sandbox: &Sandbox, line: &Line, before: &Files, ran: &RunOutput) {
     let says = |words: &[&str]| {
         for w in words {
             assert!(ran.out.contains(w), "`{}`: no `{w}` in\n{}", line.text, ran.out);
@@ -94,14 +94,14 @@ pub fn check(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
             }
         }
         "bench" => says(&["44.1 kHz", "ns/module", line.of("--only").unwrap()]),
-        "modes" => says(&["heard [Hz]", &format!("{:.4}", lowest(desk, line.about()))]),
-        "tune" => tuned(desk, line, before),
+        "modes" => says(&["heard [Hz]", &format!("{:.4}", lowest(sandbox, line.about()))]),
+        "tune" => tuned(sandbox, line, before),
         "fit" => {
             let names = line.of("--vary").unwrap();
             names.split(',').for_each(|n| says(&[&format!("{n}: ")]));
             says(&["renders", "±", "before:", "after:"]);
         }
-        "render" => rendered(desk, line, before, ran),
+        "render" => rendered(sandbox, line, before, ran),
         "accuracy" => {
             says(&["against"]);
             let times = line.of("--times").unwrap().split(',').count();
@@ -109,7 +109,7 @@ pub fn check(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
             assert!(rows >= times, "`{}`: {rows} rows for {times} rates\n{}", line.text, ran.out);
         }
         "report" => {
-            let page = fs::read_to_string(desk.path(line.of("-o").unwrap())).unwrap();
+            let page = fs::read_to_string(sandbox.path(line.of("-o").unwrap())).unwrap();
             assert!(page.to_lowercase().starts_with("<!doctype html>"), "`{}`", line.text);
             for word in ["data:audio/wav;base64,", "<h2>Sound", "<h2>Energy"] {
                 assert!(page.contains(word), "`{}`: no `{word}` on the page", line.text);
@@ -134,18 +134,22 @@ pub fn check(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
             says(&[&format!("{code} {title}"), &format!("[{code}]: "), "help: "]);
         }
         "new" => {
-            assert!(!before.contains_key(line.about()) && desk.path(line.about()).is_file());
-            assert_eq!(desk.ca(&["check", line.about()]).is(0).err, "");
+            assert!(!before.contains_key(line.about()) && sandbox.path(line.about()).is_file());
+            assert_eq!(sandbox.ca(&["check", line.about()]).is(0).err, "");
         }
-        "equiv" => scaled(desk, line, before, ran),
+        "equiv" => scaled(sandbox, line, before, ran),
         "serve" => {
-            let (_, sound) = desk.wav(line.of("-o").unwrap());
+            let (_, sound) = sandbox.wav(line.of("-o").unwrap());
             assert!(peak(&sound) > 1e-3, "`{}`: a peak of {}", line.text, peak(&sound));
             let seconds: f64 = line.of("--seconds").unwrap().parse().unwrap();
-            let take = desk.ca(&["log", "info", line.of("--log").unwrap(), "--json"]).is(0).json();
+            let take = sandbox.ca(&["log", "info", line.of("--log").unwrap(), "--json"]).is(0).json();
             let lasts = take["seconds"].as_f64().unwrap();
             assert!((lasts - seconds).abs() < 0.1, "`{}`: a take of {lasts} s", line.text);
-            assert!(desk.ca(&["log", "info", line.of("--log").unwrap()]).out.contains("/device/"), "`{}`", line.text);
+            assert!(
+                sandbox.ca(&["log", "info", line.of("--log").unwrap()]).out.contains("/device/"),
+                "`{}`",
+                line.text
+            );
         }
         "log" => says(&["rates", "device", "/device/", "/sound"]),
         "replay" => {
@@ -159,12 +163,12 @@ pub fn check(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
 }
 
 /// Waits for a background device to end, and returns the largest force it received \[N\].
-pub fn felt(desk: &Desk, line: &Line) -> f64 {
+pub fn felt(sandbox: &Sandbox, line: &Line) -> f64 {
     assert_eq!([line.verb(), line.about()], ["device", "sim"], "`{}`: nobody has said what it must do", line.text);
     let into = line.into.as_deref().expect("its words go to a file");
     let begin = Instant::now();
     loop {
-        let said = fs::read_to_string(desk.path(into)).unwrap();
+        let said = fs::read_to_string(sandbox.path(into)).unwrap();
         let largest = said.split("largest ").nth(1).and_then(|s| s.split(' ').next()?.parse::<f64>().ok());
         if let Some(n) = largest {
             return n;
@@ -175,8 +179,8 @@ pub fn felt(desk: &Desk, line: &Line) -> f64 {
 }
 
 /// Lowest frequency at which a model sounds \[Hz\].
-fn lowest(desk: &Desk, model: &str) -> f64 {
-    let found = desk.ca(&["modes", model, "--json"]).is(0).json();
+fn lowest(sandbox: &Sandbox, model: &str) -> f64 {
+    let found = sandbox.ca(&["modes", model, "--json"]).is(0).json();
     let heard = found["modes"].as_array().unwrap().iter().map(|m| m["heard_hz"].as_f64().unwrap());
     heard.filter(|f| *f > 1.0).fold(f64::INFINITY, f64::min)
 }
@@ -193,25 +197,25 @@ fn pitch(text: &str) -> f64 {
 }
 
 /// Checks that a part changed its pitch to the requested one, to a hundredth of a cent.
-fn tuned(desk: &Desk, line: &Line, before: &Files) {
+fn tuned(sandbox: &Sandbox, line: &Line, before: &Files) {
     let (_, wanted) = line.words.iter().find_map(|w| w.split_once('=')).unwrap();
     let written = line.of("--write").unwrap();
-    let cents = |file: &str| 1200.0 * (lowest(desk, file) / pitch(wanted)).log2();
+    let cents = |file: &str| 1200.0 * (lowest(sandbox, file) / pitch(wanted)).log2();
     let (was, is) = (cents(line.about()), cents(written));
     assert!(was.abs() > 10.0, "`{}` changes nothing: it was {was} cents off", line.text);
     assert!(is.abs() < 0.01, "`{}`: {is} cents off", line.text);
-    assert!(!before.contains_key(written) && fs::read(desk.path(line.about())).unwrap() == before[line.about()]);
+    assert!(!before.contains_key(written) && fs::read(sandbox.path(line.about())).unwrap() == before[line.about()]);
 }
 
 /// Checks that sound was written and that each option has an effect.
-fn rendered(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
+fn rendered(sandbox: &Sandbox, line: &Line, before: &Files, ran: &RunOutput) {
     let file =
         line.of("-o").map_or_else(|| format!("{}.wav", line.about().trim_end_matches(".ca.toml")), str::to_owned);
     let (rate, channels, sound) = if Path::new(&file).extension().is_some_and(|e| e == "flac") {
-        let ([rate, channels, _], sound) = desk.flac(&file);
+        let ([rate, channels, _], sound) = sandbox.flac(&file);
         (rate, channels as usize, sound)
     } else {
-        let (spec, sound) = desk.wav(&file);
+        let (spec, sound) = sandbox.wav(&file);
         (spec.sample_rate, usize::from(spec.channels), sound)
     };
     let frames = sound.len() / channels;
@@ -226,22 +230,22 @@ fn rendered(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
                 line.words.iter().map(String::as_str).filter(|w| ![option, value].contains(w)).collect();
             let o = args.iter().position(|w| *w == "-o").unwrap();
             args[o + 1] = "without.wav";
-            desk.ca(&args).is(0);
-            let without = desk.wav("without.wav").1;
+            sandbox.ca(&args).is(0);
+            let without = sandbox.wav("without.wav").1;
             let apart = sound.iter().zip(&without).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             assert!(apart > 0.1 * peak(&sound), "`{}`: {option} changes the sound by {apart}", line.text);
-            fs::remove_file(desk.path("without.wav")).unwrap();
+            fs::remove_file(sandbox.path("without.wav")).unwrap();
         }
     }
     for probe in line.all("--probe") {
         let file = probe.split_once('=').map_or_else(|| format!("{probe}.npy"), |(_, f)| f.to_owned());
         assert!(!before.contains_key(&file), "`{}`: {file} was there", line.text);
         let values: Vec<f64> = if Path::new(&file).extension().is_some_and(|e| e == "csv") {
-            let text = fs::read_to_string(desk.path(&file)).unwrap();
+            let text = fs::read_to_string(sandbox.path(&file)).unwrap();
             let rows = text.lines().skip(1);
             rows.map(|l| l.rsplit(',').next().unwrap().parse().unwrap()).collect()
         } else {
-            let bytes = fs::read(desk.path(&file)).unwrap();
+            let bytes = fs::read(sandbox.path(&file)).unwrap();
             npyz::NpyFile::new(&bytes[..]).unwrap().into_vec().unwrap()
         };
         assert_eq!(values.len(), frames, "`{}`: {file}", line.text);
@@ -255,19 +259,19 @@ fn rendered(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
 }
 
 /// Checks that the scale was shown, or written to the requested file, as requested.
-fn scaled(desk: &Desk, line: &Line, before: &Files, ran: &Ran) {
-    let table = |file: &str| desk.ca(&["equiv", file, "--json"]).is(0).json();
+fn scaled(sandbox: &Sandbox, line: &Line, before: &Files, ran: &RunOutput) {
+    let table = |file: &str| sandbox.ca(&["equiv", file, "--json"]).is(0).json();
     let number = |text: &str| text.trim().split(' ').next().unwrap().parse::<f64>().unwrap();
     if line.has("--in-place") {
-        let (was, is) = (&before[line.about()], fs::read_to_string(desk.path(line.about())).unwrap());
+        let (was, is) = (&before[line.about()], fs::read_to_string(sandbox.path(line.about())).unwrap());
         let was = std::str::from_utf8(was).unwrap();
         assert_ne!(was, is, "`{}` changes nothing", line.text);
         assert!(was.lines().filter(|l| l.contains('#')).all(|l| is.contains(l)), "`{}`: a comment is gone", line.text);
         let key = line.of("--key").unwrap();
         let keys = |file: &str| table(file)["keys"].clone();
-        desk.put("was.ca.toml", was);
+        sandbox.put("was.ca.toml", was);
         assert_ne!(keys("was.ca.toml"), keys(line.about()), "`{}`: `{key}` is as it was", line.text);
-        fs::remove_file(desk.path("was.ca.toml")).unwrap();
+        fs::remove_file(sandbox.path("was.ca.toml")).unwrap();
     } else if let Some(file) = line.of("--write") {
         let (row, pair) = line.of("--set").unwrap().split_once('=').unwrap();
         let (real, simulated) = pair.split_once(':').unwrap();

@@ -2,7 +2,7 @@
 
 use super::performer::{DUO, Performer, catalog, duo};
 use super::replay;
-use crate::desk::Desk;
+use crate::sandbox::Sandbox;
 use ca_haptic::take::{End, Replay, Take, TakeWriter};
 use ca_io::FileErrorKind;
 use mcap::records::Record;
@@ -46,7 +46,7 @@ fn forge(from: &Path, to: &Path, topic: &str, nth: usize, change: impl Fn(&mut V
 /// A take truncated before the end of the first chunk of frames.
 #[test]
 fn a_take_with_nothing_to_compare_is_not_identical() {
-    let (dir, desk) = (tempfile::tempdir().unwrap(), Desk::new());
+    let (dir, sandbox) = (tempfile::tempdir().unwrap(), Sandbox::new());
     let good = dir.path().join("good.mcap");
     duo(&good, 1600);
     let bytes = fs::read(&good).unwrap();
@@ -56,7 +56,7 @@ fn a_take_with_nothing_to_compare_is_not_identical() {
         Take::open(&cut).is_ok_and(|t| t.events().is_ok_and(|e| e.count() == 0))
     });
     assert!(nothing.is_some(), "no such beginning of {} bytes", bytes.len());
-    let r = desk.ca(&["replay", cut.to_str().unwrap(), "--verify"]).is(1);
+    let r = sandbox.ca(&["replay", cut.to_str().unwrap(), "--verify"]).is(1);
     assert!(r.out.contains("nothing was compared"), "{}\n{}", r.out, r.err);
 }
 
@@ -154,9 +154,9 @@ fn a_take_cut_anywhere_reads_up_to_there() {
 
 #[test]
 fn a_part_that_is_damaged_is_no_identical_replay() {
-    let desk = Desk::new();
-    duo(&desk.path("take.mcap"), 1600);
-    let good = fs::read(desk.path("take.mcap")).unwrap();
+    let sandbox = Sandbox::new();
+    duo(&sandbox.path("take.mcap"), 1600);
+    let good = fs::read(sandbox.path("take.mcap")).unwrap();
     let chunks = mcap::Summary::read(&good).unwrap().expect("a summary").chunk_indexes;
     let middle = &chunks[chunks.len() / 2];
     let at = middle.chunk_start_offset as usize;
@@ -164,39 +164,39 @@ fn a_part_that_is_damaged_is_no_identical_replay() {
     for (name, place) in [("kind", at), ("length", at + 3), ("bytes", at + middle.chunk_length as usize / 2)] {
         let mut bad = good.clone();
         bad[place] ^= 0x55;
-        fs::write(desk.path("bad.mcap"), &bad).unwrap();
-        desk.ca(&["replay", "bad.mcap", "--verify"]).is(1).says(&["damaged", "records are missing there"]);
-        let j = desk.ca(&["replay", "bad.mcap", "--json"]).is(3).json();
+        fs::write(sandbox.path("bad.mcap"), &bad).unwrap();
+        sandbox.ca(&["replay", "bad.mcap", "--verify"]).is(1).says(&["damaged", "records are missing there"]);
+        let j = sandbox.ca(&["replay", "bad.mcap", "--json"]).is(3).json();
         assert_eq!(
             (&j["identical"], &j["damaged"], &j["difference"]),
             (&false.into(), &true.into(), &().into()),
             "{name}"
         );
-        desk.ca(&["log", "info", "bad.mcap"]).is(3).says(&["damaged"]);
-        desk.ca(&["log", "recover", "bad.mcap", "--force"]).is(3).says(&["damaged"]);
+        sandbox.ca(&["log", "info", "bad.mcap"]).is(3).says(&["damaged"]);
+        sandbox.ca(&["log", "recover", "bad.mcap", "--force"]).is(3).says(&["damaged"]);
         // the recovered file contains the take before the damage
-        desk.ca(&["replay", "bad.recovered.mcap", "--verify"]).is(0).says(&["identical"]);
-        fs::write(desk.path("both.mcap"), &bad[..bad.len() - 2000]).unwrap();
+        sandbox.ca(&["replay", "bad.recovered.mcap", "--verify"]).is(0).says(&["identical"]);
+        fs::write(sandbox.path("both.mcap"), &bad[..bad.len() - 2000]).unwrap();
         if name != "length" {
-            desk.ca(&["replay", "both.mcap", "--verify"]).is(1).says(&["damaged"]);
+            sandbox.ca(&["replay", "both.mcap", "--verify"]).is(1).says(&["damaged"]);
         }
     }
-    desk.ca(&["replay", "take.mcap", "--verify"]).is(0);
+    sandbox.ca(&["replay", "take.mcap", "--verify"]).is(0);
 }
 
 #[test]
 fn an_attachment_that_is_too_short_is_an_error() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let path = "../../tests/data/inputs/attachment-without-crc.mcap";
-    fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join(path), desk.path("a.mcap")).unwrap();
+    fs::copy(Path::new(env!("CARGO_MANIFEST_DIR")).join(path), sandbox.path("a.mcap")).unwrap();
     for args in
         [&["log", "info", "a.mcap"][..], &["replay", "a.mcap"], &["log", "export", "a.mcap", "sound", "-o", "s.wav"]]
     {
-        desk.ca(args).is(1).says(&["attachment length (38) exceeds space in record (34)"]);
+        sandbox.ca(args).is(1).says(&["attachment length (38) exceeds space in record (34)"]);
     }
     // a take with a damaged attachment
-    duo(&desk.path("take.mcap"), 16);
-    let mut bad = fs::read(desk.path("take.mcap")).unwrap();
+    duo(&sandbox.path("take.mcap"), 16);
+    let mut bad = fs::read(sandbox.path("take.mcap")).unwrap();
     let mut at = mcap::MAGIC.len();
     while bad[at] != mcap::records::op::ATTACHMENT {
         at += 9 + u64::from_le_bytes(bad[at + 1..at + 9].try_into().unwrap()) as usize;
@@ -204,9 +204,9 @@ fn an_attachment_that_is_too_short_is_an_error() {
     let length = u64::from_le_bytes(bad[at + 1..at + 9].try_into().unwrap());
     bad[at + 1..at + 9].copy_from_slice(&(length - 4).to_le_bytes());
     bad.drain(at + 9 + length as usize - 4..at + 9 + length as usize);
-    fs::write(desk.path("bad.mcap"), &bad).unwrap();
-    desk.ca(&["log", "info", "bad.mcap"]).is(1).says(&["attachment length"]);
-    desk.ca(&["log", "recover", "bad.mcap"]).is(3).says(&["damaged", "attachment length"]);
+    fs::write(sandbox.path("bad.mcap"), &bad).unwrap();
+    sandbox.ca(&["log", "info", "bad.mcap"]).is(1).says(&["attachment length"]);
+    sandbox.ca(&["log", "recover", "bad.mcap"]).is(3).says(&["damaged", "attachment length"]);
 }
 
 #[test]

@@ -122,7 +122,7 @@ fn the_layouts_name_what_there_is() {
         let schema = channel.schema.as_ref().expect("a schema");
         (schema.encoding.clone(), String::from_utf8_lossy(&schema.data).into_owned())
     };
-    let read = |name: &str| std::fs::read_to_string(crate::desk::from_root(name)).unwrap();
+    let read = |name: &str| std::fs::read_to_string(crate::sandbox::from_root(name)).unwrap();
     let json: serde_json::Value = serde_json::from_str(&read("crates/ca-haptic/layouts/ca-foxglove.json")).unwrap();
     let mut named: Vec<(String, String)> = Vec::new();
     for (id, panel) in json["configById"].as_object().unwrap() {

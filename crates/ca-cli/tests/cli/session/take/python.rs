@@ -1,7 +1,7 @@
 //! Reads takes with the Python libraries of MCAP, in a virtual environment.
 
 use super::performer::{DUO, Performer, duo};
-use crate::desk::{Desk, from_root};
+use crate::sandbox::{Sandbox, from_root};
 use crate::skipped::skipped;
 use std::process::Command;
 
@@ -19,25 +19,25 @@ fn python() -> Option<String> {
 #[test]
 fn every_message_is_read_by_the_libraries_of_others() {
     let Some(python) = python() else { return };
-    let desk = Desk::new();
-    duo(&desk.path("whole.mcap"), 1600);
-    let mut p = Performer::new(DUO, &desk.path("x.mcap"));
+    let sandbox = Sandbox::new();
+    duo(&sandbox.path("whole.mcap"), 1600);
+    let mut p = Performer::new(DUO, &sandbox.path("x.mcap"));
     p.frames(1000);
     p.finish();
-    let bytes = std::fs::read(desk.path("x.mcap")).unwrap();
-    std::fs::write(desk.path("cut.mcap"), &bytes[..bytes.len() * 4 / 5]).unwrap();
-    desk.ca(&["log", "recover", "cut.mcap", "-o", "saved.mcap"]).is(3);
-    desk.ca(&["log", "export", "whole.mcap", "/device/left/in", "-o", "hand.npy"]).is(0);
+    let bytes = std::fs::read(sandbox.path("x.mcap")).unwrap();
+    std::fs::write(sandbox.path("cut.mcap"), &bytes[..bytes.len() * 4 / 5]).unwrap();
+    sandbox.ca(&["log", "recover", "cut.mcap", "-o", "saved.mcap"]).is(3);
+    sandbox.ca(&["log", "export", "whole.mcap", "/device/left/in", "-o", "hand.npy"]).is(0);
     for (file, extra) in [("whole.mcap", "hand.npy"), ("cut.mcap", "-"), ("saved.mcap", "-")] {
         let o = Command::new(&python)
             .arg(from_root("tests/python/take.py"))
-            .args([desk.path(file), desk.path(extra)])
+            .args([sandbox.path(file), sandbox.path(extra)])
             .output()
             .unwrap();
         let (out, err) = (String::from_utf8_lossy(&o.stdout), String::from_utf8_lossy(&o.stderr));
         assert!(o.status.success(), "{file}:\n{out}\n{err}");
         let counted: serde_json::Value = serde_json::from_str(out.lines().last().unwrap()).unwrap();
-        let ours = desk.ca(&["log", "info", file, "--json"]).is(0).json();
+        let ours = sandbox.ca(&["log", "info", file, "--json"]).is(0).json();
         for (topic, t) in ours["topics"].as_object().unwrap() {
             assert_eq!(counted[topic], t["messages"], "{file}: {topic}");
         }

@@ -2,10 +2,10 @@
 //! JACK selects the server by an environment variable. The received samples equal the written file to the bit, unless a
 //! loss was counted.
 
+use crate::helper_process::{HelperProcess, Job};
 use crate::long_form::long_form;
-use crate::role::{Job, Role};
+use crate::sandbox::{Proc, Sandbox, until};
 use crate::skipped::skipped;
-use crate::stage::{Proc, Stage, until};
 use ca_haptic::host::control::Request;
 use std::fs;
 use std::io::Write as _;
@@ -30,7 +30,7 @@ pub struct Jack {
 impl Jack {
     /// Starts a server with `frames` per period. Returns `None` if JACK is not installed.
     #[track_caller]
-    pub fn start(stage: &Stage, frames: u32) -> Option<Jack> {
+    pub fn start(sandbox: &Sandbox, frames: u32) -> Option<Jack> {
         let there = Command::new("jackd").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
         if there.is_err() {
             skipped("jackd", "no JACK server");
@@ -39,12 +39,12 @@ impl Jack {
         // one of few names: JACK has eight slots, and killed servers keep theirs
         let name = format!("ca_test{}", std::process::id() % 4);
         // waits for late clients, so that a busy machine delays the sound instead of corrupting it
-        let mut c = stage.command("jackd", &["-r", "-S", "-t", "5000", "-n", &name, "-d", "dummy", "-r", "48000"]);
+        let mut c = sandbox.command("jackd", &["-r", "-S", "-t", "5000", "-n", &name, "-d", "dummy", "-r", "48000"]);
         c.args(["-p", &frames.to_string()]).env("JACK_NO_AUDIO_RESERVATION", "1");
-        let mut jack = Jack { server: Some(stage.start(c)), name };
+        let mut jack = Jack { server: Some(sandbox.start(c)), name };
         until("the server of JACK answers", || {
             let server = jack.server.as_mut().unwrap();
-            assert!(server.lives(), "{}", server.said());
+            assert!(server.is_running(), "{}", server.stderr());
             let mut lsp = Command::new("jack_lsp");
             lsp.args(["-s", &jack.name]).stdout(Stdio::null()).stderr(Stdio::null());
             lsp.status().is_ok_and(|s| s.success())
@@ -52,26 +52,26 @@ impl Jack {
         Some(jack)
     }
 
-    fn ca(&self, stage: &Stage, args: &[&str]) -> Proc {
-        let mut c = stage.command(env!("CARGO_BIN_EXE_ca"), args);
+    fn ca(&self, sandbox: &Sandbox, args: &[&str]) -> Proc {
+        let mut c = sandbox.command(env!("CARGO_BIN_EXE_ca"), args);
         c.env("JACK_DEFAULT_SERVER", &self.name);
-        stage.start(c)
+        sandbox.start(c)
     }
 
     /// Starts a process that writes the received sound to a file.
-    fn listener(&self, stage: &Stage) -> Role {
-        Role::start(&stage.site, "in_real_time::sound::audio::ears", &self.name, 0)
+    fn listener(&self, sandbox: &Sandbox) -> HelperProcess {
+        HelperProcess::start(&sandbox.site, "in_real_time::sound::audio::ears", &self.name, 0)
     }
 }
 
 impl Drop for Jack {
     fn drop(&mut self) {
         let Some(mut server) = self.server.take() else { return };
-        if server.lives() {
+        if server.is_running() {
             // with SIGTERM, the server removes its files
             server.signal("TERM");
             let end = Instant::now() + Duration::from_secs(10);
-            while server.lives() && Instant::now() < end {
+            while server.is_running() && Instant::now() < end {
                 std::thread::sleep(Duration::from_millis(5));
             }
         }
@@ -85,9 +85,9 @@ impl Drop for Jack {
 }
 
 /// A JACK client that copies the received samples.
-struct Ears(jack::Port<jack::AudioIn>, jack::RingBufferWriter);
+struct AudioCapture(jack::Port<jack::AudioIn>, jack::RingBufferWriter);
 
-impl jack::ProcessHandler for Ears {
+impl jack::ProcessHandler for AudioCapture {
     fn process(&mut self, _: &jack::Client, scope: &jack::ProcessScope) -> jack::Control {
         for x in self.0.as_slice(scope) {
             self.1.write_buffer(&x.to_le_bytes());
@@ -105,7 +105,7 @@ fn ears() {
     let ours = port.name().unwrap();
     // ten seconds
     let (mut heard, writer) = jack::RingBuffer::new(4 * 480_000).unwrap().into_reader_writer();
-    let client = client.activate_async((), Ears(port, writer)).unwrap();
+    let client = client.activate_async((), AudioCapture(port, writer)).unwrap();
     let mut file = job.ready();
     let mut block = vec![0; 1 << 16];
     let mut listens = false;
@@ -132,9 +132,9 @@ fn ears() {
 }
 
 /// A keyboard client that sends a note between other MIDI messages.
-struct Hands(jack::Port<jack::MidiOut>, Arc<AtomicBool>);
+struct MidiSender(jack::Port<jack::MidiOut>, Arc<AtomicBool>);
 
-impl jack::ProcessHandler for Hands {
+impl jack::ProcessHandler for MidiSender {
     fn process(&mut self, _: &jack::Client, scope: &jack::ProcessScope) -> jack::Control {
         let mut out = self.0.writer(scope);
         if self.1.swap(false, Relaxed) {
@@ -155,7 +155,7 @@ fn hands() {
     let port = client.register_port("out", jack::MidiOut).unwrap();
     let ours = port.name().unwrap();
     let now = Arc::new(AtomicBool::new(false));
-    let client = client.activate_async((), Hands(port, now.clone())).unwrap();
+    let client = client.activate_async((), MidiSender(port, now.clone())).unwrap();
     job.ready();
     let mut played = false;
     while !job.is_over() {
@@ -194,10 +194,10 @@ fn voice() {
 /// The voice example plays in an audio host as computed, until its pitch changes.
 #[test]
 fn a_voice_plays_in_an_audio_host() {
-    let stage = Stage::new();
-    let Some(jack) = Jack::start(&stage, 256) else { return };
-    let listener = jack.listener(&stage);
-    let voice = Role::start(&stage.site, "in_real_time::sound::audio::voice", &jack.name, 0);
+    let sandbox = Sandbox::new();
+    let Some(jack) = Jack::start(&sandbox, 256) else { return };
+    let listener = jack.listener(&sandbox);
+    let voice = HelperProcess::start(&sandbox.site, "in_real_time::sound::audio::voice", &jack.name, 0);
     std::thread::sleep(Duration::from_secs(4));
     let heard = samples(&listener.end());
     voice.end();
@@ -249,12 +249,12 @@ pub fn compare(heard: &[f32], written: &[f32]) -> (usize, usize) {
 
 /// Plays with buffers of `frames`. Returns false if almost nothing was received to the bit.
 fn heard_as_written(frames: u32) -> bool {
-    let stage = Stage::new();
-    stage.put("bar.ca.toml", BAR);
-    let Some(jack) = Jack::start(&stage, frames) else { return true };
-    let listener = jack.listener(&stage);
+    let sandbox = Sandbox::new();
+    sandbox.put("bar.ca.toml", BAR);
+    let Some(jack) = Jack::start(&sandbox, frames) else { return true };
+    let listener = jack.listener(&sandbox);
     let args = ["serve", "bar.ca.toml", "--audio", "jack", "--seconds", "5", "-o", "bar.wav", "--json"];
-    let played = jack.ca(&stage, &[&args[..], &["--log", "bar.mcap"]].concat()).end();
+    let played = jack.ca(&sandbox, &[&args[..], &["--log", "bar.mcap"]].concat()).end();
     let heard = samples(&listener.end());
     let reported = played.json();
     let audio = &reported["audio"];
@@ -267,7 +267,7 @@ fn heard_as_written(frames: u32) -> bool {
     assert_eq!(played.code, Some(if reported["faithful"] == true { 0 } else { 3 }), "{reported:#}");
     assert!(lost == 0 || played.code == Some(3), "{reported:#}");
 
-    let mut wav = hound::WavReader::open(stage.path("bar.wav")).unwrap();
+    let mut wav = hound::WavReader::open(sandbox.path("bar.wav")).unwrap();
     let written: Vec<f32> = wav.samples().map(Result::unwrap).collect();
     let (same, breaks) = compare(&heard, &written);
     println!("{frames} frames: {same} of {} samples to the bit, {breaks} breaks, {audio:#}", written.len());
@@ -277,7 +277,7 @@ fn heard_as_written(frames: u32) -> bool {
     assert!(breaks as u64 <= lost, "{breaks} breaks, and {lost} were counted: {audio:#}");
     // the listener may start late, and sound begins with a 0
     assert!(lost > 0 || same + 48_000 > written.len(), "{same} of {}", written.len());
-    let log = stage.ca(&["log", "info", "bar.mcap"]);
+    let log = sandbox.ca(&["log", "info", "bar.mcap"]);
     assert_eq!(log.code, Some(0), "{}{}", log.out, log.err);
     true
 }
@@ -293,39 +293,39 @@ fn what_is_heard_is_what_is_written() {
 
 #[test]
 fn midi_comes_by_jack() {
-    let stage = Stage::new();
-    stage.put("string.ca.toml", STRING);
-    let Some(jack) = Jack::start(&stage, 256) else { return };
-    let hands = Role::start(&stage.site, "in_real_time::sound::audio::hands", &jack.name, 0);
+    let sandbox = Sandbox::new();
+    sandbox.put("string.ca.toml", STRING);
+    let Some(jack) = Jack::start(&sandbox, 256) else { return };
+    let hands = HelperProcess::start(&sandbox.site, "in_real_time::sound::audio::hands", &jack.name, 0);
     let args = ["serve", "string.ca.toml", "--audio", "jack", "--seconds", "3", "-o", "string.wav", "--json"];
-    let played = jack.ca(&stage, &[&args[..], &["--log", "string.mcap"]].concat()).end();
+    let played = jack.ca(&sandbox, &[&args[..], &["--log", "string.mcap"]].concat()).end();
     drop(hands.end());
     let played = played.says(&["MIDI: JACK port ca:midi_in"]);
     assert!(matches!(played.code, Some(0 | 3)), "{}{}", played.out, played.err);
-    let mut wav = hound::WavReader::open(stage.path("string.wav")).unwrap();
+    let mut wav = hound::WavReader::open(sandbox.path("string.wav")).unwrap();
     let written: Vec<f32> = wav.samples().map(Result::unwrap).collect();
     let sounds = written.iter().position(|x| *x != 0.0);
     assert!(sounds.is_some_and(|k| k > 0), "{sounds:?}");
     let peak = written.iter().fold(0.0_f32, |m, x| m.max(x.abs()));
     assert!(peak > 0.01, "{peak}");
-    stage.ca(&["replay", "string.mcap", "--verify"]).is(0);
+    sandbox.ca(&["replay", "string.mcap", "--verify"]).is(0);
 }
 
 #[test]
 fn a_server_that_dies_takes_no_force_along() {
-    let stage = Stage::new();
-    let Some(mut jack) = Jack::start(&stage, 256) else { return };
-    let mut server = jack.ca(&stage, &["serve", "key.ca.toml", "--audio", "jack", "--json"]);
-    let frames = || stage.ask(&Request::Status).map_or(0, |r| r.fields["frames"].as_u64().unwrap());
+    let sandbox = Sandbox::new();
+    let Some(mut jack) = Jack::start(&sandbox, 256) else { return };
+    let mut server = jack.ca(&sandbox, &["serve", "key.ca.toml", "--audio", "jack", "--json"]);
+    let frames = || sandbox.ask(&Request::Status).map_or(0, |r| r.fields["frames"].as_u64().unwrap());
     until("it plays", || {
-        assert!(server.lives(), "{}", server.said());
+        assert!(server.is_running(), "{}", server.stderr());
         frames() > 1000
     });
     jack.server.take().unwrap().kill();
-    until("it is reported", || server.said().contains("no longer requests sound"));
+    until("it is reported", || server.stderr().contains("no longer requests sound"));
     let begin = frames();
     until("frames go on", || frames() > begin + 6000);
-    assert!(server.lives());
+    assert!(server.is_running());
     let reported = server.stop().is(3).json();
     assert_eq!((&reported["audio"]["stops"], &reported["faithful"]), (&1.into(), &false.into()), "{reported:#}");
     assert!(reported["audio"]["unheard"].as_u64().unwrap() > 0, "{reported:#}");
@@ -333,19 +333,20 @@ fn a_server_that_dies_takes_no_force_along() {
 
 #[test]
 fn what_no_device_plays_is_refused_before_anything_is_written() {
-    let stage = Stage::new();
-    stage.put("bar.ca.toml", BAR);
+    let sandbox = Sandbox::new();
+    sandbox.put("bar.ca.toml", BAR);
     let nobody = Jack { name: "ca_nobody".into(), server: None };
     let run = |jack: &Jack, more: &[&str]| {
-        let ran = jack.ca(&stage, &[&["serve", "bar.ca.toml", "--seconds", "1", "-o", "bar.wav"], more].concat()).end();
-        assert!(!stage.path("bar.wav").exists());
+        let ran =
+            jack.ca(&sandbox, &[&["serve", "bar.ca.toml", "--seconds", "1", "-o", "bar.wav"], more].concat()).end();
+        assert!(!sandbox.path("bar.wav").exists());
         ran.is(1)
     };
     run(&nobody, &["--audio", "jack"]).says(&["no JACK server answers", "jackd -d"]);
     let organ: &[_] =
         if cfg!(feature = "audio") { &["no sound device `organ`", "available"] } else { &["--audio pulse"] };
     run(&nobody, &["--audio", "organ"]).says(organ);
-    let Some(jack) = Jack::start(&stage, 128) else { return };
+    let Some(jack) = Jack::start(&sandbox, 128) else { return };
     run(&jack, &["--audio", "organ"]).says(&[if cfg!(feature = "audio") { "`jack`" } else { "--audio jack" }]);
     run(&jack, &["--audio", "jack", "--rate", "96 kHz"]).says(&["48000 Hz, not at 96000", "--rate 48000Hz"]);
     run(&jack, &["--audio", "jack", "--audio-buffer", "64"]).says(&["buffers of 128 frames, not 64", "-p 64"]);
@@ -354,12 +355,12 @@ fn what_no_device_plays_is_refused_before_anything_is_written() {
 /// `ca play` uses a running server without a request, unless the server cannot play the model unchanged.
 #[test]
 fn a_server_that_is_there_is_played_in_a_page_too() {
-    let stage = Stage::new();
-    stage.put("bar.ca.toml", BAR);
-    let Some(jack) = Jack::start(&stage, 256) else { return };
+    let sandbox = Sandbox::new();
+    sandbox.put("bar.ca.toml", BAR);
+    let Some(jack) = Jack::start(&sandbox, 256) else { return };
     let play = |more: &[&str]| {
         let args = ["play", "bar.ca.toml", "--no-open", "--seconds", "1", "--json"];
-        let played = jack.ca(&stage, &[&args[..], more].concat()).end();
+        let played = jack.ca(&sandbox, &[&args[..], more].concat()).end();
         (played.json(), played.err)
     };
     let (reported, _) = play(&[]);

@@ -1,5 +1,5 @@
 //! Tests with real sound servers.
 
 pub mod audio;
-mod away;
 mod pulse;
+mod server_loss;

@@ -2,8 +2,8 @@
 //! equal the written file to the bit, unless a loss was counted.
 
 use super::audio::{BAR, compare};
+use crate::sandbox::{Proc, RunOutput, Sandbox, until};
 use crate::skipped::skipped;
-use crate::stage::{Proc, Ran, Stage, until};
 use ca_haptic::host::control::Request;
 use pulseaudio::protocol::{
     self, AuthReply, ChannelMap, CreatePlaybackStreamReply, PlaybackLatency, RecordStreamParams, SampleFormat,
@@ -29,33 +29,34 @@ pub struct Server {
 impl Server {
     /// Starts a server whose sink has these arguments. Returns `None` if PulseAudio is not installed.
     #[track_caller]
-    pub fn start(stage: &Stage, sink: &str) -> Option<Server> {
+    pub fn start(sandbox: &Sandbox, sink: &str) -> Option<Server> {
         let there = Command::new("pulseaudio").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status();
         if there.is_err() {
             skipped("pulseaudio", "no PulseAudio server");
             return None;
         }
-        let socket = stage.path("pa.sock").display().to_string();
+        let socket = sandbox.path("pa.sock").display().to_string();
         let protocol = format!("module-native-protocol-unix auth-anonymous=1 socket={socket}");
-        let mut c = stage.command("pulseaudio", &["-n", "--daemonize=no", "--use-pid-file=no", "--exit-idle-time=-1"]);
+        let mut c =
+            sandbox.command("pulseaudio", &["-n", "--daemonize=no", "--use-pid-file=no", "--exit-idle-time=-1"]);
         c.args(["-L", &format!("module-null-sink {sink}"), "-L", &protocol]);
-        let home = stage.path("");
+        let home = sandbox.path("");
         for name in ["HOME", "XDG_RUNTIME_DIR", "XDG_CONFIG_HOME", "PULSE_RUNTIME_PATH", "PULSE_STATE_PATH"] {
             c.env(name, &home);
         }
-        let mut pulse = Server { server: Some(stage.start(c)), socket };
+        let mut pulse = Server { server: Some(sandbox.start(c)), socket };
         until("the server of PulseAudio answers", || {
             let server = pulse.server.as_mut().unwrap();
-            assert!(server.lives(), "{}", server.said());
+            assert!(server.is_running(), "{}", server.stderr());
             client(&pulse.socket).is_some()
         });
         Some(pulse)
     }
 
-    fn ca(&self, stage: &Stage, args: &[&str]) -> Proc {
-        let mut c = stage.command(env!("CARGO_BIN_EXE_ca"), args);
+    fn ca(&self, sandbox: &Sandbox, args: &[&str]) -> Proc {
+        let mut c = sandbox.command(env!("CARGO_BIN_EXE_ca"), args);
         c.env("PULSE_SERVER", format!("unix:{}", self.socket));
-        stage.start(c)
+        sandbox.start(c)
     }
 }
 
@@ -102,15 +103,15 @@ pub const SINK: &str = "sink_name=ca_test format=float32le rate=48000 channels=2
 #[test]
 fn what_pulse_audio_hears_is_what_is_written() {
     for buffer in [None, Some("128")] {
-        let stage = Stage::new();
-        stage.put("bar.ca.toml", BAR);
-        let Some(pulse) = Server::start(&stage, SINK) else { return };
+        let sandbox = Sandbox::new();
+        sandbox.put("bar.ca.toml", BAR);
+        let Some(pulse) = Server::start(&sandbox, SINK) else { return };
         let client = client(&pulse.socket).unwrap();
         let (_stream, heard) = ears(&client);
         until("it listens", || !heard.lock().unwrap().is_empty());
         let args = ["serve", "bar.ca.toml", "--audio", "pulse", "--seconds", "5", "-o", "bar.wav", "--json"];
         let more = buffer.map_or(vec![], |n| vec!["--audio-buffer", n]);
-        let played = pulse.ca(&stage, &[&args[..], &more].concat()).end();
+        let played = pulse.ca(&sandbox, &[&args[..], &more].concat()).end();
         let end = heard.lock().unwrap().len() + 24_000;
         until("the rest has come", || heard.lock().unwrap().len() > end);
         let heard = heard.lock().unwrap().clone();
@@ -123,7 +124,7 @@ fn what_pulse_audio_hears_is_what_is_written() {
         let lost = n("underruns") + n("xruns") + n("stops") + n("skipped") + n("unheard");
         assert_eq!(played.code, Some(if reported["faithful"] == true { 0 } else { 3 }), "{reported:#}");
         assert!(lost == 0 || played.code == Some(3), "{reported:#}");
-        let mut wav = hound::WavReader::open(stage.path("bar.wav")).unwrap();
+        let mut wav = hound::WavReader::open(sandbox.path("bar.wav")).unwrap();
         let written: Vec<f32> = wav.samples().map(Result::unwrap).collect();
         let (same, breaks) = compare(&heard, &written);
         println!("{buffer:?}: {same} of {} samples to the bit, {breaks} breaks, {audio:#}", written.len());
@@ -136,18 +137,18 @@ fn what_pulse_audio_hears_is_what_is_written() {
 
 #[test]
 fn a_pulse_server_that_dies_takes_no_force_along() {
-    let stage = Stage::new();
-    let Some(mut pulse) = Server::start(&stage, SINK) else { return };
-    let mut server = pulse.ca(&stage, &["serve", "key.ca.toml", "--audio", "pulse", "--json"]);
-    let frames = || stage.ask(&Request::Status).map_or(0, |r| r.fields["frames"].as_u64().unwrap());
+    let sandbox = Sandbox::new();
+    let Some(mut pulse) = Server::start(&sandbox, SINK) else { return };
+    let mut server = pulse.ca(&sandbox, &["serve", "key.ca.toml", "--audio", "pulse", "--json"]);
+    let frames = || sandbox.ask(&Request::Status).map_or(0, |r| r.fields["frames"].as_u64().unwrap());
     until("it plays", || {
-        assert!(server.lives(), "{}", server.said());
+        assert!(server.is_running(), "{}", server.stderr());
         // a new sink takes two seconds of sound before its next request
         frames() > 9000
     });
     pulse.server.take().unwrap().kill();
     until("it is reported", || {
-        let said = server.said();
+        let said = server.stderr();
         said.contains("no longer requests sound") && said.contains("PulseAudio: lost connection to the server")
     });
     let begin = frames();
@@ -161,23 +162,23 @@ fn a_pulse_server_that_dies_takes_no_force_along() {
 /// plays.
 #[test]
 fn a_page_is_heard_by_pulse_audio_where_it_plays_it() {
-    let stage = Stage::new();
-    stage.put("bar.ca.toml", BAR);
+    let sandbox = Sandbox::new();
+    sandbox.put("bar.ca.toml", BAR);
     let play = |pulse: &Server, more: &[&str]| {
         let args = ["play", "bar.ca.toml", "--no-open", "--seconds", "1", "--json"];
-        pulse.ca(&stage, &[&args, more].concat()).end()
+        pulse.ca(&sandbox, &[&args, more].concat()).end()
     };
-    let page = |ran: Ran| {
+    let page = |ran: RunOutput| {
         let ran = ran.says(&["sound: by the page"]);
         assert!(matches!(ran.code, Some(0 | 3)) && ran.json()["audio"].is_null(), "{}{}", ran.out, ran.err);
         ran
     };
     let serve = |pulse: &Server, more: &[&str]| {
         let args = ["serve", "bar.ca.toml", "--audio", "pulse", "--seconds", "1"];
-        pulse.ca(&stage, &[&args, more].concat()).end()
+        pulse.ca(&sandbox, &[&args, more].concat()).end()
     };
     // a server that accepts connections but never answers
-    let silent = Server { server: None, socket: stage.path("silent").display().to_string() };
+    let silent = Server { server: None, socket: sandbox.path("silent").display().to_string() };
     let listener = UnixListener::bind(&silent.socket).unwrap();
     assert!(!page(play(&silent, &[])).err.contains("PulseAudio"), "a server that is not there is no news");
     serve(&silent, &[]).is(1).says(&["no PulseAudio server answers"]);
@@ -189,17 +190,17 @@ fn a_page_is_heard_by_pulse_audio_where_it_plays_it() {
     });
     serve(&silent, &[]).is(1).says(&["no PulseAudio server answers"]);
 
-    let Some(pulse) = Server::start(&stage, SINK) else { return };
+    let Some(pulse) = Server::start(&sandbox, SINK) else { return };
     if cfg!(feature = "audio") {
         let args = ["serve", "bar.ca.toml", "--audio", "organ", "--seconds", "1"];
-        pulse.ca(&stage, &args).end().is(1).says(&["no sound device `organ`", "`pulse`"]);
+        pulse.ca(&sandbox, &args).end().is(1).says(&["no sound device `organ`", "`pulse`"]);
     }
     let ran = play(&pulse, &[]).says(&["sound: ", "(PulseAudio), 48000 Hz, ", " ms latency"]);
     assert_eq!(ran.json()["audio"]["host"], "PulseAudio", "{}", ran.out);
     page(play(&pulse, &["--audio", "page"]));
     page(play(&pulse, &["--rate", "96 kHz"])).says(&["PulseAudio plays at 48000 Hz, not at 96000"]);
     serve(&pulse, &["--rate", "96 kHz"]).is(1).says(&["PulseAudio plays at 48000 Hz", "--rate 48000Hz"]);
-    stage.put("bar.ca.toml", &choir(3));
+    sandbox.put("bar.ca.toml", &choir(3));
     page(play(&pulse, &[])).says(&["PulseAudio has 2 channels"]);
     serve(&pulse, &[]).is(1).says(&["has 2 channels", "3 outputs"]);
 }
@@ -215,9 +216,9 @@ fn a_pulse_server_that_lies_is_given_up() {
         (Lie::Leaves, 3, "PulseAudio: lost connection to the server"),
     ];
     for (lie, code, why) in said {
-        let stage = Stage::new();
-        stage.put("bar.ca.toml", BAR);
-        let server = Server { server: None, socket: stage.path("liar").display().to_string() };
+        let sandbox = Sandbox::new();
+        sandbox.put("bar.ca.toml", BAR);
+        let server = Server { server: None, socket: sandbox.path("liar").display().to_string() };
         let listener = UnixListener::bind(&server.socket).unwrap();
         // the thread ends with this process
         std::thread::spawn(move || {
@@ -225,10 +226,10 @@ fn a_pulse_server_that_lies_is_given_up() {
                 let _ = lies(&line, lie);
             }
         });
-        let served = server.ca(&stage, &["serve", "bar.ca.toml", "--audio", "pulse"]);
+        let served = server.ca(&sandbox, &["serve", "bar.ca.toml", "--audio", "pulse"]);
         if code == 3 {
             let reported = |said: &str| said.contains(why) && said.contains("no longer requests sound");
-            until("it is reported", || reported(&served.said()));
+            until("it is reported", || reported(&served.stderr()));
             served.stop().is(3);
         } else {
             served.end().is(code).says(&[why]);

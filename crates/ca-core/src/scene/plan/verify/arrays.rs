@@ -1,13 +1,13 @@
 //! Verifies the arrays of a layout whose entries are used as indices.
 
-use super::{Verified, block, each, ensure, links, within};
+use super::{Verified, block, each, ensure, in_bounds, links};
 use crate::numeric::ldl::Pattern;
-use crate::op::heard::COEFS;
 use crate::op::layout::Counts;
 use crate::op::layout::{
-    CoordinateSource, Driven, HeardLink, ImplicitLinks, Layout, LedgerPlan, LinkForce, MovingPoint, SolvedModal, Tap,
-    Termination, Waves,
+    CoordinateSource, Driven, ImplicitLinks, Layout, LedgerLayout, LinkForce, MovingPoint, OutputLink, SolvedModal,
+    Tap, Termination, Waves,
 };
+use crate::op::output_links::COEFS;
 
 /// Verifies a layout without its group and substeps. `inputs` and `live` count inputs and live coefficients.
 pub(in super::super) fn layout(l: &Layout, inputs: usize, live: usize) -> Verified {
@@ -24,7 +24,7 @@ pub(in super::super) fn layout(l: &Layout, inputs: usize, live: usize) -> Verifi
         let n = set.members.len();
         ensure(set.rows <= n && set.columns <= n, "a set of pairs has more rows or columns than members")?;
         ensure(
-            set.members.iter().all(|m| within(*m as usize, 3, n_mat)),
+            set.members.iter().all(|m| in_bounds(*m as usize, 3, n_mat)),
             "a set of pairs has a member beyond the masses",
         )?;
     }
@@ -35,17 +35,17 @@ pub(in super::super) fn layout(l: &Layout, inputs: usize, live: usize) -> Verifi
     )?;
     let modal = l.places.modal.iter().all(|p| {
         let [mat, first, share, n] = [p.mat, p.first, p.share, p.n].map(|v| v as usize);
-        mat < n_mat && within(first, n, n_mat) && within(share, n, l.places.shares.len())
+        mat < n_mat && in_bounds(first, n, n_mat) && in_bounds(share, n, l.places.shares.len())
     });
     ensure(modal, "a mass uses modes or shares that do not exist")?;
     let solved = l.places.solved_modal.iter().all(|h| {
         let [modal, mat, tap] = [h.modal, h.mat, h.tap].map(|v| v as usize);
-        modal < l.places.modal.len() && mat < n_mat && within(tap, SolvedModal::TAPS, n_tap)
+        modal < l.places.modal.len() && mat < n_mat && in_bounds(tap, SolvedModal::TAPS, n_tap)
     });
     ensure(solved, "a mass that is solved by its modes does not exist")?;
     let coupled = l.places.modal_couplings.iter().all(|g| {
         let [first, n, numbers] = [g.first, g.n, g.numbers].map(|v| v as usize);
-        n > 0 && within(first, n, l.places.solved_modal.len()) && block(numbers, n, n, l.places.couplings.len())
+        n > 0 && in_bounds(first, n, l.places.solved_modal.len()) && block(numbers, n, n, l.places.couplings.len())
     });
     ensure(coupled, "masses are coupled by numbers that do not exist")?;
     let ports = l
@@ -61,7 +61,7 @@ pub(in super::super) fn layout(l: &Layout, inputs: usize, live: usize) -> Verifi
     waves(&l.waves, n_mat, n_mem)?;
     ensure(each(&l.weighed, n_mat), "a weight is beyond the masses")?;
     ensure(
-        l.out.heard.iter().all(|h| heard(h, l)),
+        l.out.links.iter().all(|h| output_link(h, l)),
         "the link of an output is beyond the masses, coefficients or forces",
     )?;
     outputs(l)?;
@@ -85,8 +85,8 @@ fn driven(d: &Driven, inputs: usize, live: usize) -> bool {
 }
 
 fn waves(w: &Waves, n_mat: usize, n_mem: usize) -> Verified {
-    ensure(within(w.first, w.len, n_mem), "waves are beyond the memory")?;
-    let junctions = w.junctions.iter().all(|j| (j.mat as usize) < n_mat && within(j.memory, 3, n_mem));
+    ensure(in_bounds(w.first, w.len, n_mem), "waves are beyond the memory")?;
+    let junctions = w.junctions.iter().all(|j| (j.mat as usize) < n_mat && in_bounds(j.memory, 3, n_mem));
     ensure(junctions, "a junction of a waveguide is beyond the masses or memory")?;
     let delays = w.delays.iter().all(|d| {
         // a ring is three longer if a loss follows, for the inputs of its taps
@@ -94,13 +94,13 @@ fn waves(w: &Waves, n_mat: usize, n_mem: usize) -> Verified {
             Termination::Open | Termination::Rigid => d.len > 0,
             Termination::Lossy { memory, .. } => d.len > 3 && memory < n_mem,
         };
-        let memory = d.from < n_mem && d.to < n_mem && within(d.first, d.len, n_mem);
+        let memory = d.from < n_mem && d.to < n_mem && in_bounds(d.first, d.len, n_mem);
         end && memory && d.junction < w.junctions.len()
     });
     ensure(delays, "a delay of a waveguide is beyond the memory or junctions, or too short")
 }
 
-fn heard(h: &HeardLink, l: &Layout) -> bool {
+fn output_link(h: &OutputLink, l: &Layout) -> bool {
     let [coef, step, coefs, tap] = [h.coef, h.step, h.coefs, h.tap].map(|v| v as usize);
     let last = coefs.saturating_sub(1).checked_mul(step).and_then(|more| more.checked_add(coef));
     let law = h.law.mem == 0 && coefs <= COEFS;
@@ -116,9 +116,9 @@ fn outputs(l: &Layout) -> Verified {
     ensure(outputs, "an output is beyond the channels, masses or forces")?;
     ensure(l.out.blockers.len() <= l.out.outputs.len(), "there are more high passes than outputs")?;
     let [motion, blocked] = l.out.of_motion;
-    ensure(within(motion, blocked, l.out.outputs.len()), "more outputs measure motion than there are")?;
+    ensure(in_bounds(motion, blocked, l.out.outputs.len()), "more outputs measure motion than there are")?;
     let rows = l.out.output_rows.iter().all(|row| {
-        let first = row.first.is_none_or(|first| within(first as usize, row.n as usize, l.counts.n_mat));
+        let first = row.first.is_none_or(|first| in_bounds(first as usize, row.n as usize, l.counts.n_mat));
         (row.channel as usize) < l.counts.n_out && first
     });
     ensure(rows, "a row of outputs is beyond the channels or masses")
@@ -142,7 +142,7 @@ fn implicit(a: &ImplicitLinks, l: &Layout) -> Verified {
     let places = a.places.len() == a.pattern.size() && each(&a.places, l.counts.n_mat);
     ensure(places, "an implicit link joins masses that do not exist")?;
     let numbers = a.pattern.numbers().checked_add(a.places.len());
-    let numbers = numbers.is_some_and(|n| within(a.coef, n, l.counts.n_coef));
+    let numbers = numbers.is_some_and(|n| in_bounds(a.coef, n, l.counts.n_coef));
     ensure(numbers, "the factor of implicit links is beyond the coefficients")?;
     let tap = |tap: Option<u32>| tap.is_none_or(|tap| (tap as usize) < l.counts.n_tap);
     let force = |LinkForce { coef, tap: of, moving, fixed }: &LinkForce| {
@@ -155,8 +155,11 @@ fn implicit(a: &ImplicitLinks, l: &Layout) -> Verified {
     ensure(pairs, "an implicit link joins masses that do not exist")
 }
 
-fn ledger(plan: &LedgerPlan, l: &Layout) -> Verified {
-    ensure(within(plan.weight, l.weighed.len(), l.counts.n_coef), "a weight of the ledger is beyond the coefficients")?;
+fn ledger(plan: &LedgerLayout, l: &Layout) -> Verified {
+    ensure(
+        in_bounds(plan.weight, l.weighed.len(), l.counts.n_coef),
+        "a weight of the ledger is beyond the coefficients",
+    )?;
     let mut work = links::Work::of(l);
     plan.accounts.iter().try_for_each(|account| links::account(account, l, &mut work))
 }

@@ -1,9 +1,9 @@
 //! Verifies live parameters: what a change reads and writes ([`Controls`](crate::live::Controls)).
 
 use super::super::known::Known;
-use super::{Verified, Wrong, each, ensure, within};
+use super::{Verified, Wrong, each, ensure, in_bounds};
 use crate::kind::Role;
-use crate::live::{LiveImplicit, LiveItem, LiveModule, LivePlan, Loader};
+use crate::live::{LiveImplicit, LiveItem, LiveModule, LiveTable, Loader};
 use crate::method::implicit::Inertia;
 use crate::op::layout::Layout;
 
@@ -11,7 +11,7 @@ use crate::op::layout::Layout;
 const OF_GENERATOR: usize = 4;
 
 /// Verifies the live plan of a layout; `live` is the number of live coefficients of its state.
-pub(super) fn plan(plan: &LivePlan, l: &Layout, live: usize, known: &Known) -> Verified {
+pub(super) fn plan(plan: &LiveTable, l: &Layout, live: usize, known: &Known) -> Verified {
     let coefs = plan.coefs.len() == live && each(&plan.coefs, l.counts.n_coef);
     ensure(coefs && each(&plan.driven_coefs, live), "a live coefficient does not exist")?;
     plan.items.iter().try_for_each(|i| item(i, live, known))?;
@@ -47,9 +47,9 @@ fn implicit(a: &LiveImplicit, live: usize) -> Verified {
     ensure(super::arrays::pattern(pattern), "the live pattern of implicit links is not a factor")?;
     let rows = mobility.len();
     let entry = entries.iter().all(|(row, _)| (*row as usize) < rows);
-    let link = links.iter().all(|(_, [first, n])| within(*first as usize, *n as usize, entries.len()));
+    let link = links.iter().all(|(_, [first, n])| in_bounds(*first as usize, *n as usize, entries.len()));
     ensure(rows == pattern.size() && entry && link, "the live factor of implicit links differs in its rows")?;
-    if within(a.first as usize, a.made.numbers(), live) {
+    if in_bounds(a.first as usize, a.made.numbers(), live) {
         Ok(())
     } else {
         Err(Wrong("a live factor is beyond the coefficients"))

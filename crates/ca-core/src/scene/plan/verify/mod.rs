@@ -28,13 +28,13 @@ fn ensure(fits: bool, what: &'static str) -> Verified {
 }
 
 /// Returns true if `n` entries from `first` on are within `len`.
-fn within(first: usize, n: usize, len: usize) -> bool {
+fn in_bounds(first: usize, n: usize, len: usize) -> bool {
     first.checked_add(n).is_some_and(|end| end <= len)
 }
 
 /// Returns true if `rows` times `n` entries from `first` on are within `len`.
 fn block(first: usize, rows: usize, n: usize, len: usize) -> bool {
-    rows.checked_mul(n).is_some_and(|all| within(first, all, len))
+    rows.checked_mul(n).is_some_and(|all| in_bounds(first, all, len))
 }
 
 fn each<'a>(all: impl IntoIterator<Item = &'a u32>, len: usize) -> bool {

@@ -1,7 +1,7 @@
 //! Verifies passes: the range of each over its array, and how they count time.
 
 use super::links::{self, Work};
-use super::{Verified, Wrong, each, ensure, within};
+use super::{Verified, Wrong, each, ensure, in_bounds};
 use crate::method::pefrl::{DRIFTS, KICKS};
 use crate::op::layout::{Layout, Substeps};
 use crate::op::{Form, Op, Pass};
@@ -68,8 +68,8 @@ fn time<'a>(tick: impl Iterator<Item = &'a Op>) -> Verified {
 fn other(op: &Op, l: &Layout) -> Verified {
     let &Op { pass, n, first, mat, coef, .. } = op;
     let all = |len: usize| n <= len;
-    let numbers = |n: usize| within(coef, n, l.counts.n_coef);
-    let outputs = |n: usize| within(first, n, l.out.outputs.len());
+    let numbers = |n: usize| in_bounds(coef, n, l.counts.n_coef);
+    let outputs = |n: usize| in_bounds(first, n, l.out.outputs.len());
     let fits = match pass {
         Pass::Links => return Err(Wrong("the law of a pass of links is missing")),
         Pass::Enx => all(l.ports.enx.len()),
@@ -78,7 +78,7 @@ fn other(op: &Op, l: &Layout) -> Verified {
         Pass::Ahead => all(l.ports.ahead.len()) && each(&l.ports.ahead, l.counts.n_mat),
         Pass::ModalPorts | Pass::Modes => all(l.places.modal.len()),
         Pass::Points | Pass::Aim | Pass::PointsBack => all(l.places.moving_points.len()),
-        Pass::Enf { .. } => within(first, n, l.ports.enf.len()),
+        Pass::Enf { .. } => in_bounds(first, n, l.ports.enf.len()),
         Pass::Weight => all(l.weighed.len()) && numbers(n),
         Pass::ImplicitPairs | Pass::Positions => numbers(0),
         Pass::ModesAhead | Pass::ModesAgain => all(l.places.solved_modal.len()),
@@ -89,7 +89,7 @@ fn other(op: &Op, l: &Layout) -> Verified {
         Pass::Group { compensated } | Pass::GroupOut { compensated } => {
             l.rates.slow.as_ref().is_none_or(|group| group.compensated == compensated)
         }
-        Pass::HeardLinks => all(l.out.heard.len()),
+        Pass::OutputLinks => all(l.out.links.len()),
         Pass::Outputs => all(l.out.outputs.len()) && numbers(n),
         Pass::ManyOutputs => {
             let of_rows: u64 = l.out.output_rows.iter().map(|row| u64::from(row.n)).sum();
@@ -98,7 +98,7 @@ fn other(op: &Op, l: &Layout) -> Verified {
         Pass::Motions => outputs(n) && numbers(0),
         Pass::HighPass | Pass::HighPassOfMotion => all(l.out.blockers.len()) && outputs(0) && numbers(n),
         Pass::LowPass | Pass::Remember => all(l.counts.channels),
-        Pass::IntegrateFree | Pass::IntegrateFull => within(mat, n, l.counts.n_mat),
+        Pass::IntegrateFree | Pass::IntegrateFull => in_bounds(mat, n, l.counts.n_mat),
         Pass::Flush => all(l.counts.n_mat),
         Pass::Drift => all(l.counts.n_mat) && first < DRIFTS.len(),
         Pass::Kick { .. } => all(l.counts.n_mat) && first < KICKS.len(),
