@@ -39,6 +39,18 @@ pub fn new_file(path: &Path, mode: u32) -> std::io::Result<File> {
     options.open(path)
 }
 
+/// Creates a folder, with `recursive` also those above it, into which other users do not write, whatever the umask is.
+///
+/// # Errors
+/// If the folder cannot be created, or exists and is not `recursive`.
+pub fn new_dir(path: &Path, recursive: bool) -> std::io::Result<()> {
+    let mut builder = fs::DirBuilder::new();
+    builder.recursive(recursive);
+    #[cfg(unix)]
+    std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o755);
+    builder.create(path)
+}
+
 /// Returns the permissions of a file to be replaced, without write permission for other users.
 fn permissions(about: &fs::Metadata) -> fs::Permissions {
     #[cfg(unix)]

@@ -136,7 +136,7 @@ impl Folder {
             let what = format!("`{}` is not empty and does not contain a sweep", path.display());
             return Err(Failure::Usage(format!("{what}; choose another folder")));
         }
-        std::fs::create_dir_all(path).map_err(|e| failed(path, "cannot be created", &e))?;
+        atomic_file::new_dir(path, true).map_err(|e| failed(path, "cannot be created", &e))?;
         // workers that begin at the same time write the same text
         atomic_file::write(&asked, text.as_bytes())?;
         Ok(folder)
@@ -188,7 +188,7 @@ impl Folder {
         }
         let home = self.home(chunk);
         let part = aside(&home);
-        std::fs::create_dir(&part).map_err(|e| failed(&part, "cannot be created", &e))?;
+        atomic_file::new_dir(&part, false).map_err(|e| failed(&part, "cannot be created", &e))?;
         let done = self.play(sweep, chunk, &part, each).and_then(|()| {
             // a chunk without rows is incomplete
             if home.exists() && !self.has(chunk) {

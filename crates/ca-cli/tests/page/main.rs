@@ -331,7 +331,7 @@ mod in_real_time {
     /// In a browser, the page opens without errors and moves. A mouse that drags a mass holds it, and it sounds.
     #[test]
     fn a_mouse_in_a_browser_plays() {
-        let mut host = Host::play(STRING, &["--seconds", "120"]);
+        let mut host = Host::play(STRING, &["--seconds", "600"]);
         let Some(mut tab) = browser::Tab::open(&host.address) else { return };
         until("the scene is there", || tab.js("document.getElementById('title').textContent") == "A string and a bob");
         let mut watch = host.page();

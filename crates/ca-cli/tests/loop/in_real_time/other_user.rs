@@ -363,8 +363,9 @@ fn a_token_that_others_can_read_is_refused() {
 #[test]
 fn files_are_closed_to_other_users_whatever_the_umask() {
     let sandbox = Sandbox::shared();
+    sandbox.put("k.sweep.toml", "model = \"key.ca.toml\"\nseconds = 0.1\n[vary]\nk = [500, 600]\n");
     let ran =
-        sandbox.sh("umask 0; ca render key.ca.toml -o a.wav --seconds 0.1 --probe key=p.csv -q; ca new n.ca.toml; \
+        sandbox.sh("umask 0; ca sweep k.sweep.toml -o swept > log; ca render key.ca.toml -o a.wav --seconds 0.1 --probe key=p.csv -q; ca new n.ca.toml; \
          ca serve key.ca.toml --seconds 0.1 --log t.mcap -o s.wav -q || test $? = 3; ca log recover t.mcap -o r.mcap; \
          ca device sim --profile key --seconds 0.1 --force-log f.csv; \
          printf x > old.wav; chmod 666 old.wav; ca render key.ca.toml -o old.wav --seconds 0.1 -q");
@@ -378,6 +379,8 @@ fn files_are_closed_to_other_users_whatever_the_umask() {
         ("old.wav", 0o644),
         ("t.mcap", 0o600),
         ("r.mcap", 0o600),
+        ("swept", 0o755),
+        ("swept/runs-000000", 0o755),
     ] {
         let about = fs::metadata(sandbox.path(name)).unwrap_or_else(|e| panic!("{name}: {e}\n{}", ran.err));
         assert_eq!(about.permissions().mode() & 0o777, mode, "{name}");
