@@ -141,7 +141,7 @@ impl Exact {
         );
         let d = Diag::warning("W103", title).at(span(model, net, m.item), "nearest to the limit by itself");
         let viscous = bounds.iter().any(|b| b.z > 0.0) || linear.dofs.iter().any(|p| p.z > 0.0);
-        let rate = faster(net, largest, viscous);
+        let rate = faster(net, largest, (!viscous).then_some(0.0));
         // The fix changes the link with the largest share.
         let touches = |l: &LiaNode| l.all_ends().any(|e| net.under(e).contains(&(mat as u32)));
         let most = net.lias.iter().zip(bounds).filter(|(l, b)| b.linear && l.sets.is_none() && touches(l));

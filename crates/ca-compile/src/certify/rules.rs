@@ -80,7 +80,7 @@ pub fn contacts(
             cert.rules.stiffest = l.name.to_string();
         }
         if a > 1.0 && reported.insert(l.item) {
-            let word = if a > 2.0 { "adds energy at every impact" } else { "may add energy at an impact" };
+            let word = if a > 2.0 { "adds energy at most impacts" } else { "may add energy at an impact" };
             let title =
                 format!("contact `{}` {word}: kT²/m is {:.3}{}", l.name, quantity::Plain(a), at(reached.as_ref()));
             let (lo, hi) = (0.12 * a, 1.9 - a);
@@ -143,7 +143,12 @@ fn unstable_contact(net: &Pruned, l: &LiaNode, [k, z, c]: [f64; 3], reached: Opt
         "" => String::new(),
         method => format!("use {method}"),
     };
-    Diag::warning("W117", title).help(any(&[&method, &fix, "use heavier masses", &faster(net, closed, z > 0.0)]))
+    Diag::warning("W117", title).help(any(&[
+        &method,
+        &fix,
+        "use heavier masses",
+        &faster(net, closed, Some(2.0 * z * c)),
+    ]))
 }
 
 /// Applies the rule for friction along a curve, such as a bow (docs/numerics.md §3.5): above slope·T/m = 1.5 a sticking

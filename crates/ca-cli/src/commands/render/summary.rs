@@ -119,7 +119,7 @@ impl Summary<'_> {
             let help = if self.loudest() > 0.0 {
                 "all samples are more than 200 dB below full scale: give the outputs more `gain`".into()
             } else if ports.is_empty() {
-                "give a module an initial `v` or `dx0`".into()
+                "`x` is where a mass rests: displace it with `dx0`, or give it a speed `v`".into()
             } else {
                 let midi = inputs::notes(self.scene.inputs.iter());
                 let midi = midi.map_or(String::new(), |n| format!("; a MIDI file plays it with the {n}"));
@@ -233,8 +233,8 @@ impl Summary<'_> {
         };
         let rel = relative(&b);
         let balance =
-            if rel == 0.0 { "exactly".into() } else { format!("to {rel:.1e} of its peak, {}", joule(b.peak)) };
-        writeln!(out, "  energy     balances {balance}{span}")?;
+            if rel == 0.0 { "exactly".into() } else { format!("to {rel:.1e} of the peak, {}", joule(b.peak)) };
+        writeln!(out, "  energy     accounted for {balance}{span}")?;
         if !a.complete {
             return Ok(());
         }

@@ -67,7 +67,7 @@ fn an_unstable_model_is_named_and_silenced() {
         assert!(j["energy"]["seconds"].as_f64().unwrap() < 0.01);
     }
     sandbox.ca(&["check", "bad.ca.toml"]).is(3).says(&["W103", "unstable"]);
-    let contacts = "an impact may add energy at any value; measured at kT²/m = ";
+    let contacts = "an impact may add energy at any value; a lossless ball between two walls, played at kT²/m near ";
     sandbox.ca(&["check", "rattle.ca.toml"]).is(0).says(&["W117", "`up` is the stiffest", contacts]);
     // between the cheap bounds, a factorisation decides, and on request reports the distance from the limit
     let r = sandbox.ca(&["check", "harmonic_chain", "--exact"]).is(0);
