@@ -42,8 +42,10 @@ pub static KIND: Kind = Kind {
     title: "pluck with hysteresis",
     equation: "F = k e + z de/dt while engaged; releases at |e| >= d, engages when e changes sign",
     doc: "Acts as a spring until its elongation reaches `d`, then releases. It engages again only when the plectrum \
-          has come back through the string, so each passage plays one note, at any speed. With `side = \"up\"` it \
-          passes freely on its way down. With `engaged = false` it engages at its first passage and not at load.",
+          has come back through the string, so each passage plays one note, as long as the ends move less than `d` \
+          in a tick (48 m/s for d = 1 mm at 48 kHz); near that speed it is quieter. With \
+          `side = \"up\"` it passes freely on its way down. With `engaged = false` it engages at its first passage \
+          and not at load.",
     source: &["HSP v2"],
     params: &[
         BETWEEN,
