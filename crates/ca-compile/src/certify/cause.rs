@@ -41,7 +41,7 @@ pub fn unstable(model: &Model, net: &Pruned, sums: &Accumulated, i: usize) -> Di
     let s = &sums.mats[i];
     let at = s.certain * s.scaled_mobility;
     let title = format!(
-        "`{}` is too stiff for its mass at this {} rate: the largest eigenvalue is at least {:.3}, the limit is 4",
+        "`{}` is too stiff for its mass at this {} rate (largest eigenvalue at least {:.3}, the limit is 4)",
         m.name,
         net.clock(),
         quantity::Plain(at)

@@ -134,8 +134,8 @@ impl Exact {
         let largest = StabilityMatrix::new(&linear, |_| 1.0)
             .map_or(4.0, |p| p.largest(cert.lower, cert.bound, MESSAGE_TOLERANCE).1);
         let title = format!(
-            "together, the links are too stiff for the masses at this {} rate: the largest eigenvalue is {:.4}, the \
-             limit is 4",
+            "together, the links are too stiff for the masses at this {} rate (largest eigenvalue {:.4}, the limit is \
+             4)",
             net.clock(),
             quantity::Plain(largest)
         );

@@ -137,7 +137,10 @@ fn unstable_contact(net: &Pruned, l: &LiaNode, [k, z, c]: [f64; 3], reached: Opt
     } else if z == 0.0 {
         format!("keep `k` below {}", quantity::show(round_down(headroom), Unit::STIFFNESS))
     } else {
-        format!("make it at most {} % as stiff and viscous", quantity::Plain(round_down(400.0 / closed)))
+        let share = 4.0 / closed;
+        let k = quantity::show(round_down(k * share), Unit::STIFFNESS);
+        let z = quantity::show(round_down(z * share * dt), Unit::VISCOSITY);
+        format!("keep `k` below {k} and `z` below {z}")
     };
     let method = match stable(l) {
         "" => String::new(),
@@ -176,13 +179,13 @@ pub fn frictions(
             let less = quantity::Plain(round_up(steep / 1.5));
             let method = if steep < STEEPEST { "newton" } else { "secant" };
             let other = match methods_of(l) {
-                words if words.contains(&method) => format!(", or `method = \"{method}\"`"),
-                words if words.contains(&"stable") && !l.is_radial() => ", or `method = \"stable\"`".into(),
+                words if words.contains(&method) => format!("`method = \"{method}\"`, or "),
+                words if words.contains(&"stable") && !l.is_radial() => "`method = \"stable\"`, or ".into(),
                 _ => String::new(),
             };
             let help = format!(
-                "use a {less} times smaller force, a {less} times larger sticking speed, heavier masses, or a higher {} \
-                 rate{other}",
+                "use {other}a {less} times smaller force, a {less} times larger sticking speed, heavier masses, or a \
+                 higher {} rate",
                 net.clock()
             );
             diags.push(Diag::warning("W113", title).at(span(model, net, l.item), "steep friction").help(help));

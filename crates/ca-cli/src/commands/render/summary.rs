@@ -24,6 +24,9 @@ use std::time::Duration;
 /// Limit on the modules named in a line.
 const NAMED: usize = 3;
 
+/// Peak above which a sound beyond full scale is a warning, 20 dB over full scale.
+const LOUD: f64 = 10.0;
+
 /// Data of the summary.
 pub(crate) struct Summary<'a> {
     pub args: &'a RenderArgs,
@@ -100,7 +103,8 @@ impl Summary<'_> {
             let n = self.written.level.beyond;
             let what = if n == 1 { "1 sample is".into() } else { format!("{n} samples are") };
             let kept = "kept in 32-bit floats; use `--normalize` or `--ceiling` to stay within it";
-            term::note(&format!("{what} beyond full scale, {kept}{}", fitting(self.loudest())));
+            let text = format!("{what} beyond full scale, {kept}{}", fitting(self.loudest()));
+            if self.loudest() > LOUD { term::warning(&text) } else { term::note(&text) }
         }
         if self.divergence.is_none() && !self.args.quiet {
             for (channel, share) in &self.slow {
@@ -214,9 +218,15 @@ impl Summary<'_> {
             let found = divergence.time;
             // a shorter audit ended before the divergence and does not know its time
             if a.diverged {
-                writeln!(out, "  energy     diverged at {time:.4} s, found at {found:.4} s{grows}")?;
+                writeln!(
+                    out,
+                    "  energy     out of range at {time:.4} s, noticed at {found:.4} s{grows}; silence from there"
+                )?;
             } else {
-                writeln!(out, "  energy     diverged after {time:.4} s, found at {found:.4} s; `--energy` shows when")?;
+                writeln!(
+                    out,
+                    "  energy     out of range after {time:.4} s, noticed at {found:.4} s; silence from there; `--energy` shows when"
+                )?;
             }
             if a.complete {
                 writeln!(out, "    at load  {}", joule(b.h0))?;

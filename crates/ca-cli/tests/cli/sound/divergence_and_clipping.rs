@@ -41,9 +41,9 @@ fn a_model_that_diverges_after_its_audit_is_not_told_a_time_that_nobody_saw() {
          = { from = \"bob\" }\n[gesture]\nhand = [[0, 0], [1.5, 0], [1.6, \"1 mm\"]]\n",
     );
     let r = sandbox.ca(&["render", "late.ca.toml", "--seconds", "2"]).is(3);
-    assert!(r.out.contains("diverged after 0.5000 s") && r.out.contains("`--energy` shows when"), "{}", r.out);
+    assert!(r.out.contains("out of range after 0.5000 s") && r.out.contains("`--energy` shows when"), "{}", r.out);
     let r = sandbox.ca(&["render", "late.ca.toml", "--seconds", "2", "--energy"]).is(3);
-    assert!(r.out.contains("diverged at 1.5"), "{}", r.out);
+    assert!(r.out.contains("out of range at 1.5"), "{}", r.out);
 }
 
 #[test]
