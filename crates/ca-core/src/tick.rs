@@ -1,5 +1,5 @@
-//! The tick and its public halves. A tick runs the passes in this order: inputs, changes of parameters, forces at x_n,
-//! outputs, integration to x_{n+1}.
+//! The tick and its public halves. A tick runs the lists of passes of the scene in this order: reads (inputs, changes of
+//! parameters), forces at x_n, writes (outputs), moves (integration to x_{n+1}).
 //!
 //! Each call compares the identities of state and scene once, before any pass. A state of another scene would play
 //! wrong numbers, or read beyond an array. A type that binds both would avoid this, but keep the state borrowed.

@@ -20,7 +20,7 @@ use ca_lab::facts::border::{crossing, rates};
 use ca_lab::facts::certificate::{contacting, deepening, opened, rippling, stability};
 use ca_lab::facts::{codes, inputs};
 use ca_lab::watch::{LOOK, Watch};
-use ca_model::quantity::{Plain, short};
+use ca_model::quantity::Plain;
 use ca_model::{quantity, render};
 use ca_take::demands::DeviceDemands;
 use serde_json::{Value as Json, json};
