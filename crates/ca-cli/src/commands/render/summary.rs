@@ -34,6 +34,8 @@ pub(crate) struct Summary<'a> {
     /// The same scene with the energy ledger, which names its links.
     pub audited: &'a Scene,
     pub written: &'a Written,
+    /// Names and gains of the outputs. Empty if a gain is not a plain number.
+    pub gains: Vec<(&'a str, f64)>,
     /// Sample format in words.
     pub format: &'static str,
     pub ended: &'a Ended,
@@ -78,6 +80,17 @@ impl Summary<'_> {
         self.written.level.peak.iter().copied().fold(0.0, f64::max)
     }
 
+    /// Suggests the gain at which the loudest sample fits, as a factor, and as values for few outputs.
+    fn fitting(&self) -> String {
+        let peak = self.loudest();
+        let value =
+            |(name, g): &(&str, f64)| format!("`{name}`: `gain = {}`", short(gain(peak / g.abs()).copysign(*g)));
+        let values: Vec<String> = self.gains.iter().filter(|g| g.1 != 0.0).map(value).collect();
+        let values =
+            if (1..=NAMED).contains(&values.len()) { format!(" ({})", values.join(", ")) } else { String::new() };
+        format!("{}{values}", fitting(peak))
+    }
+
     /// Prints the warnings to stderr.
     pub fn warn(&self) {
         if let Some(b) = self.divergence {
@@ -95,7 +108,7 @@ impl Summary<'_> {
             } else if self.warnings > 0 && self.loudest() > FAR {
                 format!("; the gain is not the cause, see `{}`", self.check())
             } else {
-                fitting(self.loudest())
+                self.fitting()
             };
             term::warning(&format!("{}{help}", too_loud(self.written.level.clipped)));
         }
@@ -103,7 +116,7 @@ impl Summary<'_> {
             let n = self.written.level.beyond;
             let what = if n == 1 { "1 sample is".into() } else { format!("{n} samples are") };
             let kept = "kept in 32-bit floats; use `--normalize` or `--ceiling` to stay within it";
-            let text = format!("{what} beyond full scale, {kept}{}", fitting(self.loudest()));
+            let text = format!("{what} beyond full scale, {kept}{}", self.fitting());
             if self.loudest() > LOUD { term::warning(&text) } else { term::note(&text) }
         }
         if self.divergence.is_none() && !self.args.quiet {
