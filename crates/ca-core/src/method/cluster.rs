@@ -6,12 +6,13 @@
 //! N_l = h_l(s_l)        s = s* − W N        h(s) = (U(a + s) − U(a)) / s + (z/2) s
 //! ```
 //! Here s is the change of penetration over two ticks, s* the change by all other forces, a the penetration before, and
-//! W = T² G M⁻¹ Gᵀ. A rising force makes h rise. So the solution minimises a strictly convex function, and there is one.
+//! W = T² G M⁻¹ Gᵀ. A rising force makes h rise. So the solution minimises a strictly convex function, and there is
+//! one.
 //!
 //! Newton's method with a line search finds it. s₊ is the change that the next iteration finds. With the tangent
-//! N ≈ h(s) + h′(s) (s₊ − s) = b + h′(s) s₊ every iteration is the linear system of `system.rs`. In code, b is `bias` and
-//! h′ is `stiff`. This system therefore also takes the contacts in space and the friction that share masses with these
-//! contacts. If h′ = 0, the contact has the constant push `bias`.
+//! N ≈ h(s) + h′(s) (s₊ − s) = b + h′(s) s₊ every iteration is the linear system of `system.rs`. In code, b is `bias`
+//! and h′ is `stiff`. This system therefore also takes the contacts in space and the friction that share masses with
+//! these contacts. If h′ = 0, the contact has the constant push `bias`.
 //!
 //! The stored energy is U of the true penetration, so it does not drift, and the energy balances at any stiffness. With
 //! `sticky = false` a pull is left out: h is 0 there, and the energy that U loses is heat.
@@ -166,8 +167,8 @@ pub(super) fn newton<R: Real, const MODES: bool>(
         respond(all, to);
         let (mut again, mut worst, mut moves, mut far) = (false, R::ZERO, R::ZERO, R::ZERO);
         for (i, t) in all.iter_mut().enumerate() {
-            // stiff: the difference free − q cancels, so the motion follows from the push. Soft: the push has few digits, so
-            // the motion is that difference
+            // stiff: the difference free − q cancels, so the motion follows from the push. Soft: the push has few
+            // digits, so the motion is that difference
             let stiff = i < acting && t.stiff * t.own > R::of(1.0);
             let moved = if stiff { t.y / t.stiff } else { t.free - t.q };
             if t.curve.is_none() {
@@ -236,8 +237,8 @@ fn shortened<R: Real>(all: &mut [ActiveContact<R>], tables: &[Table<R>]) -> bool
 
 /// Returns the energy that a contact loses in the tick \[J\].
 ///
-/// The change of penetration is over two ticks, so one tick has half of the energy that the potential releases if a pull
-/// is left out. The viscosity loses its mean force (z/2) s times half the motion, s/2: z s²/4.
+/// The change of penetration is over two ticks, so one tick has half of the energy that the potential releases if a
+/// pull is left out. The viscosity loses its mean force (z/2) s times half the motion, s/2: z s²/4.
 pub(super) fn heat<R: Real>(t: &ActiveContact<R>, tables: &[Table<R>]) -> R {
     match t.curve {
         Some(curve) if t.clip && t.p <= R::ZERO => R::of(0.5) * (curve.released)(&t.coef, tables, t.from, t.at),

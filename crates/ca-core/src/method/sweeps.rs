@@ -7,9 +7,9 @@
 //! ```
 //! In code: s = `at`, s* = `free`, N = `p`, c = `own`, h′ = `rise`, c h′ = `steep`, Σ W N = `by_all`.
 //!
-//! The system has one solution (`cluster.rs`), and each sweep brings soft links nearer to it, by a factor of about kT²/m.
-//! The sweeps give up if a link is stiff (c h′ > 1), if a contact would pull that may not, if they converge slowly, or
-//! after [`MAX_SWEEPS`]. Then `cluster.rs` solves if a link has a curve, and `quadratised.rs` otherwise.
+//! The system has one solution (`cluster.rs`), and each sweep brings soft links nearer to it, by a factor of about
+//! kT²/m. The sweeps give up if a link is stiff (c h′ > 1), if a contact would pull that may not, if they converge
+//! slowly, or after [`MAX_SWEEPS`]. Then `cluster.rs` solves if a link has a curve, and `quadratised.rs` otherwise.
 
 use super::cluster::push;
 use super::system::Response;
@@ -21,8 +21,8 @@ const MAX_SWEEPS: usize = 16;
 /// From the third sweep on, each change must be at most this factor times the one before.
 const LARGEST_RATIO: f64 = 0.25;
 
-/// Solves for the push `p`, the change of penetration `at`, and `y` of links that are linear. Returns false if it has not
-/// found them.
+/// Solves for the push `p`, the change of penetration `at`, and `y` of links that are linear. Returns false if it has
+/// not found them.
 pub(super) fn swept<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], to: &mut Response<R, MODES>) -> bool {
     let last = R::of(if matches!(R::PRECISION, Precision::Single) { 3e-7 } else { 4e-16 });
     for t in &mut *all {

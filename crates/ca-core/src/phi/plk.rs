@@ -1,12 +1,11 @@
 //! PLK: a plectrum, with true hysteresis.
 //!
-//! Equation: while engaged, F = k e + (z/T) w, with the elongation e (second end minus first \[m\]), its change w in the
-//! last tick \[m\] and the tick T \[s\]. F > 0 pulls the ends together. It releases when |e| ≥ d, and engages again when e
-//! changes sign.
-//! One-sided, it engages only when e rises through 0 (up) or falls through 0 (down), and releases when e returns to 0.
-//! Parameters: k \[N/m\], z \[N s/m\], d \[m\] > 0. Source: HSP v2 (contact-pluck); for the energy docs/numerics.md
-//! §2.2: the energy k e²/2 stored at release reaches no end, so the ledger enters it as heat. Stability: as REF while engaged, but judged as a contact.
-//! Test: `tests/suite/laws/pluck.rs`.
+//! Equation: while engaged, F = k e + (z/T) w, with the elongation e (second end minus first \[m\]), its change w in
+//! the last tick \[m\] and the tick T \[s\]. F > 0 pulls the ends together. It releases when |e| ≥ d, and engages
+//! again when e changes sign. One-sided, it engages only when e rises through 0 (up) or falls through 0 (down), and
+//! releases when e returns to 0. Parameters: k \[N/m\], z \[N s/m\], d \[m\] > 0. Source: HSP v2 (contact-pluck); for
+//! the energy docs/numerics.md §2.2: the energy k e²/2 stored at release reaches no end, so the ledger enters it as
+//! heat. Stability: as REF while engaged, but judged as a contact. Test: `tests/suite/laws/pluck.rs`.
 
 use super::{
     ALONG, BETWEEN, Bound, ELASTIC_METHOD, Law, LawEntry, LawFns, PAIRS, Phi, by_potential, linear_lost, linear_stored,
@@ -102,8 +101,8 @@ pub(super) fn laws<R: Real>() -> [LawEntry<R>; 3] {
     ]
 }
 
-/// Coefficients: k, z/T, d, the sign of the side, and 1 if it is engaged at load. Memory of the explicit method: 1 while
-/// engaged, the last elongation, and the energy lost in this tick. The method `stable` has another memory, see
+/// Coefficients: k, z/T, d, the sign of the side, and 1 if it is engaged at load. Memory of the explicit method: 1
+/// while engaged, the last elongation, and the energy lost in this tick. The method `stable` has another memory, see
 /// [`Potential`].
 pub struct Plk;
 
@@ -153,9 +152,9 @@ impl Phi<5, 3> for Plk {
 
 /// Memory of the method `stable`: 1 while engaged, the last elongation, and the two bounds of the slack.
 ///
-/// It engages between two ticks. To make no energy, it must store nothing at either of them. So the elongations at these
-/// ticks bound a slack, a range in which the force is 0. Once the motion has left the slack on one side, the slack
-/// shrinks to the bound on that side.
+/// It engages between two ticks. To make no energy, it must store nothing at either of them. So the elongations at
+/// these ticks bound a slack, a range in which the force is 0. Once the motion has left the slack on one side, the
+/// slack shrinks to the bound on that side.
 impl Potential<5, 4> for Plk {
     fn at_load<R: Real>(c: &[R; 5], e: R) -> [R; 4] {
         let [engaged, last, _] = Plk::start(c, e);
