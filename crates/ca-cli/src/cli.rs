@@ -14,6 +14,7 @@ use std::any::TypeId;
     after_help = format!(
         "Exit codes: 0 ok, 1 failed, 2 usage error, 3 finished but degraded (e.g. unstable or clipped), 130 interrupted.\n\
          A model is a `*.ca.toml` file, {}the name of a bundled model (`ca list`), or `-` for standard input.\n\
+         A take is a recorded performance: `ca play --log FILE.mcap` writes one.\n\
          `ca completions --help` shows how to set up shell completion.",
         imported(|f| format!("a {} `*.{}` file, ", f.name, f.extension))
     )

@@ -39,8 +39,14 @@ pub fn own_file(word: &str) -> Result<&Path, Failure> {
     Err(Failure::Usage(format!("`{word}`: {why}; write a copy with `--write FILE.ca.toml`")))
 }
 
+/// Sound rate \[Hz\] below which `--rate` probably lacks its `k`.
+const LOW_RATE: f64 = 1000.0;
+
 /// Reads the model and applies `--set`.
 pub fn load(source: &Source) -> Result<Loaded, Failure> {
+    if let Some(rate) = source.rate.filter(|r| *r < LOW_RATE) {
+        term::note(&format!("the sound rate is {rate} Hz (`--rate`); did you mean `{rate}k`?"));
+    }
     Ok(changed(read(&source.model)?, source)?)
 }
 

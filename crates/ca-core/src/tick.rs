@@ -1,4 +1,5 @@
-//! The tick: inputs → changes → forces at x_n → outputs → integration, and its public halves.
+//! The tick and its public halves. A tick runs the lists of passes of the scene in this order: reads (inputs, changes of
+//! parameters), forces at x_n, writes (outputs), moves (integration to x_{n+1}).
 //!
 //! Each call compares the identities of state and scene once, before any pass. A state of another scene would play
 //! wrong numbers, or read beyond an array. A type that binds both would avoid this, but keep the state borrowed.
@@ -8,7 +9,7 @@ use crate::op::Op;
 use crate::scene::Scene;
 use crate::state::State;
 
-/// Runs one tick: inputs → changes → forces at x_n → outputs → integration.
+/// Steps one sample: reads inputs and changes of parameters, sums the forces at x_n, writes the outputs and integrates.
 ///
 /// # Panics
 /// If the state does not belong to this scene (nothing has changed then), or if the length of one of its arrays was

@@ -145,7 +145,7 @@ fn left_over(site: &Site) -> DiagnosisRow {
         .filter(|g| !g.current && g.alive.is_empty())
         .map(|g| format!("{} files (frame version {}, iceoryx2 {})", g.files.len(), g.frames, g.iox))
         .collect();
-    let swept = site.sweep();
+    let swept = site.remove_dead();
     if swept.left > 0 {
         let found = format!("the files of {} ended processes cannot be removed", swept.left);
         return DiagnosisRow::poor("stale shared memory", found, "run `ca shm clean`");

@@ -33,7 +33,7 @@ use ca_model::quantity::{show, six};
 use core::fmt;
 use std::collections::BTreeMap;
 
-/// Most steps in which a key is moved over its travel, and the largest number of steps × modules of the scene.
+/// Maximum number of steps in which a key is moved over its travel, and the largest number of steps × modules of the scene.
 const STEPS: usize = 2000;
 const MOST: usize = 20_000_000;
 /// Part of the passivity limit up to which a key stays as it is.

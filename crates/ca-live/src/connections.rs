@@ -75,7 +75,7 @@ impl Connections {
         }
         let site = Site::of_user().map_err(|e| host_failure(&e))?;
         if !names.is_empty() {
-            site.sweep();
+            site.remove_dead();
         }
         match ControlServer::open(&site) {
             Ok(control) => talk.control = Some(control),
@@ -164,7 +164,7 @@ impl Connections {
         // a busy engine is asked again at the next iteration
         self.refits.retain(|k| recorder.refit(*k, self.setups[*k as usize].clone()).is_err());
         if let (true, Some(site), Some(_)) = (sweep, &self.site, &self.gateway) {
-            site.sweep();
+            site.remove_dead();
         }
         let mut leave = false;
         if let Some(control) = &mut self.control {

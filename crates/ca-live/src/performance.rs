@@ -79,7 +79,7 @@ pub fn play(request: Request, listener: &Arc<dyn Listener>) -> Result<Report, Fa
     if names.is_empty() && request.page.is_none() {
         listener.note("the model does not use a device; to play it in the browser, use `ca play` instead");
     }
-    let session = ca_haptic::host::session();
+    let session = ca_haptic::host::session_number();
     let engine = setup::engine(scene.clone(), &played, session);
 
     // the rings must be drained, and users answered, on a busy machine too; threads inherit the value
@@ -160,8 +160,10 @@ pub fn play(request: Request, listener: &Arc<dyn Listener>) -> Result<Report, Fa
     for (name, granted) in &threads {
         listener.progress(&format!("{name}: {granted}"));
     }
+    let keys = if parts.page_session.is_some() { "; until it sends, its keys are sliders of the page" } else { "" };
     for s in played.iter().filter(|s| !s.profile.is_unknown()) {
-        listener.progress(&format!("device `{}`: {}, at most {} N", s.device, s.profile.title, s.profile.force));
+        let (title, force) = (&s.profile.title, s.profile.force);
+        listener.progress(&format!("device `{}`: {title}, at most {force} N{keys}", s.device));
     }
 
     let engine = parts.attend(engine);

@@ -100,7 +100,7 @@ fn limits() -> Vec<Limit> {
             format!("[model]\nmethod = \"pefrl\"\n{}", link("RES", &format!("k = {:?}", k(a))))
         }),
         ("W104", "may add energy", 1.0, |a| link("BUT", &format!("k = {:?}", k(a)))),
-        ("W104", "adds energy at every impact", 2.0, |a| link("BUT", &format!("k = {:?}", k(a)))),
+        ("W104", "adds energy at most impacts", 2.0, |a| link("BUT", &format!("k = {:?}", k(a)))),
         // a + 2b, by stiffness, by viscosity, and by both
         ("W117", "the limit is 4", 4.0, |a| link("BUT", &format!("k = {:?}", k(a)))),
         ("W117", "the limit is 4", 2.0, |b| link("BUT", &format!("k = 1e-3, z = {:?}", z(b)))),

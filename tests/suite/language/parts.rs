@@ -251,7 +251,7 @@ fn what_is_wrong_is_said_once_and_where_it_stands() {
             "E013",
             "did you mean `p[0].bar`?",
         ),
-        ("p = { part = 'p', n = 2, with = { f = 'bor' } }", "", "E013", "no parameter `bor`"),
+        ("p = { part = 'p', n = 2, with = { f = 'bor' } }", "", "E013", "`bor` is neither a number nor a name"),
         (
             "p = { part = 'p', n = 1e6, with = { f = 9 } }\nq = { part = 'p', n = 1e6, with = { f = 9 } }",
             "",

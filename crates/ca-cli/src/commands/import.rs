@@ -55,6 +55,10 @@ fn file_help() -> String {
 
 /// Runs the command.
 pub fn run(args: &ImportArgs) -> Outcome {
+    let name = args.file.display().to_string();
+    if name.ends_with(".ca.toml") {
+        return Err(Failure::Usage(format!("`{name}` is a model of this program; there is nothing to import")));
+    }
     let text = load::foreign_text(&args.file)?;
     let file = args.file.display().to_string();
     let Loaded { model, diags: notes, .. } = Loaded::import(&text, &file);

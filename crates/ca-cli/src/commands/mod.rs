@@ -29,7 +29,7 @@ pub(crate) mod sweep;
 pub(crate) mod take;
 pub(crate) mod tune;
 
-/// Defines the subcommands with their arguments and `run` functions. The help of a command is at its arguments. A doc
+/// Defines the subcommands with their arguments and `run` functions, in the order of `ca --help`. The help of a command is at its arguments. A doc
 /// comment here would replace it, and is used only where several commands share their arguments.
 macro_rules! commands {
     ($($(#[$help:meta])* $name:ident($args:path) => $run:path,)*) => {
@@ -49,24 +49,34 @@ macro_rules! commands {
 }
 
 commands! {
-    Render(render::RenderArgs) => render::run,
+    // Make and hear
+    New(new::NewArgs) => new::run,
+    Import(import::ImportArgs) => import::run,
     Check(check::CheckArgs) => check::run,
+    Render(render::RenderArgs) => render::run,
+    Report(report::ReportArgs) => report::run,
+    Play(play::PlayArgs) => play::run,
+    Set(control::SetArgs) => control::set,
+    Audio(control::AudioArgs) => control::audio,
+    /// Shows the state of a running `ca serve` or `ca play`
+    ///
+    /// Prints the number of gesture frames and sound samples played since the start, the mode of each device, why its
+    /// forces are off, what an armed device is waiting for, and the number of lost records. With `--json`, it also
+    /// prints the live parameters in SI units.
+    Status(control::StatusArgs) => control::status,
+    /// Ends a running `ca serve` or `ca play`
+    ///
+    /// Forces go to zero with the next gesture frame. The running command then finishes its sound file and its take,
+    /// and prints its summary.
+    Stop(control::StatusArgs) => control::stop,
+    // Tune and measure
+    Tune(tune::TuneArgs) => tune::run,
+    Fit(fit::FitArgs) => fit::run,
     Modes(modes::ModesArgs) => modes::run,
     Accuracy(accuracy::AccuracyArgs) => accuracy::run,
     Bench(bench::BenchArgs) => bench::run,
-    Sweep(sweep::SweepArgs) => sweep::run,
-    Tune(tune::TuneArgs) => tune::run,
-    Fit(fit::FitArgs) => fit::run,
-    Report(report::ReportArgs) => report::run,
-    Equiv(equiv::EquivArgs) => equiv::run,
-    List(list::ListArgs) => list::run,
-    Explain(explain::ExplainArgs) => explain::run,
-    New(new::NewArgs) => new::run,
-    Import(import::ImportArgs) => import::run,
-    Play(play::PlayArgs) => play::run,
+    // Devices
     Serve(serve::ServeArgs) => serve::run,
-    Set(control::SetArgs) => control::set,
-    Audio(control::AudioArgs) => control::audio,
     /// Turns on the forces of a running `ca serve` or `ca play`
     ///
     /// Forces then fade in within a second, as soon as nothing pushes (docs/safety.md, H5). `ca status` shows what an
@@ -79,20 +89,15 @@ commands! {
     /// and the take go on. `ca arm` turns forces on again. It does not replace a switch that cuts the power of the
     /// motors (docs/safety.md).
     Disarm(control::ArmArgs) => control::disarm,
-    /// Shows the state of a running `ca serve` or `ca play`
-    ///
-    /// Prints the number of gesture frames and sound samples played since the start, the mode of each device, why its
-    /// forces are off, what an armed device is waiting for, and the number of lost records. With `--json`, it also
-    /// prints the live parameters in SI units.
-    Status(control::StatusArgs) => control::status,
-    /// Ends a running `ca serve` or `ca play`
-    ///
-    /// Forces go to zero with the next gesture frame. The running command then finishes its sound file and its take,
-    /// and prints its summary.
-    Stop(control::StatusArgs) => control::stop,
-    Replay(take::ReplayArgs) => take::replay::run,
-    Log(take::LogArgs) => take::log::run,
+    Equiv(equiv::EquivArgs) => equiv::run,
     Device(device::DeviceArgs) => device::run,
     Shm(shm::ShmArgs) => shm::run,
+    // Recordings and sweeps
+    Replay(take::ReplayArgs) => take::replay::run,
+    Log(take::LogArgs) => take::log::run,
+    Sweep(sweep::SweepArgs) => sweep::run,
+    // Help
+    List(list::ListArgs) => list::run,
+    Explain(explain::ExplainArgs) => explain::run,
     Completions(completions::CompletionsArgs) => completions::run,
 }

@@ -14,6 +14,8 @@ use ca_core::Bound;
 pub struct Sums {
     /// Links that are always present, with the slopes that they always have.
     pub certain: f64,
+    /// Part of `certain` by viscosity.
+    pub viscous: f64,
     /// All links that may be present.
     pub all: f64,
     /// All links, with links between masses counted twice (Gershgorin).
@@ -40,6 +42,7 @@ impl Sums {
         let own = m.k + 2.0 * m.z;
         Sums {
             certain: own,
+            viscous: 2.0 * m.z,
             all: own,
             disc: own,
             c: m.c,
@@ -100,6 +103,7 @@ fn link(net: &Pruned, l: &LiaNode, b: &Bound, mats: &mut [Sums]) {
     }
     let h = b.h();
     let sure = fixed_share(b);
+    let viscous = if b.curve || b.centred { 0.0 } else { 2.0 * b.z };
     // Number of entries in the row of the link, counted at ends that move.
     let moving = |ids: &[u32]| ids.iter().any(|m| mats[*m as usize].c > 0.0);
     let entries: f64 = l.all_ends().map(|e| if moving(&net.under(e)) { net.reach(e) } else { 0.0 }).sum();
@@ -111,6 +115,7 @@ fn link(net: &Pruned, l: &LiaNode, b: &Bound, mats: &mut [Sums]) {
         s.disc += h + others * h.abs();
         if matches!(end, End::Mat(_)) {
             s.certain += sure;
+            s.viscous += viscous;
             s.most = s.most.max(sure);
             s.negative += sure.min(0.0);
             s.radial |= l.is_radial();

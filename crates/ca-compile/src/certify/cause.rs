@@ -41,7 +41,7 @@ pub fn unstable(model: &Model, net: &Pruned, sums: &Accumulated, i: usize) -> Di
     let s = &sums.mats[i];
     let at = s.certain * s.scaled_mobility;
     let title = format!(
-        "`{}` is too stiff for its mass at this {} rate: the largest eigenvalue is at least {:.3}, the limit is 4",
+        "`{}` is too stiff for its mass at this {} rate (largest eigenvalue at least {:.3}, the limit is 4)",
         m.name,
         net.clock(),
         quantity::Plain(at)
@@ -57,8 +57,9 @@ pub fn unstable(model: &Model, net: &Pruned, sums: &Accumulated, i: usize) -> Di
     }
     let mass = net.tick_dt * net.tick_dt / s.c * at / 4.0;
     let heavier = format!("make `{}` heavier than {}", m.name, quantity::show(round_up(mass), Unit::KILOGRAM));
-    let viscous = net.lias.iter().zip(&sums.links).any(|(_, b)| b.z > 0.0) || s.z > 0.0;
-    let rate = faster(net, at, viscous);
+    // The mass of a junction of a waveguide depends on the rate.
+    let junction = net.lines.iter().any(|l| l.junctions().contains(&(i as u32)));
+    let rate = faster(net, at, (!junction).then_some(s.viscous * s.scaled_mobility));
     match most {
         Some((l, b)) => {
             let (headroom, counted) = (4.0 / s.scaled_mobility - (s.certain - b.h()), explicit(b));
@@ -87,11 +88,19 @@ pub fn unstable(model: &Model, net: &Pruned, sums: &Accumulated, i: usize) -> Di
 }
 
 /// Returns the help with the sound rate at which an eigenvalue `now` is at the limit, and with sufficient ticks per
-/// sample. Stiffness falls with the square of the rate, viscosity with the rate. Empty if neither is allowed.
-pub fn faster(net: &Pruned, now: f64, viscous: bool) -> String {
-    let times = if viscous { now / 4.0 } else { libm::sqrt(now / 4.0) };
+/// sample. Empty if neither is allowed.
+///
+/// Stiffness falls with the square of the rate, viscosity with the rate. `viscous` is the part of `now` by viscosity. If
+/// it is unknown, all of `now` is taken as viscosity, so the rate is sufficient.
+pub fn faster(net: &Pruned, now: f64, viscous: Option<f64>) -> String {
+    let z = viscous.unwrap_or(now);
+    let times = (z + libm::sqrt(z * z + 16.0 * (now - z).max(0.0))) / 8.0;
     let above = net.rate * times;
-    let rate = format!("raise the {} rate above {:.0} Hz", net.clock(), quantity::Plain(above));
+    let (clock, hertz) = (net.clock(), quantity::Plain(above));
+    let rate = match viscous {
+        Some(_) => format!("raise the {clock} rate above {hertz:.0} Hz"),
+        None => format!("raise the {clock} rate to {hertz:.0} Hz, which is enough"),
+    };
     let ticks = libm::floor(f64::from(net.oversample) * times) + 1.0;
     let finer = format!("write `oversample = {ticks}` in `[rate]`");
     let finer = if net.slow || ticks > f64::from(FINEST) { "" } else { &finer };

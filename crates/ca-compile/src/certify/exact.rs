@@ -134,14 +134,14 @@ impl Exact {
         let largest = StabilityMatrix::new(&linear, |_| 1.0)
             .map_or(4.0, |p| p.largest(cert.lower, cert.bound, MESSAGE_TOLERANCE).1);
         let title = format!(
-            "together, the links are too stiff for the masses at this {} rate: the largest eigenvalue is {:.4}, the \
-             limit is 4",
+            "together, the links are too stiff for the masses at this {} rate (largest eigenvalue {:.4}, the limit is \
+             4)",
             net.clock(),
             quantity::Plain(largest)
         );
         let d = Diag::warning("W103", title).at(span(model, net, m.item), "nearest to the limit by itself");
         let viscous = bounds.iter().any(|b| b.z > 0.0) || linear.dofs.iter().any(|p| p.z > 0.0);
-        let rate = faster(net, largest, viscous);
+        let rate = faster(net, largest, (!viscous).then_some(0.0));
         // The fix changes the link with the largest share.
         let touches = |l: &LiaNode| l.all_ends().any(|e| net.under(e).contains(&(mat as u32)));
         let most = net.lias.iter().zip(bounds).filter(|(l, b)| b.linear && l.sets.is_none() && touches(l));

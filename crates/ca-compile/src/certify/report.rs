@@ -71,7 +71,8 @@ pub fn report(
 
 fn not_proven(model: &Model, net: &Pruned, sums: &Accumulated, bounds: &Bounds, cert: &Certificate) -> Diag {
     let why = if bounds.covered {
-        format!("the upper bound of the largest eigenvalue is {:.3}, the limit is 4", Plain(bounds.upper))
+        let links = bounds.worst.map_or("the links".into(), |i| format!("the links of `{}`", net.mats[i].name));
+        format!("{links} may be too stiff (largest eigenvalue at most {:.3}, the limit is 4)", Plain(bounds.upper))
     } else {
         "a negative spring is not outweighed by the springs beside it".into()
     };

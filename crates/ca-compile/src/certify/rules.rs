@@ -80,7 +80,7 @@ pub fn contacts(
             cert.rules.stiffest = l.name.to_string();
         }
         if a > 1.0 && reported.insert(l.item) {
-            let word = if a > 2.0 { "adds energy at every impact" } else { "may add energy at an impact" };
+            let word = if a > 2.0 { "adds energy at most impacts" } else { "may add energy at an impact" };
             let title =
                 format!("contact `{}` {word}: kT²/m is {:.3}{}", l.name, quantity::Plain(a), at(reached.as_ref()));
             let (lo, hi) = (0.12 * a, 1.9 - a);
@@ -137,13 +137,21 @@ fn unstable_contact(net: &Pruned, l: &LiaNode, [k, z, c]: [f64; 3], reached: Opt
     } else if z == 0.0 {
         format!("keep `k` below {}", quantity::show(round_down(headroom), Unit::STIFFNESS))
     } else {
-        format!("make it at most {} % as stiff and viscous", quantity::Plain(round_down(400.0 / closed)))
+        let share = 4.0 / closed;
+        let k = quantity::show(round_down(k * share), Unit::STIFFNESS);
+        let z = quantity::show(round_down(z * share * dt), Unit::VISCOSITY);
+        format!("keep `k` below {k} and `z` below {z}")
     };
     let method = match stable(l) {
         "" => String::new(),
         method => format!("use {method}"),
     };
-    Diag::warning("W117", title).help(any(&[&method, &fix, "use heavier masses", &faster(net, closed, z > 0.0)]))
+    Diag::warning("W117", title).help(any(&[
+        &method,
+        &fix,
+        "use heavier masses",
+        &faster(net, closed, Some(2.0 * z * c)),
+    ]))
 }
 
 /// Applies the rule for friction along a curve, such as a bow (docs/numerics.md §3.5): above slope·T/m = 1.5 a sticking
@@ -171,13 +179,13 @@ pub fn frictions(
             let less = quantity::Plain(round_up(steep / 1.5));
             let method = if steep < STEEPEST { "newton" } else { "secant" };
             let other = match methods_of(l) {
-                words if words.contains(&method) => format!(", or `method = \"{method}\"`"),
-                words if words.contains(&"stable") && !l.is_radial() => ", or `method = \"stable\"`".into(),
+                words if words.contains(&method) => format!("`method = \"{method}\"`, or "),
+                words if words.contains(&"stable") && !l.is_radial() => "`method = \"stable\"`, or ".into(),
                 _ => String::new(),
             };
             let help = format!(
-                "use a {less} times smaller force, a {less} times larger sticking speed, heavier masses, or a higher {} \
-                 rate{other}",
+                "use {other}a {less} times smaller force, a {less} times larger sticking speed, heavier masses, or a \
+                 higher {} rate",
                 net.clock()
             );
             diags.push(Diag::warning("W113", title).at(span(model, net, l.item), "steep friction").help(help));

@@ -19,11 +19,11 @@ use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::Plain;
 
-/// A pressed contact: k + 2z/T, and whether z contributes.
+/// A pressed contact: k + 2z/T, and the part by z.
 struct PressedContact<'a> {
     link: &'a LiaNode,
     h: f64,
-    viscous: bool,
+    viscous: f64,
 }
 
 /// Warns of contacts that are unstable together but not individually.
@@ -43,7 +43,7 @@ pub fn simultaneous(model: &Model, net: &Pruned, sums: &Accumulated, cert: &mut 
                 sides.entry((m, axis, side)).or_default().push(PressedContact {
                     link: l,
                     h: k + 2.0 * z,
-                    viscous: z > 0.0,
+                    viscous: 2.0 * z,
                 });
             }
         }
@@ -73,8 +73,8 @@ pub fn simultaneous(model: &Model, net: &Pruned, sums: &Accumulated, cert: &mut 
             "" => String::new(),
             method => format!("use {method}"),
         };
-        let viscous = contacts.iter().any(|p| p.viscous);
-        let help = any(&[&method, &softer, &heavier, &faster(net, at, viscous)]);
+        let viscous = c * (s.viscous + contacts.iter().map(|p| p.viscous).sum::<f64>());
+        let help = any(&[&method, &softer, &heavier, &faster(net, at, Some(viscous))]);
         diags
             .push(Diag::warning("W117", title).at(span(model, net, most.link.item), "the stiffest of them").help(help));
     }

@@ -1,6 +1,6 @@
 //! Outputs and probes: the quantities they read and, in space, the axes.
 
-use crate::connect::select::{Meaning, Written};
+use crate::connect::select::{Meaning, PROBE, Written};
 use crate::connect::wiring::Wiring;
 use crate::findings::type_name;
 use crate::lower::space;
@@ -161,7 +161,7 @@ impl Wiring<'_> {
         if last.is_some() {
             return;
         }
-        let taps = match self.select(Written { text, span: Span::NONE, owner: "probe" }, None) {
+        let taps = match self.select(Written { text, span: Span::NONE, owner: PROBE }, None) {
             Some(Meaning::Links(l)) => l.into_iter().map(OutputTap::ForceOf).collect::<Vec<_>>(),
             Some(Meaning::Ends(v)) => v.into_iter().map(OutputTap::Position).collect(),
             None => return,

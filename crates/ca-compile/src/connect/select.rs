@@ -20,6 +20,9 @@ use ca_model::select::{self, Coord, Index, Part, Selector};
 use ca_model::suggest::nearest;
 use ca_model::{Item, Span};
 
+/// Owner of the selectors of requested probes.
+pub(super) const PROBE: &str = "probe";
+
 /// Modules that a selector refers to.
 pub(super) enum Meaning {
     Ends(Vec<End>),
@@ -35,6 +38,10 @@ pub(super) struct Written<'t> {
 }
 
 impl Written<'_> {
+    /// Returns whether the text is a requested probe.
+    fn is_probe(&self) -> bool {
+        self.owner == PROBE && !self.span.is_some()
+    }
     fn part(&self, from: usize, to: usize) -> Span {
         inside(self.span, self.text, from, to)
     }
@@ -163,6 +170,8 @@ impl<'a> Wiring<'a> {
         } else if let Some(u) = self.model.uses.iter().find(|u| u.n.is_some() && is_of(name, &u.name)) {
             let rest = name.get(u.name.len()..).unwrap_or("");
             d.help(format!("`{0}` has instances: write `{0}[0]{rest}` for one of them, `{0}[*]{rest}` for all", u.name))
+        } else if select::is_word(name) && self.model.gestures.iter().any(|g| g.key == name) {
+            d.help(format!("a gesture drives this name: declare it, e.g. `{name} = {{}}` under `[ENX]`"))
         } else if let Some(near) = near.filter(|_| !self.is_as_written(w)) {
             // The text was generated from another one and cannot be replaced in place.
             d.help(format!("did you mean `{near}`?"))
@@ -171,12 +180,22 @@ impl<'a> Wiring<'a> {
             let span = w.name(name);
             let new = if span == w.span { format!("\"{near}\"") } else { near.to_string() };
             d.help(format!("did you mean `{near}`?")).fix(span, new)
+        } else if let Some((whole, _)) = w.text.trim().rsplit_once('.').filter(|(whole, _)| self.is_module(whole)) {
+            let key = if w.is_probe() { "--probe " } else { "from = " };
+            d.help(format!("`{whole}` exists: write `{key}\"{whole}\"`"))
+        } else if w.is_probe() || !select::is_word(name) {
+            d.help("name a module of the model")
         } else {
             let under =
                 if self.is_in_part(w.owner) { "in the part, or in the model under `[MAS]`" } else { "under `[MAS]`" };
             d.help(format!("declare it, e.g. `{name} = {{ m = \"20 g\" }}` {under}"))
         };
         self.diags.push(d);
+    }
+
+    /// Returns whether `text` selects masses or links that exist.
+    fn is_module(&self, text: &str) -> bool {
+        select::parse(text).is_ok_and(|sel| self.net.families.get(&sel.name).is_some())
     }
 
     /// Returns whether the source contains the text as it is, unlike names made for lists of instances or values of

@@ -16,7 +16,7 @@ use ca_model::quantity::Plain;
 use ca_model::suggest::nearest;
 use ca_model::{Entry, Model, Value, quantity};
 
-/// Most values of all presets together.
+/// Maximum number of values of all presets together.
 const MOST: usize = 100_000;
 
 /// Reads all presets. `alg` is the tick \[s\] of models in `alg` units.

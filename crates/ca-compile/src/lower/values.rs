@@ -142,8 +142,12 @@ impl Values<'_> {
         what: &str,
     ) -> Option<Followed> {
         let Some(i) = self.index.get(name).copied() else {
-            let d = Diag::error("E013", format!("{what}: no parameter `{name}`")).at(e.span, "not in `[param]`");
-            let near = nearest(name, self.named.iter().filter(|n| n.value.is_some()).map(|n| n.name.as_str()));
+            let d = Diag::error("E013", format!("{what}: `{name}` is neither a number nor a name in `[param]`"))
+                .at(e.span, "not in `[param]`");
+            let near = nearest(
+                name.trim_start_matches('$'),
+                self.named.iter().filter(|n| n.value.is_some()).map(|n| n.name.as_str()),
+            );
             let near = near.map(ToString::to_string);
             let note = || quantity::near_note(name).filter(|_| unit.dim.same(Unit::HERTZ.dim));
             self.diags.push(match near.or_else(note) {

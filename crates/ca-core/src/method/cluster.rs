@@ -6,12 +6,13 @@
 //! N_l = h_l(s_l)        s = s* − W N        h(s) = (U(a + s) − U(a)) / s + (z/2) s
 //! ```
 //! Here s is the change of penetration over two ticks, s* the change by all other forces, a the penetration before, and
-//! W = T² G M⁻¹ Gᵀ. A rising force makes h rise, so the step is the minimum of a strictly convex function and has one
-//! solution.
+//! W = T² G M⁻¹ Gᵀ. A rising force makes h rise. So the solution minimises a strictly convex function, and there is
+//! one.
 //!
-//! Newton's method with a line search finds it. With the tangent N ≈ h(s) + h′(s) (s₊ − s) every iteration is the
-//! linear system of `system.rs`. This system therefore also takes the contacts in space and the friction that share
-//! masses with these contacts. A contact without slope pushes by its bias.
+//! Newton's method with a line search finds it. s₊ is the change that the next iteration finds. With the tangent
+//! N ≈ h(s) + h′(s) (s₊ − s) = b + h′(s) s₊ every iteration is the linear system of `system.rs`. In code, b is `bias`
+//! and h′ is `stiff`. This system therefore also takes the contacts in space and the friction that share masses with
+//! these contacts. If h′ = 0, the contact has the constant push `bias`.
 //!
 //! The stored energy is U of the true penetration, so it does not drift, and the energy balances at any stiffness. With
 //! `sticky = false` a pull is left out: h is 0 there, and the energy that U loses is heat.
@@ -26,22 +27,23 @@ use crate::state::State;
 use crate::state::active_contacts::{ActiveContact, Curve, Part};
 use core::marker::PhantomData;
 
-/// Most Newton steps per tick (four are usual). After [`SEARCHED`] a step may be shortened, up to [`SHORTER`] times, but
-/// not in the two steps after a contact is left out.
-const STEPS: usize = 100;
-const SEARCHED: usize = 4;
-const SHORTER: usize = 20;
+/// Maximum number of Newton steps per tick; four are usual.
+const MAX_STEPS: usize = 100;
+/// Number of steps that are never shortened. After a contact is left out, the next two are not shortened either.
+const FULL_STEPS: usize = 4;
+/// Maximum number of times that one step is shortened.
+const MAX_SHORTENINGS: usize = 20;
 
-/// Tolerances: the relative change of motion at which a step is the last.
+/// Tolerances: relative changes of motion at which the result of a step is accepted. The change is the largest of all
+/// contacts.
 struct Near<R> {
-    /// largest change of each motion
+    /// accept at this change
     last: R,
-    /// largest change of each motion, if it is hardly smaller than in the step before: rounding has been reached
+    /// accept at this change if it is more than 3/4 of the one before: rounding has been reached
     rounded: R,
-    /// once steps may be shortened: largest change of each motion, if it is hardly smaller than in the smallest step.
-    /// The change of the largest motion may also be up to `of_all`
+    /// once steps may be shortened, accept at this change if it is more than half of the smallest so far
     stands: R,
-    /// see `stands`
+    /// as `stands`, with the change relative to the largest motion; either of the two is enough
     of_all: R,
 }
 
@@ -136,8 +138,8 @@ pub(super) fn newton<R: Real, const MODES: bool>(
             t.at = (curve.begin)(t);
         }
     }
-    let (near, mut searched) = (near::<R>(), SEARCHED);
-    for step in 0..STEPS {
+    let (near, mut searched) = (near::<R>(), FULL_STEPS);
+    for step in 0..MAX_STEPS {
         let full = step < searched || solved || !shortened(all, &to.layout.tables);
         for t in &mut *all {
             if let Some(curve) = t.curve {
@@ -165,7 +167,8 @@ pub(super) fn newton<R: Real, const MODES: bool>(
         respond(all, to);
         let (mut again, mut worst, mut moves, mut far) = (false, R::ZERO, R::ZERO, R::ZERO);
         for (i, t) in all.iter_mut().enumerate() {
-            // a push that is small among others has few correct digits, and so has the motion of a stiff contact
+            // stiff: the difference free − q cancels, so the motion follows from the push. Soft: the push has few
+            // digits, so the motion is that difference
             let stiff = i < acting && t.stiff * t.own > R::of(1.0);
             let moved = if stiff { t.y / t.stiff } else { t.free - t.q };
             if t.curve.is_none() {
@@ -211,13 +214,13 @@ pub(super) fn newton<R: Real, const MODES: bool>(
     solved
 }
 
-/// Shortens the last step if it went too far: the slope of the convex function along it, Σ (h − N) Δs, has risen above
-/// 0 by more than half of what it was below. Returns false if the whole step is kept.
+/// Shortens the last step while the slope of the convex function along it, Σ (h − N) Δs, is above half of its magnitude
+/// at the start of the step. Returns true if it changed the step.
 fn shortened<R: Real>(all: &mut [ActiveContact<R>], tables: &[Table<R>]) -> bool {
     let curves = |all: &[ActiveContact<R>], excess: &dyn Fn(&ActiveContact<R>, &Curve<R>) -> R| -> R {
         all.iter().filter_map(|t| Some(excess(t, t.curve?) * (t.at - t.last[0]))).sum()
     };
-    for tries in 0..SHORTER {
+    for tries in 0..MAX_SHORTENINGS {
         let before = curves(all, &|t, _| t.last[2]).abs();
         let now = curves(all, &|t, curve| push(t, curve, tables)[0] - t.p);
         if now.wide().is_nan() || now <= R::of(0.5) * before {
@@ -232,6 +235,10 @@ fn shortened<R: Real>(all: &mut [ActiveContact<R>], tables: &[Table<R>]) -> bool
     true
 }
 
+/// Returns the energy that a contact loses in the tick \[J\].
+///
+/// The change of penetration is over two ticks, so one tick has half of the energy that the potential releases if a
+/// pull is left out. The viscosity loses its mean force (z/2) s times half the motion, s/2: z s²/4.
 pub(super) fn heat<R: Real>(t: &ActiveContact<R>, tables: &[Table<R>]) -> R {
     match t.curve {
         Some(curve) if t.clip && t.p <= R::ZERO => R::of(0.5) * (curve.released)(&t.coef, tables, t.from, t.at),

@@ -1,34 +1,38 @@
 //! Sweeps over links that are solved together: each link in turn is solved against the present pushes of all others.
 //!
-//! This is the Gauss-Seidel method with one Newton step a link. For link l, with the push h(s), its slope h′ and the
-//! mobility c of the ends, and with s the change of penetration assumed so far:
+//! This is the Gauss-Seidel method with one Newton step a link (docs/numerics.md §3.3). For link l, with the push h(s),
+//! its slope h′ and the mobility c of the ends, and with s the change of penetration assumed so far:
 //! ```text
 //! r = s* − Σ W N + c (N − h(s)) − s        s ← s + r / (1 + c h′)        N ← h(s) + h′ r / (1 + c h′)
 //! ```
-//! The system has one solution (`cluster.rs`), and each sweep brings soft links nearer to it, by a factor of about kT²/m.
-//! If a link is stiff (c h′ > 1), or a contact would pull that may not, the solvers of `cluster.rs` and `quadratised.rs` follow.
+//! In code: s = `at`, s* = `free`, N = `p`, c = `own`, h′ = `rise`, c h′ = `steep`, Σ W N = `by_all`.
+//!
+//! The system has one solution (`cluster.rs`), and each sweep brings soft links nearer to it, by a factor of about
+//! kT²/m. The sweeps give up if a link is stiff (c h′ > 1), if a contact would pull that may not, if they converge
+//! slowly, or after [`MAX_SWEEPS`]. Then `cluster.rs` solves if a link has a curve, and `quadratised.rs` otherwise.
 
 use super::cluster::push;
 use super::system::Response;
 use crate::numeric::{Precision, Real};
 use crate::state::active_contacts::{ActiveContact, Part};
 
-/// Most sweeps per tick. From the third on the change must fall by [`FALLS`] from each to the next.
-const SWEEPS: usize = 16;
-const FALLS: f64 = 0.25;
+/// Maximum number of sweeps per tick.
+const MAX_SWEEPS: usize = 16;
+/// From the third sweep on, each change must be at most this factor times the one before.
+const LARGEST_RATIO: f64 = 0.25;
 
-/// Solves for the push `p`, the change of penetration `at`, and `y` of links that are linear. Returns false if it has not
-/// found them.
+/// Solves for the push `p`, the change of penetration `at`, and `y` of links that are linear. Returns false if it has
+/// not found them.
 pub(super) fn swept<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], to: &mut Response<R, MODES>) -> bool {
     let last = R::of(if matches!(R::PRECISION, Precision::Single) { 3e-7 } else { 4e-16 });
     for t in &mut *all {
         (t.p, t.at) = (R::ZERO, t.went);
     }
     let (mut before, mut solved) = (R::INFINITY, false);
-    for sweep in 0..SWEEPS {
+    for sweep in 0..MAX_SWEEPS {
         let acting = all.iter_mut().filter(|t| sweep == 0 || t.part == Part::Acts || t.p != R::ZERO);
         let worst = acting.map(|t| visit(t, to, sweep == 0)).fold(R::ZERO, R::max);
-        let falls = worst <= R::of(FALLS) * before;
+        let falls = worst <= R::of(LARGEST_RATIO) * before;
         // the next change would be smaller by the same factor
         solved = worst <= last || falls && sweep > 0 && worst * worst <= last * before;
         if solved && sweep > 0 {
@@ -54,8 +58,11 @@ pub(super) fn swept<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], to
     solved
 }
 
-/// Solves one link, and returns the change of its motion relative to the motion. `to.push` holds the motions by all
-/// pushes. Returns infinity for a stiff link.
+/// Solves one link against the present pushes of all others. In the `first` visit of a tick it also computes the scale
+/// of the motion.
+///
+/// Returns the magnitude of the change of s relative to that scale, or infinity for a stiff link. During the sweeps
+/// `to.push` holds the displacements \[m\] that all pushes cause.
 #[inline(always)]
 fn visit<R: Real, const MODES: bool>(t: &mut ActiveContact<R>, to: &mut Response<R, MODES>, first: bool) -> R {
     let [a, b] = t.ends.map(|m| m as usize);

@@ -43,8 +43,8 @@ impl core::fmt::Display for Growth {
         let Growth { stiffness, grew } = self;
         write!(
             f,
-            "measured at kT²/m = {stiffness}: the energy exceeded {TIMES} times its initial value in {grew} of \
-             {STARTS} runs of {SECONDS} s"
+            "a lossless ball between two walls, played at kT²/m near {stiffness}, exceeded {TIMES} times its initial \
+             energy in {grew} of {STARTS} runs of {SECONDS} s"
         )
     }
 }

@@ -49,7 +49,7 @@ pub(crate) struct ActiveContact<R: Real = f64> {
     pub ends: [u32; 2],
     /// axes of an end: 1 on a line, 3 in space
     pub axes: usize,
-    /// search direction \[N\]
+    /// push \[N\]; inside `conjugate` the search direction
     pub p: R,
     /// change of penetration over two ticks, first assumed, then found \[m\]
     pub at: R,
@@ -67,11 +67,11 @@ pub(crate) struct ActiveContact<R: Real = f64> {
     pub curve: Option<&'static Curve<R>>,
     /// coefficients of the law of a curve
     pub coef: [R; COEFS],
-    /// residual \[m\]
+    /// residual \[m\]; in sweeps 1/scale of the motion \[1/m\]
     pub r: R,
-    /// twice the change of penetration in the tick before, at which sweeps begin \[m\]
+    /// twice the change of penetration in the tick before, at which sweeps begin; `free` for linear links \[m\]
     pub went: R,
-    /// push per change of penetration over two ticks, γ²/4 + z/2 \[N/m\]
+    /// push per change of penetration over two ticks \[N/m\]: γ²/4 + z/2, or the slope h′ of a curve
     pub stiff: R,
     /// push without motion \[N\]: γψ, or that of the tangent
     pub bias: R,

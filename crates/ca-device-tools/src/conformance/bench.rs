@@ -8,7 +8,7 @@ use ca_haptic::calibration::Calibration;
 use ca_haptic::engine::{Change, Engine, EngineCommand, Options, Port, Setup};
 use ca_haptic::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, Mode};
 use ca_haptic::guard::Order;
-use ca_haptic::host::{Event, Gateway, HostError, Site, session};
+use ca_haptic::host::{Event, Gateway, HostError, Site, session_number};
 use ca_haptic::profile::Profile;
 use ca_haptic::rt::{Waits, now_ns};
 use ca_model::read;
@@ -158,7 +158,7 @@ impl Bench {
         };
         let port = Port::new(&scene, setup);
         let (controls, period) = (scene.controls(), 1e9 * f64::from(scene.rates.ratio) / scene.rate);
-        let own = Options { session: session(), ..Options::default() };
+        let own = Options { session: session_number(), ..Options::default() };
         Ok(Player { engine: Engine::new(scene, vec![port], own), controls, period, rest, stretch })
     }
 }

@@ -191,7 +191,8 @@ pub(super) fn strangers(b: &mut Bench, t: &mut CheckTable) {
     let n = b.frames.last().map_or(1, |f| f.n as usize);
     let name = b.frames.last().map(|f| text(&f.device)).unwrap_or_default();
     let mut frame = ForceFrame::new(&name, n);
-    (frame.session, frame.ttl_us, frame.mode, frame.cause) = (ca_haptic::host::session(), 5000, Mode::On as u32, 0);
+    (frame.session, frame.ttl_us, frame.mode, frame.cause) =
+        (ca_haptic::host::session_number(), 5000, Mode::On as u32, 0);
     let mut send = |b: &mut Bench, change: &dyn Fn(&mut ForceFrame)| {
         b.forget();
         while b.frames.len() < LOOK / 2 && b.sent.len() < LOOK {

@@ -8,7 +8,7 @@ use super::error::HostError;
 use super::force_watchdog::ForceWatchdog;
 use super::free_memory;
 use super::services::{Frames, Service, Wakeup, check_name};
-use super::session::session;
+use super::session::session_number;
 use super::site::{Ipc, Site};
 use super::timeout::{LIMIT, with_timeout};
 use crate::frame::{About, Cause, DOF, DeviceFrame, ForceFrame, VERSION, text, uid};
@@ -57,7 +57,7 @@ impl DeviceClient {
 
     fn made(site: &Site, name: &str, mut about: About) -> Result<DeviceClient, HostError> {
         (about.magic, about.version, about.layout) = (About::MAGIC, VERSION, About::LAYOUT);
-        (about.device, about.session) = (uid(name), session());
+        (about.device, about.session) = (uid(name), session_number());
         let node = site.node(&format!("device {name}"))?;
         // the exclusive service first
         let frames = Frames::open(&node, name, Service::In, 0)?.publisher(site)?;
@@ -96,9 +96,9 @@ impl DeviceClient {
         Ok(())
     }
 
-    /// Sets the force frame `seq` that the motors held until the next frame, for one [`DeviceClient::send`], which then
-    /// sends the caller's `cause` unchanged. A device needs this if it applies forces later than it reads them, or by
-    /// other rules than [`DeviceClient::safe_force`].
+    /// Reports that the motors applied the force frame `seq` until the next frame. The next [`DeviceClient::send`] then
+    /// acknowledges this frame and sends the `cause` of the caller unchanged. A device needs this if it applies forces
+    /// later than it reads them, or by other rules than [`DeviceClient::safe_force`].
     pub fn held(&mut self, seq: u64) {
         self.held = Some(seq);
     }

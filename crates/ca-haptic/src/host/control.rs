@@ -1,8 +1,8 @@
 //! Control of a running server: parameters, arming, status.
 //!
-//! Requests and replies are JSON texts, one line each, over a stream socket in the folder of the site. The socket is in
-//! a folder of mode 0700, because it has the default mode until that can be changed. So it has the same trust boundary
-//! as the devices: the user. It does not use `/dev/shm`, so forces can be disarmed whatever other users put there. A
+//! Requests and replies are JSON texts, one line each, over a stream socket in the folder of the site. A new socket can
+//! be opened by other users until its mode is changed, so it is in a folder of mode 0700. Only processes of the same user
+//! can reach it, as with the shared memory of devices. It does not use `/dev/shm`, so forces can be disarmed whatever other users put there. A
 //! lock allows one server for each site, and the kernel releases it when the server is killed. All values of one
 //! request take effect in one tick.
 

@@ -2,9 +2,9 @@
 //!
 //! It depends on frames and time only, without transport, so that it can be translated to other languages line by line.
 //! A force is used if its frame is younger than its time to live, has the layout of this build, is for this device, and
-//! has neither mode off nor mode fault. In addition, the session of the engine must have sent a frame with mode off or
-//! fault: an engine starts at rest, so a session first received with a force began earlier. Otherwise the force is
-//! zero.
+//! has neither mode off nor mode fault. In addition, this device must have received a frame with mode off or fault from
+//! the same session, which is one start of an engine. Each engine begins with such frames. If the first frame of a
+//! session has a force, the engine began before this device listened. Otherwise the force is zero.
 
 use crate::frame::{Cause, DOF, ForceFrame, Mode};
 

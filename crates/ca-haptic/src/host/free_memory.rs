@@ -8,9 +8,9 @@ use super::shm::names::SHM;
 use std::fs::File;
 use std::io;
 
-/// Most memory of one side of a device \[bytes\]: queues of frames, its description, and connections to its readers.
+/// Largest memory of one side of a device \[bytes\]: queues of frames, its description, and connections to its readers.
 pub(super) const DEVICE: u64 = 192 << 10;
-/// Most memory of a process that lists devices \[bytes\].
+/// Largest memory of a process that lists devices \[bytes\].
 pub(super) const LISTING: u64 = 64 << 10;
 
 /// Returns an error if `/dev/shm` has fewer than `need` bytes free.

@@ -34,7 +34,7 @@ const SILENCE_NS: u64 = 250_000_000;
 
 /// Shortest interval between two [`Event::Here`] of a device whose session keeps changing \[ns\].
 const REPORT_NS: u64 = 10_000_000;
-/// Most frames of one device in one poll, so that a device that never stops sending does not delay the others.
+/// Maximum number of frames of one device in one poll, so that a device that never stops sending does not delay the others.
 const BURST: usize = 16;
 /// A gap of at least this many frame numbers counts as one missed frame: a real one would exceed [`SILENCE_NS`].
 const UNLIKELY: u64 = 1 << 32;

@@ -24,7 +24,7 @@ use std::time::{Duration, Instant};
 
 /// Length of the queue of a reader: the newest frames.
 const BUFFER: usize = 4;
-/// Most readers of a service: the other side, and processes that list or watch.
+/// Maximum number of readers of a service: the other side, and processes that list or watch.
 const READERS: usize = 8;
 /// Longest wait for another process that is just starting or ending.
 const PATIENCE: Duration = Duration::from_secs(1);

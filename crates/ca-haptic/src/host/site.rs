@@ -27,7 +27,7 @@ pub(super) type Ipc = ipc_threadsafe::Service;
 /// address of a socket, which has 107 bytes.
 pub const LONGEST: usize = 44;
 
-/// Most symbolic links followed in a path, as in the kernel.
+/// Maximum number of symbolic links followed in a path, as in the kernel.
 const LINKS: u32 = 40;
 
 /// Sets the log level of iceoryx2 once per process.
@@ -42,7 +42,7 @@ pub struct Site {
     _claim: Arc<File>,
 }
 
-/// Number of killed processes whose files [`Site::sweep`] found.
+/// Number of killed processes whose files [`Site::remove_dead`] found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SweepResult {
     /// Processes whose files were removed.
@@ -163,7 +163,7 @@ impl Site {
         .map_err(|e| HostError::system(format!("`{}` cannot be listed", self.root.display()), e))
     }
 
-    /// Removes what killed processes left behind, without the time limit of [`Site::sweep`].
+    /// Removes what killed processes left behind, without the time limit of [`Site::remove_dead`].
     pub(super) fn swept(&self) -> SweepResult {
         let mut swept = SweepResult::default();
         let _ = self.nodes(|state| {

@@ -1,9 +1,9 @@
 //! Lists the files of a site in its folder and in `/dev/shm` with the processes that use them, and removes stale files.
 //!
-//! A file is in use while `/proc` shows a process that has it mapped or open. This works for all versions, whereas no
-//! version can read the records of another. Files form groups, one for each version (prefix). In a group in use, only
-//! iceoryx2 removes files, those that it knows to be dead. In any other group, each file is removed. Files of other
-//! users are ignored.
+//! A file is in use while `/proc` shows a process that has it mapped or open. This holds for files of all versions; the
+//! records in the files can be read only by the version that wrote them. Files form groups, one for each version
+//! (prefix). In a group in use, iceoryx2 removes the files of dead processes, and no other file is removed. In any other
+//! group, each file is removed. Files of other users are ignored.
 
 use super::error::{HostError, HostErrorKind};
 use super::shm::files::{each_ours, name};
@@ -119,7 +119,7 @@ pub fn clean(site: &Site) -> CleanResult {
     let mut cleaned = CleanResult::default();
     let before: Vec<_> = list(site).into_iter().flat_map(|g| g.files).collect();
     // iceoryx2 can remove dead files in a group that is in use
-    site.sweep();
+    site.remove_dead();
     for group in list(site) {
         if !group.alive.is_empty() {
             cleaned.in_use.push(group);

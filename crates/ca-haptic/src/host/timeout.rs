@@ -1,4 +1,4 @@
-//! Sets a time limit on what iceoryx2 opens, lists or sweeps.
+//! Sets a time limit on what iceoryx2 opens, lists or removes.
 //!
 //! iceoryx2 can wait without a limit: version 0.10 waits forever for a file of size zero. So each such step runs on a
 //! separate thread, and the caller waits for that thread up to the limit. The ports are therefore of the kind that may
@@ -40,7 +40,7 @@ impl Site {
     /// Removes what killed processes left behind, so that their services are free again. Call it once to ten times a
     /// second, on a thread that is not real-time: it takes some milliseconds, or a fraction of one if there is nothing
     /// to remove.
-    pub fn sweep(&self) -> SweepResult {
+    pub fn remove_dead(&self) -> SweepResult {
         // the next sweep tries again, and opening a service reports the reason
         with_timeout(self, 0, SWEEP, |site| Ok(site.swept())).unwrap_or_default()
     }

@@ -1,4 +1,4 @@
-//! The user id of this process.
+//! Reads the user id of this process from `/proc`, without a call of the C library.
 
 use std::fs;
 use std::os::unix::fs::MetadataExt;

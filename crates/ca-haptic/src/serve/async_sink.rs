@@ -31,7 +31,7 @@ pub struct BufferLimits {
     pub rate: f64,
     /// Longest delay \[s\].
     pub seconds: f64,
-    /// Most memory \[bytes\].
+    /// Largest memory \[bytes\].
     pub bytes: usize,
 }
 

@@ -69,7 +69,7 @@ pub struct RecorderEnds {
 /// Longest interval between two polls of the recorder without loss \[s\].
 const AWAY: f64 = 4.0;
 
-/// Most waiting commands; the engine takes all of them in each gesture frame.
+/// Maximum number of waiting commands; the engine takes all of them in each gesture frame.
 const COMMANDS: usize = 1024;
 
 /// Returns the length of a picture: displacements, motion and a head of two numbers.

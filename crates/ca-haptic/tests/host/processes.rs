@@ -146,7 +146,7 @@ fn a_device_that_is_killed_is_gone_and_its_place_is_free() {
     }
     assert_eq!(sessions.len(), 3);
     assert!(sessions[0] != sessions[1] && sessions[1] != sessions[2]);
-    until("the dead are swept", || place.site.sweep().removed > 0);
+    until("the dead are swept", || place.site.remove_dead().removed > 0);
 }
 
 #[test]

@@ -159,12 +159,12 @@ struct Seen {
     /// R.m.s. force that the stage added \[N\].
     rms: f64,
     most: f64,
-    /// Most energy given to the hand by that force at any time \[J\].
+    /// Largest energy given to the hand by that force at any time \[J\].
     paid: f64,
     flags: u32,
     /// K κ T over the friction of the device; below 1 the loop is passive by itself.
     share: f64,
-    /// Most energy given by the whole force at any time, beyond what the friction of the device dissipated \[J\].
+    /// Largest energy given by the whole force at any time, beyond what the friction of the device dissipated \[J\].
     out: f64,
     /// True if the key feels softer than in the model.
     softened: bool,

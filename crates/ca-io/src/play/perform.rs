@@ -259,7 +259,7 @@ impl<'a> Performance<'a> {
         let cert = &self.scene.certificate;
         if cert.lower >= 4.0 {
             let why = format!(
-                "too stiff for its mass at this rate: the largest eigenvalue is at least {:.3}, the limit is 4",
+                "too stiff for its mass at this rate (largest eigenvalue at least {:.3}, the limit is 4)",
                 Plain(cert.lower)
             );
             return (cert.worst.clone(), why);

@@ -10,7 +10,11 @@ const NAMED: usize = 3;
 
 /// Describes the certificate in one line.
 pub fn stability(c: &Certificate) -> String {
-    let worst = if c.worst.is_empty() { String::new() } else { format!(", `{}` is nearest to the limit", c.worst) };
+    let linear = if c.worst.is_empty() {
+        String::new()
+    } else {
+        format!("; linear part: bound {} of 4, nearest `{}`", short(c.bound), c.worst)
+    };
     let margin = if c.margin().is_finite() { format!("margin {}", short(c.margin())) } else { "no limit".into() };
     let silent = match &c.not_judged[..] {
         [] => String::new(),
@@ -23,19 +27,17 @@ pub fn stability(c: &Certificate) -> String {
         }
     };
     let by = if c.rules.decides.is_empty() { String::new() } else { format!(", decided by `{}`", c.rules.decides) };
-    format!("{}{by}, {margin}{worst}{silent}", c.level)
+    format!("{}{by}, {margin}{linear}{silent}", c.level)
 }
 
-/// Describes the stiffest explicit contact, and the measured growth of energy in such contacts.
+/// Describes the stiffest explicit contact, and how often energy grew in such contacts, if it grew in any run.
 pub fn contacting(c: &Certificate) -> Option<String> {
-    let what = || {
-        format!(
-            "`{}` is the stiffest: kT²/m {}; an impact may add energy at any value",
-            c.rules.stiffest,
-            short(c.rules.contact)
-        )
-    };
-    (c.rules.contact > 0.0).then(|| format!("{}; {}", what(), Growth::near(c.rules.contact)))
+    (c.rules.contact > 0.0).then(|| {
+        let growth = Growth::near(c.rules.contact);
+        let played = if growth.grew > 0 { format!("; {growth}") } else { String::new() };
+        let (name, stiffness) = (&c.rules.stiffest, short(c.rules.contact));
+        format!("`{name}` is the stiffest: kT²/m {stiffness}; an impact may add energy at any value{played}")
+    })
 }
 
 /// Names the links that are judged only at rest.

@@ -160,7 +160,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
             let along = stiffness / share;
             if stiffness + along > a.scheme.stability_limit() {
                 let limit = share / (1.0 + share);
-                let mut p = too_stiff(f, nx * ny, 0);
+                let mut p = too_stiff(f, nx * ny, 0, false);
                 p.param = "nx";
                 p.help = format!(
                     "use fewer nodes, choose a lower pitch, or raise `rate.sound` (a = {:.3}, limit {limit:.3})",

@@ -9,7 +9,9 @@
 //! the viscosity to ground. The first mass is at both ends of the path of a moving point, so no other code needs to
 //! know circles, but a point moves from 0 to 1 and cannot go round repeatedly.
 
-use super::string::{DECAY, F, K, M, M_TOTAL, MANY, MASSES, T60, TUNING, Z, ZO, ground, mass, target, too_stiff};
+use super::string::{
+    DECAY, F, K, M, M_TOTAL, MANY, MASSES, T60, TUNING, Z, ZO, fits_without_t60, ground, mass, target, too_stiff,
+};
 use alloc::vec::Vec;
 use ca_core::internal::kind::builder::{Args, Builder, Generator, Problem};
 use ca_core::internal::mat::X;
@@ -72,9 +74,10 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
             let drag = if a.scheme == Scheme::Explicit { 2.0 * zo * a.tick_dt / m } else { 0.0 };
             // below the limit by more than rounding: a ring at the limit grows
             let limit = 4.0 * a.scheme.stability_limit() * (1.0 - 1e-9);
-            let fits = |n: usize| lambda * sin2(n / 2, n) / sin2(1, n) + drag < limit;
-            if !fits(n) {
-                return Err(too_stiff(f, n, (3..n).rev().find(|n| fits(*n)).unwrap_or(0)));
+            let fits = |lambda: f64, drag: f64, n: usize| lambda * sin2(n / 2, n) / sin2(1, n) + drag < limit;
+            if !fits(lambda, drag, n) {
+                let fewer = (3..n).rev().find(|n| fits(lambda, drag, *n)).unwrap_or(0);
+                return Err(too_stiff(f, n, fewer, fits_without_t60(a, f, m, |lambda| fits(lambda, 0.0, n))));
             }
             lambda / (4.0 * sin2(1, n)) * m / (a.tick_dt * a.tick_dt)
         }

@@ -98,7 +98,7 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
                 k + 4.0 * bend <= a.scheme.stability_limit()
             };
             if !fits(n) {
-                return Err(too_stiff(f, n, (3..n).rev().find(|n| fits(*n)).unwrap_or(0)));
+                return Err(too_stiff(f, n, (3..n).rev().find(|n| fits(*n)).unwrap_or(0), false));
             }
             let (k, bend) = solve(n);
             let unit = m / (a.tick_dt * a.tick_dt);

@@ -161,17 +161,34 @@ pub(super) fn target(a: &Args<'_>, f: f64, zo: f64, m: f64) -> Result<f64, Probl
     })
 }
 
-/// Reports a spring that would exceed the stability limit.
-pub(super) fn too_stiff(f: f64, n: usize, fewer: usize) -> Problem {
+/// Reports a spring that would exceed the stability limit. `by_t60` is true if it would not without `t60`.
+pub(super) fn too_stiff(f: f64, n: usize, fewer: usize, by_t60: bool) -> Problem {
+    let masses = if fewer == 1 { "at most 1 mass".into() } else { format!("at most {fewer} masses") };
+    let f = Plain(f);
+    if by_t60 {
+        return Problem {
+            title: format!("{n} masses cannot reach {f} Hz with so short a `t60` at this sound rate"),
+            param: "t60",
+            help: match fewer {
+                0 => "use a longer `t60`, or raise `rate.sound`".into(),
+                _ => format!("use a longer `t60`, or {masses}, or raise `rate.sound`"),
+            },
+        };
+    }
     Problem {
-        title: format!("{n} masses cannot reach {} Hz at this sound rate", Plain(f)),
+        title: format!("{n} masses cannot reach {f} Hz at this sound rate"),
         param: "n",
         help: if fewer > 0 {
-            format!("use at most {fewer} masses, or raise `rate.sound`")
+            format!("use {masses}, or raise `rate.sound`")
         } else {
             "choose a lower pitch, or raise `rate.sound`".into()
         },
     }
+}
+
+/// Returns true if `t60` is given and `fits` holds for the λ without viscosity to ground.
+pub(super) fn fits_without_t60(a: &Args<'_>, f: f64, m: f64, fits: impl Fn(f64) -> bool) -> bool {
+    a.num("t60").is_some() && target(a, f, 0.0, m).is_ok_and(fits)
 }
 
 /// Slots: m, k, z, zo.
@@ -185,16 +202,17 @@ fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
         Some(f) => {
             let lambda = target(a, f, zo, m)?;
             let angle = |n: usize| core::f64::consts::FRAC_PI_2 / if free { n as f64 } else { n as f64 + 1.0 };
-            let stiffness = |n: usize| {
+            let stiffness = |lambda: f64, n: usize| {
                 let s = libm::sin(angle(n));
                 lambda / (4.0 * s * s)
             };
             // the highest partial is at 4a sin², below the limit for a ≤ 1 and every n
-            if stiffness(n) > a.scheme.stability_limit() {
-                let fewer = (1..n).rev().find(|n| stiffness(*n) <= a.scheme.stability_limit()).unwrap_or(0);
-                return Err(too_stiff(f, n, fewer));
+            let fits = |lambda: f64, n: usize| stiffness(lambda, n) <= a.scheme.stability_limit();
+            if !fits(lambda, n) {
+                let fewer = (1..n).rev().find(|n| fits(lambda, *n)).unwrap_or(0);
+                return Err(too_stiff(f, n, fewer, fits_without_t60(a, f, m, |lambda| fits(lambda, n))));
             }
-            stiffness(n) * m / (a.tick_dt * a.tick_dt)
+            stiffness(lambda, n) * m / (a.tick_dt * a.tick_dt)
         }
     };
     slots.extend([Some(m), Some(k), a.num("z"), Some(zo)]);

@@ -8,11 +8,12 @@
 use super::entry::{Key, Val, article, ordered};
 use super::reader::{Reader, is_code, unique};
 use super::syntax::{self, Source};
-use crate::diag::{Diag, Diags};
+use crate::diag::{Diag, Diags, Severity};
 use crate::model::{Entry, Model, Value};
 use crate::sections::{CURVES, GROUP, META, RATES, SECTIONS};
 use crate::select::is_word;
 use crate::suggest::{nearest, ticked};
+use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
@@ -46,8 +47,21 @@ pub(crate) fn one_file(text: &str, file: &str, catalog: &Catalog) -> (Model, Dia
         diags.push(newer.note(text));
     }
     unique(&mut model, &mut diags);
+    first_of_broken_lines(text, &mut diags);
     broken_lines(&mut model, &diags);
     (model, diags)
+}
+
+/// Keeps only the first syntax error of a line: the other errors on it may be consequences.
+fn first_of_broken_lines(text: &str, diags: &mut Diags) {
+    let breaks: Vec<usize> = text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(i, _)| i).collect();
+    let line = |d: &Diag| d.span().is_some().then(|| breaks.partition_point(|&b| b < d.span().start));
+    let broken: BTreeSet<usize> = diags.list.iter().filter(|d| d.code == "E001").filter_map(line).collect();
+    let mut reported = BTreeSet::new();
+    diags.list.retain(|d| match line(d).filter(|l| d.severity == Severity::Error && broken.contains(l)) {
+        Some(line) => d.code == "E001" && reported.insert(line),
+        None => true,
+    });
 }
 
 /// Marks names on lines with syntax errors as lost, unless a module of that name was read.

@@ -29,6 +29,8 @@ const OTHER_NAMES: &[(&str, &str)] = &[
     ("frequency", "f"),
     ("freq", "f"),
     ("decay", "t60"),
+    ("sr", "sound"),
+    ("sample_rate", "sound"),
     ("threshold", "d"),
     ("distance", "d"),
     ("length", "l0"),

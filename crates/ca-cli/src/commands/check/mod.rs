@@ -20,7 +20,7 @@ use ca_lab::facts::border::{crossing, rates};
 use ca_lab::facts::certificate::{contacting, deepening, opened, rippling, stability};
 use ca_lab::facts::{codes, inputs};
 use ca_lab::watch::{LOOK, Watch};
-use ca_model::quantity::{Plain, short};
+use ca_model::quantity::Plain;
 use ca_model::{quantity, render};
 use ca_take::demands::DeviceDemands;
 use serde_json::{Value as Json, json};
@@ -152,11 +152,13 @@ fn summary(loaded: &Loaded, scene: &Scene, exact: bool) -> Result<(), Failure> {
     let c = &scene.certificate;
     writeln!(out, "  stability  {}", stability(c))?;
     let decided = match (c.exact, c.level) {
-        (false, _) => "",
-        (true, Level::Linearised) => "; decided by a factorisation at the initial positions",
-        (true, _) => "; decided by a factorisation",
+        (false, _) => None,
+        (true, Level::Linearised) => Some("decided by a factorisation at the initial positions"),
+        (true, _) => Some("decided by a factorisation"),
     };
-    writeln!(out, "             bound {}, the limit is 4{decided}", short(c.bound))?;
+    if let Some(decided) = decided {
+        writeln!(out, "             {decided}")?;
+    }
     match c.largest {
         Some((_, to)) if to < 1e-200 => writeln!(out, "             largest eigenvalue 0: the model has no stiffness")?,
         Some((_, to)) => writeln!(

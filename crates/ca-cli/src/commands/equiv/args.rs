@@ -7,7 +7,7 @@ use clap::Args;
 use clap_complete::ArgValueCompleter;
 use std::path::PathBuf;
 
-/// Shows and sets the size and weight of a model in the hand
+/// Scales a model to a hand: shows and sets its size and weight there
 ///
 /// The table shows the real quantity that equals 1 of each quantity in the model. `--set` makes one equivalence true
 /// and recomputes all others. If one row is set, the anchor stays the same (by default the travel of the keys). If two

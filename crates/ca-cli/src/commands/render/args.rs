@@ -3,7 +3,10 @@
 use crate::args::common::dbfs;
 use crate::args::{Playing, Source};
 use crate::commands::error_target::ErrorTarget;
-use clap::{Args, ValueEnum};
+use clap::builder::{EnumValueParser, PossibleValue, TypedValueParser};
+use clap::error::{ContextKind, ContextValue};
+use clap::{Arg, Args, Command, ValueEnum};
+use std::ffi::OsStr;
 use std::path::PathBuf;
 
 /// Renders a model to a WAV or FLAC file
@@ -45,7 +48,7 @@ pub struct RenderArgs {
     pub playing: Playing,
     /// Sample format: 32-bit float (lossless, the default for WAV), 24 bits (the default for FLAC) or 16 bits; `flac`
     /// and `flac16` write FLAC without the extension `.flac` too, e.g. to a pipe
-    #[arg(long, value_enum, help_heading = "Output")]
+    #[arg(long, value_parser = FormatParser, help_heading = "Output")]
     pub format: Option<SampleFormat>,
     /// Clips 32-bit floats at full scale, as is always done in 24 and 16 bits
     #[arg(long, help_heading = "Output")]
@@ -96,6 +99,27 @@ pub enum SampleFormat {
     Flac,
     /// FLAC of 16 bits
     Flac16,
+}
+
+/// Parser of [`SampleFormat`] that answers `32` with `f32`, which is too short for the suggestions of clap.
+#[derive(Clone)]
+struct FormatParser;
+
+impl TypedValueParser for FormatParser {
+    type Value = SampleFormat;
+
+    fn parse_ref(&self, command: &Command, arg: Option<&Arg>, value: &OsStr) -> Result<SampleFormat, clap::Error> {
+        EnumValueParser::<SampleFormat>::new().parse_ref(command, arg, value).map_err(|mut e| {
+            if value == "32" {
+                e.insert(ContextKind::SuggestedValue, ContextValue::String("f32".into()));
+            }
+            e
+        })
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(SampleFormat::value_variants().iter().filter_map(ValueEnum::to_possible_value)))
+    }
 }
 
 impl SampleFormat {

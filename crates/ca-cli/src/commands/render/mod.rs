@@ -40,6 +40,13 @@ pub(crate) struct Probe {
     pub file: PathBuf,
 }
 
+/// Returns names and gains of the outputs, or none if a gain is not a plain number.
+fn gains(model: &ca_model::Model) -> Vec<(&str, f64)> {
+    let outputs = model.items.iter().filter(|i| matches!(i.kind.as_str(), "SOX" | "SOF"));
+    let gain = |i: &ca_model::Item| i.args.iter().find(|e| e.key == "gain").map_or(Some(1.0), |e| e.value.number());
+    outputs.map(|i| Some((i.name.as_str(), gain(i)?))).collect::<Option<Vec<_>>>().unwrap_or_default()
+}
+
 /// Runs the command.
 pub fn run(args: &RenderArgs) -> Outcome {
     let mut loaded = load::load(&args.source)?;
@@ -112,6 +119,7 @@ pub fn run(args: &RenderArgs) -> Outcome {
         scene: &scene,
         audited,
         written: &ended.written,
+        gains: gains(&loaded.model),
         format: match (format, flac) {
             (Format::F32, _) => "32-bit float",
             (Format::I24, false) => "24-bit",

@@ -24,6 +24,9 @@ use std::time::Duration;
 /// Limit on the modules named in a line.
 const NAMED: usize = 3;
 
+/// Peak above which a sound beyond full scale is a warning, 20 dB over full scale.
+const LOUD: f64 = 10.0;
+
 /// Data of the summary.
 pub(crate) struct Summary<'a> {
     pub args: &'a RenderArgs,
@@ -31,6 +34,8 @@ pub(crate) struct Summary<'a> {
     /// The same scene with the energy ledger, which names its links.
     pub audited: &'a Scene,
     pub written: &'a Written,
+    /// Names and gains of the outputs. Empty if a gain is not a plain number.
+    pub gains: Vec<(&'a str, f64)>,
     /// Sample format in words.
     pub format: &'static str,
     pub ended: &'a Ended,
@@ -75,6 +80,17 @@ impl Summary<'_> {
         self.written.level.peak.iter().copied().fold(0.0, f64::max)
     }
 
+    /// Suggests the gain at which the loudest sample fits, as a factor, and as values for few outputs.
+    fn fitting(&self) -> String {
+        let peak = self.loudest();
+        let value =
+            |(name, g): &(&str, f64)| format!("`{name}`: `gain = {}`", short(gain(peak / g.abs()).copysign(*g)));
+        let values: Vec<String> = self.gains.iter().filter(|g| g.1 != 0.0).map(value).collect();
+        let values =
+            if (1..=NAMED).contains(&values.len()) { format!(" ({})", values.join(", ")) } else { String::new() };
+        format!("{}{values}", fitting(peak))
+    }
+
     /// Prints the warnings to stderr.
     pub fn warn(&self) {
         if let Some(b) = self.divergence {
@@ -92,7 +108,7 @@ impl Summary<'_> {
             } else if self.warnings > 0 && self.loudest() > FAR {
                 format!("; the gain is not the cause, see `{}`", self.check())
             } else {
-                fitting(self.loudest())
+                self.fitting()
             };
             term::warning(&format!("{}{help}", too_loud(self.written.level.clipped)));
         }
@@ -100,7 +116,8 @@ impl Summary<'_> {
             let n = self.written.level.beyond;
             let what = if n == 1 { "1 sample is".into() } else { format!("{n} samples are") };
             let kept = "kept in 32-bit floats; use `--normalize` or `--ceiling` to stay within it";
-            term::note(&format!("{what} beyond full scale, {kept}{}", fitting(self.loudest())));
+            let text = format!("{what} beyond full scale, {kept}{}", self.fitting());
+            if self.loudest() > LOUD { term::warning(&text) } else { term::note(&text) }
         }
         if self.divergence.is_none() && !self.args.quiet {
             for (channel, share) in &self.slow {
@@ -119,7 +136,7 @@ impl Summary<'_> {
             let help = if self.loudest() > 0.0 {
                 "all samples are more than 200 dB below full scale: give the outputs more `gain`".into()
             } else if ports.is_empty() {
-                "give a module an initial `v` or `dx0`".into()
+                "`x` is where a mass rests: displace it with `dx0`, or give it a speed `v`".into()
             } else {
                 let midi = inputs::notes(self.scene.inputs.iter());
                 let midi = midi.map_or(String::new(), |n| format!("; a MIDI file plays it with the {n}"));
@@ -214,9 +231,15 @@ impl Summary<'_> {
             let found = divergence.time;
             // a shorter audit ended before the divergence and does not know its time
             if a.diverged {
-                writeln!(out, "  energy     diverged at {time:.4} s, found at {found:.4} s{grows}")?;
+                writeln!(
+                    out,
+                    "  energy     out of range at {time:.4} s, noticed at {found:.4} s{grows}; silence from there"
+                )?;
             } else {
-                writeln!(out, "  energy     diverged after {time:.4} s, found at {found:.4} s; `--energy` shows when")?;
+                writeln!(
+                    out,
+                    "  energy     out of range after {time:.4} s, noticed at {found:.4} s; silence from there; `--energy` shows when"
+                )?;
             }
             if a.complete {
                 writeln!(out, "    at load  {}", joule(b.h0))?;
@@ -233,8 +256,8 @@ impl Summary<'_> {
         };
         let rel = relative(&b);
         let balance =
-            if rel == 0.0 { "exactly".into() } else { format!("to {rel:.1e} of its peak, {}", joule(b.peak)) };
-        writeln!(out, "  energy     balances {balance}{span}")?;
+            if rel == 0.0 { "exactly".into() } else { format!("to {rel:.1e} of the peak, {}", joule(b.peak)) };
+        writeln!(out, "  energy     accounted for {balance}{span}")?;
         if !a.complete {
             return Ok(());
         }

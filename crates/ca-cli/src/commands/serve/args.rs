@@ -49,8 +49,8 @@ pub struct ServeArgs {
     /// (/dev/snd/midiC*D*). A JACK server that plays the sound also sends MIDI to a port `midi_in`, without this option
     #[arg(long, value_name = "PATH", num_args = 0..=1, default_missing_value = "", help_heading = "Playing")]
     pub midi: Option<PathBuf>,
-    /// Receives OSC from this machine at this UDP port; 0 uses a free one. A model with devices accepts only messages
-    /// whose address begins with the token of `--osc-token`
+    /// Receives OSC from this machine at this UDP port; 0 uses a free one. A model with device keys (TGR) accepts
+    /// only messages whose address begins with the token of `--osc-token`
     #[arg(long, value_name = "PORT", help_heading = "Playing")]
     pub osc: Option<u16>,
     /// File with the token at the start of OSC addresses, `/TOKEN/param`. Only you can read it; it is created if it

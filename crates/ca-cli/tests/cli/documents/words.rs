@@ -15,7 +15,7 @@ const WORDS: [(&str, &str, &str); 63] = [
     ("greatest ", "sample", "peak"),
     ("fn to", "ld", "reported, summary, percentiles"),
     ("struct To", "ld", "a name for what it holds"),
-    ("energy     cl", "oses", "balances"),
+    ("energy     cl", "oses", "accounted for"),
     ("enum A", "ct {", "EngineCommand"),
     ("enum Sp", "ent {", "Retired"),
     ("enum Tu", "rn {", "SolveStage"),

@@ -73,7 +73,7 @@ pub struct Counts {
     pub done: AtomicBool,
     /// Rate of the device above nominal \[1e-9\].
     pub ppb: AtomicI64,
-    /// Most frames that the device requested at once.
+    /// Maximum number of frames that the device requested at once.
     pub buffer: AtomicU64,
     /// Time from when a gesture frame is due until its first sample is requested \[samples\].
     pub lead: AtomicU64,
@@ -100,7 +100,7 @@ pub struct AudioSummary {
     /// The device.
     #[serde(flatten)]
     pub playback: PlaybackDevice,
-    /// Most frames that it requested at once.
+    /// Maximum number of frames that it requested at once.
     pub buffer: u64,
     /// Time from when a gesture frame is due until its first sample is requested \[samples\].
     pub lead: u64,
@@ -144,7 +144,7 @@ pub struct Watch {
     was_alive: bool,
 }
 
-/// Most gaps that are stored.
+/// Maximum number of gaps that are stored.
 const GAPS: usize = 1000;
 
 impl Watch {

@@ -7,7 +7,7 @@
 use super::DeviceClock;
 use rtrb::{Consumer, Producer, RingBuffer};
 
-/// Most changes that wait, and most devices that wait to be freed.
+/// Maximum number of changes that wait, and of devices that wait to be freed.
 const WAITING: usize = 4;
 
 /// The engine's side.

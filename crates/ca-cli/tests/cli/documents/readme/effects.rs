@@ -252,7 +252,7 @@ fn rendered(sandbox: &Sandbox, line: &Line, before: &Files, ran: &RunOutput) {
         assert!(peak(&values) > 0.0 && values.iter().all(|v| v.is_finite()), "`{}`: {file}", line.text);
     }
     if line.has("--energy") {
-        for word in ["energy     balances", "lost", "error", "stored"] {
+        for word in ["energy     accounted for", "lost", "error", "stored"] {
             assert!(ran.out.contains(word), "`{}`: no `{word}` in\n{}", line.text, ran.out);
         }
     }

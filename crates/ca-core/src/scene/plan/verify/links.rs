@@ -5,7 +5,7 @@ use crate::op::layout::{Account, Layout, MeasureKind, Ports, Row};
 use crate::op::{Band, Form, Hub, Integrate, Law, Op};
 use crate::state::Fold;
 
-/// Most passes over each link in one tick: a sample of several ticks lists them again, a tick of `pefrl` four times.
+/// Maximum number of passes over each link in one tick: a sample of several ticks lists them again, a tick of `pefrl` four times.
 const PASSES: usize = 64;
 
 /// Number of links that passes may still process. It limits the time of a tick by the length of a scene.
