@@ -5,10 +5,11 @@
 //! ```text
 //! r = s* − Σ W N + c (N − h(s)) − s        s ← s + r / (1 + c h′)        N ← h(s) + h′ r / (1 + c h′)
 //! ```
-//! In code: s = `at`, s* = `free`, N = `p`, c = `own`, h′ = `rise`, c h′ = `steep`, Σ W N = `by_all`.
+//! Here s* is the change over two ticks that all other forces would cause, and W the motion at this link per push of each
+//! link. In code: s = `at`, s* = `free`, N = `p`, c = `own`, h′ = `rise`, c h′ = `steep`, Σ W N = `by_all`.
 //!
 //! The system has one solution (`cluster.rs`), and each sweep brings soft links nearer to it, by a factor of about
-//! kT²/m. The sweeps give up if a link is stiff (c h′ > 1), if a contact would pull that may not, if they converge
+//! kT²/m. The sweeps give up if a link is stiff (c h′ > 1), if a contact that may only push would pull, if they converge
 //! slowly, or after [`MAX_SWEEPS`]. Then `cluster.rs` solves if a link has a curve, and `quadratised.rs` otherwise.
 
 use super::cluster::push;
@@ -21,8 +22,8 @@ const MAX_SWEEPS: usize = 16;
 /// From the third sweep on, each change must be at most this factor times the one before.
 const LARGEST_RATIO: f64 = 0.25;
 
-/// Solves for the push `p`, the change of penetration `at`, and `y` of links that are linear. Returns false if it has
-/// not found them.
+/// Solves for push `p` and change of penetration `at` of each link, and sets `y`, which linear links use. Returns false
+/// if it gave up.
 pub(super) fn swept<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], to: &mut Response<R, MODES>) -> bool {
     let last = R::of(if matches!(R::PRECISION, Precision::Single) { 3e-7 } else { 4e-16 });
     for t in &mut *all {
@@ -58,8 +59,8 @@ pub(super) fn swept<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], to
     solved
 }
 
-/// Solves one link against the present pushes of all others. In the `first` visit of a tick it also computes the scale
-/// of the motion.
+/// Solves one link against the present pushes of all others. With `first`, or for a contact that waits, it
+/// also computes the scale of the motion.
 ///
 /// Returns the magnitude of the change of s relative to that scale, or infinity for a stiff link. During the sweeps
 /// `to.push` holds the displacements \[m\] that all pushes cause.

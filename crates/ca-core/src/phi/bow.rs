@@ -6,11 +6,11 @@
 //!   coulomb    v/v0 clipped to ±1: sliding friction with a viscous hold below v0
 //!   table      the points of `points` \[m/s, N\]
 //! Parameters: f \[N\], v0 \[m/s\], v1 \[m/s\], fd \[N\]. Source: ICMC 2013 (LNL friction), LAC 2019 (nlBow), HSP v2.
-//! With the method "set-valued" of coulomb, sticking ends stand still up to f, and sliding ends get the force fd
-//! (`method`).
+//! With `curve = "coulomb"` and `method = "set-valued"` the ends do not slip while the force that holds them is below f;
+//! once they slip, the friction is fd.
 //! Stability: the slope f/v0 counts as a viscosity. With method "ca", sticking is accurate for slope·T/m < 1.5
-//! (docs/numerics.md §3.5). The law is passive if the curve resists; only a table may not. "secant" and "newton" are
-//! passive at any slope (`method`). Test: B07.
+//! (docs/numerics.md §3.5). The law adds no energy if the force opposes the motion, which only a `table` can violate.
+//! With `method` "secant" or "newton" this holds for any slope. Test: B07.
 
 use super::{ALONG, BETWEEN, Bound, Law, LawEntry, LawFns, PAIRS, ParamBinding, Phi, lnl};
 use crate::kind::{ABOVE_ZERO, Kind, Need, POSITIVE, Param, Role, Type, Unit};

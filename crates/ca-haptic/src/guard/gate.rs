@@ -20,7 +20,7 @@ pub struct Gate {
     mode: Mode,
     cause: Cause,
     armed: bool,
-    /// Frames since nothing pushed, or since the ramp or the brake began.
+    /// Engine frames for which nothing has pushed (off), or since the ramp or the brake began.
     since: u32,
     /// Frames left of a fade-out.
     fading: Option<u32>,

@@ -71,9 +71,10 @@ struct Seen {
 }
 
 const PAST: usize = 32;
-/// Sensor steps in the window of a speed, at the trip speed: the error of a speed is at most an eighth of that.
+/// The window of a speed has this many sensor steps at the trip speed, so a step is at most an eighth of it.
 const STEPS: f64 = 8.0;
-/// Least window, in longest times between good frames: a jump at twice the trip speed over one of them does not trip.
+/// Shortest window, as a multiple of the longest accepted gap between good frames: the mean over it of a jump at twice
+/// the trip speed is below the trip speed.
 const SPIKE: f64 = 2.3;
 /// Status bits that matter before forces may begin: the first two set, `BRAKE` not.
 const READY: u32 = status::CALIBRATED | status::POWERED | status::BRAKE;

@@ -11,7 +11,8 @@
 //! The largest force comes before the stages that weaken: weakening 800 N would have no effect if the next stage cut
 //! the force to 10 N. No stage after it makes a vector longer (the passivity stage cuts its own sum). The gate (arming,
 //! fade-in, latched faults, damped stop) stands before the slew limit, so that the last stage guarantees |ΔF| ≤ limit
-//! on the wire, where it can be checked.
+//! on the wire, where it can be checked; only off and fault are zero at once. The names H1 to H18 in the headers of
+//! stages are the requirements of docs/safety.md.
 //!
 //! A fault sets the force to zero at once. The input check, `finite` and a diverged model trip it by [`GuardFrame::trip`];
 //! the gate itself finds excess velocity and stale frames. The result is rounded towards zero to the single precision of the wire, so that
@@ -39,11 +40,11 @@ pub struct GuardFrame {
     pub n: usize,
     /// Length of a frame \[s\].
     pub frame_dt: f64,
-    /// Gesture frames since the engine began.
+    /// Engine frames (periods of the gesture rate) since the engine began.
     pub frame: u64,
     /// True if a good frame of the device came since the last one.
     pub is_new: bool,
-    /// Frames since the last good one.
+    /// Engine frames since the last good frame of the device.
     pub age: u32,
     /// Frames since the last one of any kind, dropped ones included.
     pub silent: u32,

@@ -6,7 +6,8 @@
 //! whichever is softer.
 //!
 //! A fader parked at its end, or an arm hanging at its lowest, is inside an edge when the device is armed. It need not
-//! be lifted for forces to begin, and it is not pushed out: an edge acts only after the hand has been outside of it.
+//! be lifted for forces to begin, and it is not pushed out: an edge acts only after the hand has been in the free middle
+//! of the travel.
 
 use super::{GuardFrame, Stage};
 use crate::frame::{DOF, Mode, flag};
