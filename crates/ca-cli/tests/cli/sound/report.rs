@@ -207,7 +207,7 @@ fn the_energy_of_a_divergence_is_no_number() {
         sandbox.put("wild.ca.toml", &wild);
         for more in [&["--energy"][..], &[]] {
             let r = sandbox.ca(&[&["render", "wild.ca.toml", "--seconds", "1"], more].concat()).is(3);
-            assert!(r.out.contains("energy     diverged") && !r.out.contains("peak,"), "{}", r.out);
+            assert!(r.out.contains("energy     out of range") && !r.out.contains("peak,"), "{}", r.out);
             assert!(!r.out.contains("stored") && r.out.contains("although no energy is created"), "{}", r.out);
         }
         sandbox.ca(&["report", "wild.ca.toml", "--accuracy", "0", "--seconds", "1"]).is(3);
