@@ -31,6 +31,7 @@ pub(super) fn nothing<R: Real>() -> R {
 }
 
 /// Ends of a link, and its motion by all other forces.
+#[derive(Clone, Copy)]
 pub(super) struct Reach<R: Real> {
     ends: [u32; 2],
     axes: usize,
@@ -77,6 +78,7 @@ pub(super) fn enter<R: Real>(s: &mut State<R>, mem: usize, by: Reach<R>) -> Opti
 }
 
 /// Push of a link that is linear in the motion of the coming tick.
+#[derive(Clone, Copy)]
 pub(super) struct LinearPush<R> {
     pub(super) clip: bool,
     pub(super) open: bool,

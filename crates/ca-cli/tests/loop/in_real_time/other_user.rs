@@ -363,7 +363,7 @@ fn a_token_that_others_can_read_is_refused() {
 #[test]
 fn files_are_closed_to_other_users_whatever_the_umask() {
     let sandbox = Sandbox::shared();
-    sandbox.put("k.sweep.toml", "model = \"key.ca.toml\"\nseconds = 0.1\n[vary]\nk = [500, 600]\n");
+    sandbox.put("k.sweep.toml", "model = \"key.ca.toml\"\nseconds = 0.1\n[vary]\n\"spring.k\" = [500, 600]\n");
     let ran =
         sandbox.sh("umask 0; ca sweep k.sweep.toml -o swept > log; ca render key.ca.toml -o a.wav --seconds 0.1 --probe key=p.csv -q; ca new n.ca.toml; \
          ca serve key.ca.toml --seconds 0.1 --log t.mcap -o s.wav -q || test $? = 3; ca log recover t.mcap -o r.mcap; \
