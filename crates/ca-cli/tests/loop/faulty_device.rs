@@ -178,7 +178,7 @@ fn play(place: &RawSite, name: &str, fault: DeviceFault, stop: &AtomicBool) {
             DeviceFault::Positions => frame.pos[0] = 0.02,
             // a damped finger pushed in the wrong direction
             DeviceFault::Sign => {
-                frame.pos[0] = (frame.pos[0] - 2e-4 * f64::from(frame.force_measured[0])).clamp(-0.01, 0.01)
+                frame.pos[0] = (frame.pos[0] - 2e-4 * f64::from(frame.force_measured[0])).clamp(-0.01, 0.01);
             }
             DeviceFault::Moves => frame.pos[0] = 0.0095 * (std::f64::consts::TAU * n as f64 / 400.0).sin(),
             _ => {}

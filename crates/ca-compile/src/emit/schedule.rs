@@ -161,7 +161,7 @@ pub fn schedule(
         },
         out: OutputArrays {
             output_rows: Vec::new(),
-            links: links.output_links.into_iter().map(|(_, h)| h).collect(),
+            links: links.outputs.into_iter().map(|(_, h)| h).collect(),
             outputs,
             of_motion: of_motion(net),
             blockers: blockers(model, net, diags),
@@ -291,7 +291,7 @@ fn outputs(builder: &mut LayoutBuilder, links: &Links) -> Option<(usize, Vec<Out
             OutputTap::ForceOn(e) => Tap::ForceOn(builder.alive(e, o.axis)?),
             OutputTap::ForceOf(l) => {
                 let (op, k) = links.where_is[l as usize];
-                let again = links.output_links.iter().find(|(of, _)| *of == l);
+                let again = links.outputs.iter().find(|(of, _)| *of == l);
                 let kept = || (links.forces[op as usize].tap + k as usize) as u32;
                 Tap::ForceOf(again.map_or_else(kept, |(_, h)| h.tap))
             }

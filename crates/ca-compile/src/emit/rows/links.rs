@@ -38,7 +38,7 @@ pub struct Links {
     /// Number of stored forces.
     pub tap: usize,
     /// Links of fused rows whose force is an output, by their number in the network.
-    pub output_links: Vec<(u32, OutputLink)>,
+    pub outputs: Vec<(u32, OutputLink)>,
     /// Pass and position of each link of the network.
     pub where_is: Vec<(u32, u32)>,
 }
@@ -100,7 +100,7 @@ impl LayoutBuilder<'_> {
             e0: Vec::with_capacity(net.lias.len()),
             mem: 0,
             tap: scratch,
-            output_links: Vec::new(),
+            outputs: Vec::new(),
             where_is: alloc::vec![(0, 0); net.lias.len()],
         };
         let mut to = Vec::new();
@@ -165,7 +165,7 @@ impl LayoutBuilder<'_> {
                 let coefs = law.coefs as u32;
                 for (i, l) in batch.iter().enumerate().filter(|(_, l)| read.contains(l)) {
                     let (ends, e0, coef, tap) = (self.ends(*l), k.e0[first + i], (coef + i) as u32, k.tap as u32);
-                    k.output_links.push((
+                    k.outputs.push((
                         *l,
                         OutputLink { law, force: law.fns.force, ends, e0, coef, step: n as u32, coefs, tap },
                     ));
