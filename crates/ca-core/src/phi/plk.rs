@@ -103,7 +103,7 @@ pub(super) fn laws<R: Real>() -> [LawEntry<R>; 3] {
 
 /// Coefficients: k, z/T, d, the sign of the side, and 1 if it is engaged at load. Memory of the explicit method: 1
 /// while engaged, the last elongation, and the energy lost in this tick. The method `stable` has another memory, see
-/// [`Potential`].
+/// `Potential`.
 pub struct Plk;
 
 impl Phi<5, 3> for Plk {
