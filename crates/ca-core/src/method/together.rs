@@ -25,6 +25,13 @@ pub fn solve<R: Real, const MODES: bool, const SWEEPS: bool>(_op: &Op<R>, layout
             *unsolved += u64::from(!cluster::newton(all, &mut to, solved));
             gathered(all, |t| t.part != Part::LeftOut)
         }
+        false if solved => {
+            // the linear system has the derivatives; values stay as found
+            all.iter_mut().for_each(|t| t.found[2] = t.y);
+            let acting = quadratised::pushes(all, &mut to);
+            all.iter_mut().for_each(|t| t.y = R::of(t.found[2].wide()) + (t.y - R::of(t.y.wide())));
+            acting
+        }
         false => quadratised::pushes(all, &mut to),
     };
     let (acting, left_out) = all.split_at_mut(acting);
