@@ -18,19 +18,13 @@ pub fn solve<R: Real, const MODES: bool, const SWEEPS: bool>(_op: &Op<R>, layout
     }
     let mobility = &s.coef[2 * layout.counts.n_mat..];
     let mut to = Response::<R, MODES> { layout, mobility, push, tap: &mut s.links.tap };
-    let solved = SWEEPS && sweeps::swept(all, &mut to);
-    let acting = match all.iter().any(|t| t.curve.is_some()) {
+    let curved = all.iter().any(|t| t.curve.is_some());
+    let solved = SWEEPS && curved && sweeps::swept(all, &mut to);
+    let acting = match curved {
         _ if solved && !matches!(R::PRECISION, Precision::Dual) => all.len(),
         true => {
             *unsolved += u64::from(!cluster::newton(all, &mut to, solved));
             gathered(all, |t| t.part != Part::LeftOut)
-        }
-        false if solved => {
-            // the linear system has the derivatives; values stay as found
-            all.iter_mut().for_each(|t| t.found[2] = t.y);
-            let acting = quadratised::pushes(all, &mut to);
-            all.iter_mut().for_each(|t| t.y = R::of(t.found[2].wide()) + (t.y - R::of(t.y.wide())));
-            acting
         }
         false => quadratised::pushes(all, &mut to),
     };
