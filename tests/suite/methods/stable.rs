@@ -256,7 +256,7 @@ fn at(scene: &Scene, s: &State, i: usize) -> f64 {
 fn contacts_that_let_go_together_hold_nothing_at_last() {
     let text = "[CEL]\nc = { m = 0.007, f = 822, t60 = 0.7, x = 0.012, v = 0.25 }\n[MAS]\na = { m = '10 g', x = 0.016, v = -1.23 }\nb = { m = '1.7 g', x = 0.020, v = -1.2 }\n[BUT]\nk3 = { between = ['c', 'a'], d = '1.6 mm', k = 12000, z = 3, method = 'stable3d' }\n[HRZ]\nk4 = { between = ['a', 'b'], d = '3.1 mm', k = '33000 N/m^1.5', h = 0.01, method = 'stable3d' }\n[SOX]\no = { from = 'a' }\n";
     let scene = scene(text);
-    assert_eq!(same_since(&scene), 7);
+    assert_eq!(same_since(&scene), 4);
     let (mut s, mut held) = (scene.state(), 0);
     for n in 0..480 {
         tick(&scene, &mut s);

@@ -41,7 +41,7 @@ pub fn reads(layout: &Layout, live: usize, aimed: bool) -> Vec<Op> {
 /// transfers of forces. Links from `late` on need all of these.
 ///
 /// External forces on a line follow the links, so that a row of links that integrates its masses can add them. The
-/// first `in_space` of `layout.enf` are in space, where no row does so. With `sweeps`, links that are solved together are
+/// first `in_space` of `layout.enf` are in space, where no row does so. With `sweeps`, curves that are solved together are
 /// first solved one by one.
 pub fn forces(
     layout: &Layout,
@@ -83,7 +83,9 @@ pub fn forces(
             list.push(Op { coef, ..Op::pass(Pass::ImplicitPairs, pairs) });
         }
     }
-    let together = late.iter().any(|o| o.law.is_some_and(|l| matches!(l.stage, SolveStage::Coupled(_))));
+    let stages = || late.iter().filter_map(|o| Some(o.law?.stage));
+    let together = stages().any(|stage| matches!(stage, SolveStage::Coupled(_)));
+    let sweeps = sweeps && stages().any(|stage| matches!(stage, SolveStage::Coupled(c) if c.curve));
     let solved = layout.places.solved_modal.len();
     if solved > 0 {
         list.push(Op::pass(Pass::ModesAhead, solved));

@@ -11,7 +11,7 @@ use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::string::String;
 use alloc::vec::Vec;
-use ca_core::internal::op::SolveStage;
+use ca_core::internal::op::{Coupled, SolveStage};
 use ca_model::Model;
 use ca_model::diag::Diags;
 
@@ -114,7 +114,7 @@ pub fn choose_modes(net: &mut Pruned) {
     let all: Vec<bool> = all.collect();
     together(net, &all, |_| false);
     for l in &mut net.lias {
-        if let SolveStage::Coupled(Some(at_modes)) = l.law.stage {
+        if let SolveStage::Coupled(Coupled { at_modes: Some(at_modes), .. }) = l.law.stage {
             if l.ends.into_iter().any(|e| matches!(e, End::Point(_))) {
                 l.law = at_modes;
             }

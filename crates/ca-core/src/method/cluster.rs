@@ -22,7 +22,7 @@ use super::system::{Response, conjugate, enter, gathered, reach, respond};
 use crate::numeric::{Precision, Real, Table};
 use crate::op::layout::{Layout, MeasureKind};
 use crate::op::links::measure::{Along, Line, Measure, Radial};
-use crate::op::{Energies, Form, Kernel, Law, LawFns, Op, SolveStage};
+use crate::op::{Coupled, Energies, Form, Kernel, Law, LawFns, Op, SolveStage};
 use crate::state::State;
 use crate::state::active_contacts::{ActiveContact, Curve, Part};
 use core::marker::PhantomData;
@@ -55,7 +55,12 @@ fn near<R: Real>() -> Near<R> {
 
 /// Makes a one-sided spring with this method; `at_modes` runs at modal masses. Memory: heat of the tick \[J\].
 pub const fn law<S: Spring<f64> + 'static>(spring: Law, at_modes: &'static Law) -> Law {
-    Law { mem: 1, stage: SolveStage::Coupled(Some(at_modes)), fns: fns::<f64, S>(spring.fns), ..spring }
+    Law {
+        mem: 1,
+        stage: SolveStage::Coupled(Coupled { curve: true, at_modes: Some(at_modes) }),
+        fns: fns::<f64, S>(spring.fns),
+        ..spring
+    }
 }
 
 /// Makes its functions from the functions of the spring.
@@ -173,7 +178,7 @@ pub(super) fn newton<R: Real, const MODES: bool>(
             let moved = if stiff { t.y / t.stiff } else { t.free - t.q };
             if t.curve.is_none() {
                 // a contact that would pull is left out for this tick
-                if t.clip && t.p < R::ZERO {
+                if t.clip && t.p < R::ZERO && !solved {
                     (t.part, again) = (Part::LeftOut, true);
                 }
                 t.at = moved;

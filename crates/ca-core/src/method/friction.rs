@@ -20,7 +20,7 @@ use crate::law::{Bound, Phi};
 use crate::numeric::{Real, Table};
 use crate::op::layout::{Layout, MeasureKind};
 use crate::op::links::measure::{Along, Line, Measure, Radial};
-use crate::op::{Cheaper, LoadFns};
+use crate::op::{Cheaper, Coupled, LoadFns};
 use crate::op::{Energies, Form, Kernel, Law, LawFns, Op, SolveStage, Together};
 use crate::state::State;
 
@@ -74,7 +74,7 @@ pub const fn together<P: Curve<C> + 'static, const C: usize>(code: &'static str,
         code,
         mem: 2,
         at_load: LoadFns { bound: bound::<P, C>, ..curve.at_load },
-        stage: SolveStage::Coupled(None),
+        stage: SolveStage::Coupled(Coupled { curve: false, at_modes: None }),
         cheaper: Cheaper::NONE,
         fns: together_fns::<f64, P, C>(curve.fns),
         ..curve

@@ -17,7 +17,7 @@ use crate::numeric::{Real, Table};
 use crate::op::account::numbers;
 use crate::op::layout::{Layout, MeasureKind};
 use crate::op::links::measure::{Along, Line, Measure};
-use crate::op::{Cheaper, Energies, Form, Kernel, Law, LawFns, Op, SolveStage, Together};
+use crate::op::{Cheaper, Coupled, Energies, Form, Kernel, Law, LawFns, Op, SolveStage, Together};
 use crate::state::State;
 use crate::state::active_contacts::{COEFS, Curve, Part};
 
@@ -96,7 +96,7 @@ pub const fn alone_fns<R: Real, P: Potential<C, M>, const C: usize, const M: usi
 /// Makes the law from its potential, solved together with all links that share masses. Memory as in [`alone`].
 pub const fn shared<P: Potential<C, M>, const C: usize, const M: usize>(code: &'static str, law: Law) -> Law {
     Law {
-        stage: SolveStage::Coupled(None),
+        stage: SolveStage::Coupled(Coupled { curve: true, at_modes: None }),
         fns: shared_fns::<f64, P, C, M>(law.fns),
         ..alone::<P, C, M>(code, law, None)
     }

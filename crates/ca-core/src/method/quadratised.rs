@@ -26,13 +26,18 @@ use super::system::{LinearPush, Response, conjugate, join, nothing, reach};
 use crate::numeric::Real;
 use crate::op::layout::{Layout, MeasureKind};
 use crate::op::links::measure::{Along, Line, Measure, Radial};
-use crate::op::{Energies, Form, Kernel, Law, LawFns, Op, SolveStage};
+use crate::op::{Coupled, Energies, Form, Kernel, Law, LawFns, Op, SolveStage};
 use crate::state::State;
 use crate::state::active_contacts::ActiveContact;
 
 /// Makes a one-sided spring with this method. Memory: ψ \[√J\], heat of the tick \[J\].
 pub const fn law<S: Spring<f64>>(spring: Law) -> Law {
-    Law { mem: 2, stage: SolveStage::Coupled(None), fns: fns::<f64, S>(spring.fns), ..spring }
+    Law {
+        mem: 2,
+        stage: SolveStage::Coupled(Coupled { curve: false, at_modes: None }),
+        fns: fns::<f64, S>(spring.fns),
+        ..spring
+    }
 }
 
 /// Makes its functions from the functions of the spring.

@@ -1,4 +1,4 @@
-//! Sweeps over links that are solved together: each link in turn is solved against the present pushes of all others.
+//! Sweeps over links that are solved together, if one is a curve: each link in turn is solved against the present pushes of all others.
 //!
 //! This is the Gauss-Seidel method with one Newton step a link (docs/numerics.md §3.3). For link l, with the push h(s),
 //! its slope h′ and the mobility c of the ends, and with s the change of penetration assumed so far:
@@ -10,7 +10,7 @@
 //!
 //! The system has one solution (`cluster.rs`), and each sweep brings soft links nearer to it, by a factor of about
 //! kT²/m. The sweeps give up if a link is stiff (c h′ > 1), if a contact that may only push would pull, if they converge
-//! slowly, or after [`MAX_SWEEPS`]. Then `cluster.rs` solves if a link has a curve, and `quadratised.rs` otherwise.
+//! slowly, or after [`MAX_SWEEPS`]. Then `cluster.rs` solves.
 
 use super::cluster::push;
 use super::system::Response;

@@ -109,8 +109,17 @@ pub enum SolveStage {
     /// after all `Explicit` forces, from the motion they would cause. This holds on a line, where no other link of a
     /// later stage moves the same MAT; elsewhere one of these laws runs instead
     Single(Together),
-    /// last, collected and solved at once by [`Pass::Contacts`](super::Pass::Contacts); holds the law for modal masses
-    Coupled(Option<&'static Law>),
+    /// last, collected and solved at once by [`Pass::Contacts`](super::Pass::Contacts)
+    Coupled(Coupled),
+}
+
+/// A law that is solved together with others.
+#[derive(Clone, Copy)]
+pub struct Coupled {
+    /// true if its push is a curve over the coming motion, false if it is linear in it
+    pub curve: bool,
+    /// law for modal masses, if another one
+    pub at_modes: Option<&'static Law>,
 }
 
 /// Laws that replace a [`SolveStage::Single`] law where it cannot act alone.

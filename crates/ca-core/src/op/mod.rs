@@ -22,7 +22,7 @@ pub mod wave;
 pub(crate) mod wide;
 
 pub use account::Energies;
-pub use law::{Cheaper, Law, LawEntry, LawFns, Laws, LoadFns, ParamBinding, SolveStage, Together};
+pub use law::{Cheaper, Coupled, Law, LawEntry, LawFns, Laws, LoadFns, ParamBinding, SolveStage, Together};
 use layout::Layout;
 pub use layout::{BorderMethod, MeasureKind, Ports};
 pub use links::law::{family, loaded, started};
@@ -149,7 +149,7 @@ pub enum Pass {
     Contacts {
         /// whether masses of one group are coupled through their modes
         modes: bool,
-        /// whether sweeps precede Newton's method, as from arithmetic 7 on
+        /// whether sweeps precede Newton's method: from arithmetic 7 on, if a link is a curve
         sweeps: bool,
     },
     /// after these links: passes their forces on modal masses on to the modes

@@ -25,7 +25,7 @@ use core::hash::Hasher as _;
 /// - 4: contacts that are solved together drop stored energy below 1e-200 J.
 /// - 5: set-valued friction sticks from the first tick on if nothing moves at load.
 /// - 6: ports at links solved with the coming motion run a tick late; shared `stable` contacts use discrete gradients.
-/// - 7: links that are solved together are first solved one by one, in sweeps.
+/// - 7: links that share masses are first solved one by one, in sweeps, if one of them is a discrete gradient.
 ///
 /// Takes from before 5, 6 and 7 are compiled as they were then, and so play the same bits.
 pub const ARITHMETIC: u32 = 7;
@@ -36,7 +36,7 @@ pub fn same_since<R: Real>(scene: &Scene<R>) -> u32 {
         let second = op.ports.onto.map(|onto| onto.0);
         op.law.is_some() && (op.ports.measure == MeasureKind::Radial || second == Some(MeasureKind::Radial))
     };
-    let curved = |op: &Op<R>| op.law.is_some_and(|law| matches!(law.stage, SolveStage::Coupled(Some(_))));
+    let curved = |op: &Op<R>| op.law.is_some_and(|law| matches!(law.stage, SolveStage::Coupled(c) if c.curve));
     let coupled = |op: &Op<R>| op.law.is_some_and(|law| matches!(law.stage, SolveStage::Coupled(_)));
     let forces = &scene.passes.forces;
     if forces.iter().any(|op| op.pass == Pass::Contacts { modes: false, sweeps: true }) {

@@ -37,6 +37,7 @@ pub(crate) enum Part {
 
 /// One link that acts in this tick. For friction, γ and ψ are 0, and the elongation is a penetration that shrinks.
 #[derive(Clone, Copy, Debug, Default)]
+// in this order: what sweeps read stands in the first cache lines
 #[repr(C)]
 pub(crate) struct ActiveContact<R: Real = f64> {
     /// role in this tick
@@ -73,7 +74,7 @@ pub(crate) struct ActiveContact<R: Real = f64> {
     pub went: R,
     /// push per change of penetration over two ticks \[N/m\]: γ²/4 + z/2, or the slope h′ of a curve
     pub stiff: R,
-    /// push without motion \[N\]: γψ, or that of the tangent
+    /// push without motion \[N\]: γψ; of a curve, the push that its tangent has without motion
     pub bias: R,
     /// first number of its memory
     pub mem: usize,
