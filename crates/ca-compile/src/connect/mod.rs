@@ -6,5 +6,6 @@ pub mod outputs;
 pub mod port_checks;
 pub mod select;
 pub mod sets;
+mod unknown;
 pub mod wire;
 pub mod wiring;

@@ -1,6 +1,7 @@
 //! Outputs and probes: the quantities they read and, in space, the axes.
 
-use crate::connect::select::{Meaning, PROBE, Written};
+use crate::connect::select::{Meaning, Written};
+use crate::connect::unknown::PROBE;
 use crate::connect::wiring::Wiring;
 use crate::findings::type_name;
 use crate::lower::space;
@@ -69,9 +70,9 @@ impl Wiring<'_> {
         let index = |key: &str| kind.param(key).unwrap_or(0);
         let channel = item.args[index("channel")].num();
         let along = kind.param("along").and_then(|i| space::direction(&item.args[i]));
-        let hear = kind.param(HEAR.name).map_or(Hear::Position, |i| Hear::of(item.args[i].num()));
-        let force = force || hear == Hear::Force;
-        if let (Hear::Acceleration, Some(e)) = (hear, self.entry(id, "dc")) {
+        let quantity = kind.param(HEAR.name).map_or(Hear::Position, |i| Hear::of(item.args[i].num()));
+        let force = force || quantity == Hear::Force;
+        if let (Hear::Acceleration, Some(e)) = (quantity, self.entry(id, "dc")) {
             let d = Diag::error("E010", format!("`{name}`: `dc` and `hear = \"acceleration\"` exclude each other"));
             let d = d.at(e.span, "an acceleration has a steady part of 0");
             self.diags.push(d.help("leave out `dc`, or write `hear = \"speed\"`"));
@@ -88,7 +89,7 @@ impl Wiring<'_> {
                 return;
             }
         }
-        let per_tick = match hear {
+        let per_tick = match quantity {
             Hear::Speed => 1.0 / self.net.tick_dt,
             Hear::Acceleration => 1.0 / (self.net.tick_dt * self.net.tick_dt),
             _ => 1.0,
@@ -124,26 +125,16 @@ impl Wiring<'_> {
                 for (axis, share) in parts.into_iter().flatten() {
                     let (name, share) = (own.clone(), share * factor);
                     let item = Some(id);
-                    self.net.outs.push(OutNode {
-                        name,
-                        tap,
-                        quantity: hear,
-                        axis,
-                        share,
-                        channel,
-                        gain,
-                        item,
-                        request: 0,
-                    });
+                    self.net.outs.push(OutNode { name, tap, quantity, axis, share, channel, gain, item, request: 0 });
                 }
             }
         }
     }
 
     /// Adds a probe: one value on a line, one value per axis in space.
-    pub(super) fn probe(&mut self, text: &str, asked: u32) {
+    pub(super) fn probe(&mut self, text: &str, request: u32) {
         if let Some(each) = instances(self.model, text) {
-            return each.iter().for_each(|name| self.probe(name, asked));
+            return each.iter().for_each(|name| self.probe(name, request));
         }
         // The name of an output stands for its quantity, along its direction. An output with several channels gives one
         // value per channel.
@@ -156,7 +147,7 @@ impl Wiring<'_> {
                 _ => self.next_probe(),
             };
             last = Some((o.channel, channel));
-            self.net.outs.push(OutNode { channel, gain: Source::Const(1.0), item: None, request: asked, ..o.clone() });
+            self.net.outs.push(OutNode { channel, gain: Source::Const(1.0), item: None, request, ..o.clone() });
         }
         if last.is_some() {
             return;
@@ -179,18 +170,8 @@ impl Wiring<'_> {
             for axis in 0..if axes > 1 { 3 } else { 1 } {
                 let name = if axes > 1 { format!("{name}.{}", space::AXES[axis as usize]) } else { name.clone() };
                 let (channel, gain) = (self.next_probe(), Source::Const(1.0));
-                let (hear, share, item) = (Hear::Position, 1.0, None);
-                self.net.outs.push(OutNode {
-                    name,
-                    tap,
-                    quantity: hear,
-                    axis,
-                    share,
-                    channel,
-                    gain,
-                    item,
-                    request: asked,
-                });
+                let (quantity, share, item) = (Hear::Position, 1.0, None);
+                self.net.outs.push(OutNode { name, tap, quantity, axis, share, channel, gain, item, request });
             }
         }
     }
