@@ -4,4 +4,5 @@ mod identity;
 mod plan;
 mod snapshot;
 mod soak;
+mod soak_space;
 mod swap;
