@@ -1,7 +1,8 @@
 //! Derivative of a render by central differences of the eighth order, between renders in double precision.
 //!
 //! The step is the one at which the eighth and the sixth order agree best, among those at which each link has a force,
-//! or none, in the same ticks: if a contact closes a tick later, the two renders differ by a jump.
+//! or none, in the same ticks: if a contact closes a tick later, the two renders differ by a jump. Both orders have the
+//! same rounding, so the choice of the step adds an estimate of it to their distance.
 
 use ca_gradient::{Forward, Parameter, Tangents};
 use cordis_anima::ca_core::Location;
@@ -12,6 +13,9 @@ use cordis_anima::{Loaded, Options, Scene};
 /// Weights at 1 … 4 steps, less those at −1 … −4: eighth order, sixth order.
 pub const WEIGHTS: [[f64; 4]; 2] =
     [[4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0], [3.0 / 4.0, -3.0 / 20.0, 1.0 / 60.0, 0.0]];
+
+/// Rounding of a render, relative to its largest sample.
+const ROUNDING: f64 = 2e-15;
 
 pub fn read(text: &str) -> Loaded {
     Loaded::read(text, "test.ca.toml")
@@ -88,7 +92,8 @@ pub fn played(loaded: &Loaded, links: &[String], ticks: usize) -> Played {
 pub fn difference(loaded: &Loaded, p: &Parameter, ticks: usize) -> Option<(Vec<f64>, f64)> {
     let links = links(loaded);
     let base = played(loaded, &links, ticks);
-    let mut best: Option<(Vec<f64>, f64)> = None;
+    let largest = |all: &[f64]| all.iter().fold(f64::MIN_POSITIVE, |m, v| m.max(v.abs()));
+    let mut best: Option<(Vec<f64>, f64, f64)> = None;
     for part in [1e-3, 1e-4, 1e-5, 1e-6, 1e-7] {
         let h = part * if p.value == 0.0 { 1e-3 } else { p.value.abs() };
         let at = |k: f64| played(&with(loaded, p, p.value + k * h), &links, ticks);
@@ -105,11 +110,12 @@ pub fn difference(loaded: &Loaded, p: &Parameter, ticks: usize) -> Option<(Vec<f
         }
         let [high, low] = sums;
         let off = apart(&low, &high);
-        if same && best.as_ref().is_none_or(|b| off < b.1) {
-            best = Some((high, off));
+        let with_rounding = off + ROUNDING * largest(&base.output) / (h * largest(&high));
+        if same && best.as_ref().is_none_or(|b| with_rounding < b.2) {
+            best = Some((high, off, with_rounding));
         }
     }
-    best
+    best.map(|(derivative, off, _)| (derivative, off))
 }
 
 /// Column of one parameter.
