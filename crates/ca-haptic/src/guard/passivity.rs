@@ -12,8 +12,8 @@
 //! K is the stiffness at the key, T the length of a frame, κ the mean delay in frames, b the friction of the
 //! device, and v the speed of the hand. f_acting is the force before injection in the frame that the device held.
 //! f_acting − f_mean is that force less the mean force of the model over the same frame. The same low-pass filters
-//! both, which removes most noise and steps of the sensor. Where K T κ is below the counted friction, the leak
-//! stays at zero whatever the sensor does. Speeds that a single step or the noise of the profile would show do not
+//! both, which removes most noise and steps of the sensor. If K T κ is below the counted friction, the leak
+//! stays at zero, whatever the sensor measures. Speeds that a single step or the noise of the profile would show do not
 //! count as motion (a dead zone).
 //!
 //! The viscosity grows with the leak up to `passivity_viscosity` of the device's own friction. This bound keeps it

@@ -57,10 +57,10 @@ fn a_flood_of_osc_does_not_keep_forces_on() {
     thread::sleep(std::time::Duration::from_millis(500));
     // a busy machine may switch forces off by itself, which is also accepted
     let answered = sandbox.ask(&Request::Disarm { device: None });
-    assert!(answered.is_some_and(|r| r.ok), "who disarms is answered: {}", server.stderr());
+    assert!(answered.is_some_and(|r| r.ok), "no answer to disarm: {}", server.stderr());
     until("forces are off", || sandbox.state().0 == "off");
     let ended = sandbox.ask(&Request::Stop);
-    assert!(ended.is_some_and(|r| r.ok), "and so is who stops: {}", server.stderr());
+    assert!(ended.is_some_and(|r| r.ok), "no answer to stop: {}", server.stderr());
     let ran = server.end();
     over.store(true, Relaxed);
     for sender in senders {
