@@ -12,7 +12,7 @@ use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
 use ca_lab::Failure;
 use ca_lab::play;
-use ca_play::film_script;
+use ca_play::bundle;
 use ca_report::{Block, Picture, Report, Section, Sound};
 use ca_view::Film;
 use std::sync::Arc;
@@ -37,7 +37,7 @@ pub fn picture(film: &Film) -> Result<Option<Picture>, Failure> {
     let told: Vec<String> = fewer.into_iter().chain(slower).collect();
     let told =
         if told.is_empty() { String::new() } else { format!("Reduced to keep the page small: {}.", told.join(", ")) };
-    Ok(Some(Picture { about, bytes, script: film_script(), note: told }))
+    Ok(Some(Picture { about, bytes, script: bundle("picture/film.js"), note: told }))
 }
 
 /// Film of a take. If the model changes during the take, the film shows only the masses of the first version.

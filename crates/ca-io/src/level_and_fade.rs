@@ -68,6 +68,34 @@ pub struct Ended {
     pub gain: f64,
 }
 
+/// Fades the end of a whole sound (interleaved samples at `rate` \[Hz\]) that has not died away, as [`RenderOut`] does.
+pub fn fade_end(sound: &mut [f64], rate: f64, channels: usize) {
+    let end = sound.len().saturating_sub(fade_len(rate, channels));
+    let last = sound.get_mut(end..).unwrap_or_default();
+    if loudest(last) > QUIET {
+        fade(last, channels);
+    }
+}
+
+/// Number of samples in a fade.
+fn fade_len(rate: f64, channels: usize) -> usize {
+    (rate * FADE).round().max(1.0) as usize * channels
+}
+
+fn loudest(all: &[f64]) -> f64 {
+    all.iter().filter(|x| x.is_finite()).fold(0.0, |m: f64, x| m.max(x.abs()))
+}
+
+fn fade(last: &mut [f64], channels: usize) {
+    let n = last.len() / channels;
+    for (i, frame) in last.chunks_exact_mut(channels).enumerate() {
+        let w = 0.5 + 0.5 * (PI * (i + 1) as f64 / n as f64).cos();
+        for x in frame.iter_mut() {
+            *x *= w;
+        }
+    }
+}
+
 enum SoundOut {
     Wav(WavOut),
     Flac(Box<FlacOut>),
@@ -136,8 +164,7 @@ impl RenderOut {
 
     /// Returns the number of samples in a fade.
     fn fade_len(&self) -> usize {
-        let (rate, channels) = self.shape;
-        (rate * FADE).round().max(1.0) as usize * channels
+        fade_len(self.shape.0, self.shape.1)
     }
 
     /// Appends whole frames of interleaved samples.
@@ -160,7 +187,6 @@ impl RenderOut {
     /// # Errors
     /// The errors of [`WavOut::finish`].
     pub fn finish(mut self, diverged: bool) -> Result<Ended, FileError> {
-        let loudest = |all: &[f64]| all.iter().filter(|x| x.is_finite()).fold(0.0, |m: f64, x| m.max(x.abs()));
         let gain = |peak: f64| match self.ending.normalize {
             Some(to) if peak > 0.0 && !diverged => to / peak,
             _ => 1.0,
@@ -171,14 +197,7 @@ impl RenderOut {
         let last = self.tail.get_mut(end..).unwrap_or_default();
         let faded = self.ending.fade && !diverged && gain(before.max(tail)) * loudest(last) > QUIET;
         if faded {
-            let channels = self.shape.1;
-            let n = last.len() / channels;
-            for (i, frame) in last.chunks_exact_mut(channels).enumerate() {
-                let w = 0.5 + 0.5 * (PI * (i + 1) as f64 / n as f64).cos();
-                for x in frame.iter_mut() {
-                    *x *= w;
-                }
-            }
+            fade(last, self.shape.1);
         }
         let gain = gain(before.max(loudest(&self.tail)));
         self.out.write(&self.tail)?;

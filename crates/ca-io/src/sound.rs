@@ -151,6 +151,45 @@ impl Sample for f64 {
     }
 }
 
+/// Returns a WAV file in memory, with the bytes that [`WavOut::unlimited`] writes.
+///
+/// # Errors
+/// As [`WavOut::create`] and [`WavOut::write`]; messages call the file `name`.
+pub fn wav_bytes(name: &str, rate: f64, channels: usize, frames: &[f64]) -> Result<Vec<u8>, FileError> {
+    let path = Path::new(name);
+    shape(path, rate, channels)?;
+    let mut level = Level::new(channels);
+    whole(path, frames.len(), channels)?;
+    let mut bytes = wav_header::open(Format::F32, rate as u32, channels as u16);
+    let (head, data) = (bytes.len(), frames.len() * 4);
+    wav_header::close(&mut bytes, Format::F32, (frames.len() / channels) as u64, data as u64);
+    bytes.resize(head + data, 0);
+    each(frames, &mut level, &mut bytes[head..], Level::pass, |x| (x as f32).to_le_bytes());
+    Ok(bytes)
+}
+
+/// Refuses a rate \[Hz\] or a number of channels that a WAV file cannot have.
+fn shape(path: &Path, rate: f64, channels: usize) -> Result<(), FileError> {
+    if !(1.0..=1e6).contains(&rate) || rate.fract() != 0.0 {
+        let e = FileError::usage(format!("a WAV file cannot have a rate of {} Hz", Plain(rate))).file(path.display());
+        return Err(e.fix("render at a whole number of Hz, up to 1 MHz"));
+    }
+    if !(1..=MAX_CHANNELS).contains(&channels) {
+        let e = FileError::usage(format!("a WAV file cannot have {channels} channels")).file(path.display());
+        return Err(e.fix(format!("choose 1 to {MAX_CHANNELS} outputs")));
+    }
+    Ok(())
+}
+
+/// Refuses samples that are not whole frames.
+fn whole(path: &Path, samples: usize, channels: usize) -> Result<(), FileError> {
+    if samples.is_multiple_of(channels) {
+        return Ok(());
+    }
+    let what = format!("{samples} samples are not whole frames of {channels} channels");
+    Err(FileError::usage(what).file(path.display()))
+}
+
 /// A WAV file being written.
 pub struct WavOut {
     // before `staged`, so that it is closed before the hidden file is removed
@@ -187,15 +226,7 @@ impl WavOut {
         channels: usize,
         format: Format,
     ) -> Result<WavOut, FileError> {
-        if !(1.0..=1e6).contains(&rate) || rate.fract() != 0.0 {
-            let e =
-                FileError::usage(format!("a WAV file cannot have a rate of {} Hz", Plain(rate))).file(path.display());
-            return Err(e.fix("render at a whole number of Hz, up to 1 MHz"));
-        }
-        if !(1..=MAX_CHANNELS).contains(&channels) {
-            let e = FileError::usage(format!("a WAV file cannot have {channels} channels")).file(path.display());
-            return Err(e.fix(format!("choose 1 to {MAX_CHANNELS} outputs")));
-        }
+        shape(path, rate, channels)?;
         let header = wav_header::open(format, rate as u32, channels as u16);
         let file = staged.handle()?;
         let written = Written { path: path.to_owned(), frames: 0, rate: rate as u32, level: Level::new(channels) };
@@ -215,10 +246,7 @@ impl WavOut {
     /// If the disk is full.
     pub fn write(&mut self, frames: &[f64]) -> Result<(), FileError> {
         let n = self.written.level.peak.len();
-        if !frames.len().is_multiple_of(n) {
-            let what = format!("{} samples are not whole frames of {n} channels", frames.len());
-            return Err(FileError::usage(what).file(self.written.path.display()));
-        }
+        whole(&self.written.path, frames.len(), n)?;
         let from = self.bytes.len();
         self.bytes.resize(from + frames.len() * usize::from(self.format.bits() / 8), 0);
         let (level, to) = (&mut self.written.level, &mut self.bytes[from..]);

@@ -22,6 +22,9 @@ use std::path::Path;
 
 include!(concat!(env!("OUT_DIR"), "/bundled.rs"));
 
+/// Text of the model that `ca new` writes.
+pub const STARTER: &str = include_str!("starter.ca.toml");
+
 /// Returns the text of a bundled model.
 pub fn bundled(name: &str) -> Option<&'static str> {
     BUNDLED.iter().find(|m| m.0 == name).map(|m| m.1)

@@ -10,13 +10,7 @@ pub struct ModelLanguage;
 
 impl Language for ModelLanguage {
     fn value(&self, param: &LiveParam, text: &str) -> Result<f64, ca_session::Refused> {
-        let name = &param.name;
-        let q = quantity::parse(text.trim()).map_err(|e| format!("`{name}`: {e}"))?;
-        if q.has_unit && !q.dim.same(param.unit.dim) {
-            let is = quantity::unit_of(q.dim);
-            return Err(format!("`{name}` must be in {}, not in {is}", param.unit.symbol).into());
-        }
-        Ok(q.value)
+        quantity::of_param(&param.name, param.unit, text).map_err(Into::into)
     }
 
     fn nearest(&self, word: &str, names: &[&str]) -> Option<String> {

@@ -137,7 +137,7 @@ export class Parameters {
   /**
    * @param {HTMLElement} box
    * @param {HTMLInputElement} filter
-   * @param {import("./socket.js").Connection} connection
+   * @param {import("./messages.js").Messages} connection
    */
   constructor(box, filter, connection) {
     this.box = box; this.filter = filter; this.connection = connection;
@@ -214,7 +214,7 @@ export class Parameters {
 /**
  * @param {HTMLElement} box
  * @param {Array<import("./protocol.js").PortInfo>} list
- * @param {import("./socket.js").Connection} connection
+ * @param {import("./messages.js").Messages} connection
  */
 export function ports(box, list, connection) {
   box.replaceChildren();

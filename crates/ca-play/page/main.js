@@ -16,6 +16,11 @@ import { Status } from "./status.js";
 import { View } from "./view.js";
 import { Keyboard } from "./keyboard.js";
 import { Presets } from "./presets.js";
+import { EngineConnection } from "./browser/connection.js";
+import { EngineSound } from "./browser/sound.js";
+import { ModelText } from "./browser/text.js";
+import { model } from "./browser/model.js";
+import { parts } from "./browser/parts.js";
 
 /** @type {(id: string) => any} */
 const find = id => document.getElementById(id);
@@ -36,9 +41,14 @@ let follow = (scene, pair) => {}, touched = false, instead = false;
 const address = new URL("ws", location.href);
 address.protocol = location.protocol === "https:" ? "wss:" : "ws:";
 
-const connection = new Connection(address, {
+// without a server, the engine runs in this page
+const here = document.documentElement.dataset.engine === "browser";
+
+/** @type {import("./messages.js").Handlers} */
+const handlers = {
   status(name, detail) {
     status.link(name, detail);
+    if (name === "heavy") return;
     if (name !== "open") pointer.release(false);
     if (name === "open") sound.asked = false;
     pointer.enabled = name === "open";
@@ -67,7 +77,9 @@ const connection = new Connection(address, {
     meters.push(channels, floats);
     sound.push(channels, floats);
   },
-});
+};
+const local = here ? new EngineConnection(model(), parts(), handlers) : null;
+const connection = local || new Connection(address, handlers);
 
 const status = new Status(find, connection);
 const parameters = new Parameters(find("params"), find("filter"), connection);
@@ -79,7 +91,8 @@ const presets = new Presets(find, { values: () => parameters.values(), set: valu
 const meters = new Meters(find("scope"), find("spectrum"), find("level"), find("decibels"), find("scopeScale"));
 const energy = new Energy(find("energy"), find("energyScale"));
 const view = new View(find, { picture, camera, meters, energy, scene: () => scene, motion: () => motion });
-const sound = new Sound({ send: m => connection.send(m), changed: showSound });
+const sound = local ? new EngineSound(local, showSound) : new Sound({ send: m => connection.send(m), changed: showSound });
+if (local) new ModelText(find, local, (text, bad) => status.say(text, bad));
 const pointer = new Pointer({
   canvas, camera,
   scene: () => scene,

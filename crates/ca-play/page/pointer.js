@@ -9,7 +9,7 @@ const LEAST = 1000 / 120;
 export class Pointer {
   // world: canvas, camera, scene(), pair(), send(message), ask(message) -> promise, held(mass), hover(mass, x, y), refuse(text, x, y)
   /**
-   * @param {Record<string, any> & Pick<import("./socket.js").Connection, "send"|"ask">} world
+   * @param {Record<string, any> & Pick<import("./messages.js").Messages, "send"|"ask">} world
    */
   constructor(world) {
     this.world = world;

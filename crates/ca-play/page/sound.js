@@ -6,7 +6,7 @@
 export class Sound {
   // world: send(message), changed(state)
   /**
-   * @param {{changed: (sound: Sound) => void} & Pick<import("./socket.js").Connection, "send">} world
+   * @param {{changed: (sound: Sound) => void} & Pick<import("./messages.js").Messages, "send">} world
    */
   constructor(world) {
     this.world = world;

@@ -9,7 +9,7 @@ const count = (n, one, many = one + "s") => `${n} ${n === 1 ? one : many}`;
 export class Status {
   /**
    * @param {(id: string) => any} find
-   * @param {import("./socket.js").Connection} connection
+   * @param {import("./messages.js").Messages} connection
    */
   constructor(find, connection) {
     this.find = find;
@@ -30,7 +30,10 @@ export class Status {
     const output = find("output");
     output.addEventListener("change", () => this.ask(connection, { type: "audio", device: output.value }));
     find("reportClose").addEventListener("click", () => { find("report").hidden = true; });
-    find("again").addEventListener("click", () => connection.again());
+    find("again").addEventListener("click", () => {
+      find("banner").hidden = true;
+      connection.again();
+    });
   }
 
   // result of compiling a version of the model
@@ -45,7 +48,7 @@ export class Status {
   arm(connection, on) { return this.ask(connection, { type: "arm", on }); }
 
   /**
-   * @param {import("./socket.js").Connection} connection
+   * @param {import("./messages.js").Messages} connection
    * @param {import("./protocol.js").Request} request
    */
   async ask(connection, request) {
@@ -54,13 +57,22 @@ export class Status {
   }
 
   // shows the state of the connection
-  link(name, { tries = 0 } = {}) {
+  link(name, { tries = 0, text: why = "" } = {}) {
+    if (name === "heavy" && this.find("banner").hidden === false) return;
     const dot = this.find("link"), banner = this.find("banner"), text = this.find("bannerText"), again = this.find("again");
-    const told = { open: "connected", connecting: "connecting", lost: "connection lost", ended: "ended" }[name];
-    if (name !== "connecting" || tries === 0) { dot.dataset.state = name; dot.setAttribute("aria-label", told); dot.title = told; }
-    document.body.classList.toggle("away", name === "ended" || name === "lost" || (name === "connecting" && tries > 0));
+    const told = { open: "connected", connecting: "connecting", lost: "connection lost", ended: "ended", failed: "stopped" }[name];
+    if (told && (name !== "connecting" || tries === 0)) { dot.dataset.state = name; dot.setAttribute("aria-label", told); dot.title = told; }
+    document.body.classList.toggle("away", name === "ended" || name === "lost" || name === "failed" || (name === "connecting" && tries > 0));
     if (name === "open") banner.hidden = true;
-    else if (name === "ended") {
+    else if (name === "heavy") {
+      text.textContent = why;
+      again.textContent = "Play at half the rate";
+      again.hidden = banner.hidden = false;
+    } else if (name === "failed") {
+      text.textContent = why;
+      again.hidden = true;
+      banner.hidden = false;
+    } else if (name === "ended") {
       text.textContent = "`ca play` has ended. The picture shows its last moment. To continue, run `ca play` again and open the new address.";
       again.hidden = true;
       banner.hidden = false;
@@ -77,7 +89,7 @@ export class Status {
   scene(message) {
     this.find("title").textContent = message.title || message.model || "Untitled";
     this.find("model").textContent = message.model || "";
-    document.title = (message.title || message.model || "Untitled") + " – ca play";
+    document.title = (message.title || message.model || "Untitled") + " – ca";
     this.before = {};
     this.stability = message.stability;
   }

@@ -118,7 +118,7 @@ export class View {
    * @param {number} mass
    * @param {number} x
    * @param {number} y
-   * @param {import("./socket.js").Connection} connection
+   * @param {import("./messages.js").Messages} connection
    */
   hover(mass, x, y, connection) {
     const { picture } = this.world;

@@ -26,7 +26,7 @@ function table(cutoff) {
   return out;
 }
 
-class Player extends AudioWorkletProcessor {
+export class Player extends AudioWorkletProcessor {
   constructor() {
     super();
     this.channels = 0;

@@ -17,6 +17,14 @@ macro_rules! assets {
 
 const ASSETS: &[Asset] = assets![
     "index.html" "text/html; charset=utf-8",
+    "browser/compiler-worker.js" "text/javascript; charset=utf-8",
+    "browser/compiler.js" "text/javascript; charset=utf-8",
+    "browser/connection.js" "text/javascript; charset=utf-8",
+    "browser/model.js" "text/javascript; charset=utf-8",
+    "browser/parts.js" "text/javascript; charset=utf-8",
+    "browser/sound.js" "text/javascript; charset=utf-8",
+    "browser/text.js" "text/javascript; charset=utf-8",
+    "browser/worklet.js" "text/javascript; charset=utf-8",
     "picture/camera.js" "text/javascript; charset=utf-8",
     "picture/colour.js" "text/javascript; charset=utf-8",
     "controls.js" "text/javascript; charset=utf-8",
@@ -25,6 +33,7 @@ const ASSETS: &[Asset] = assets![
     "picture/gl.js" "text/javascript; charset=utf-8",
     "keyboard.js" "text/javascript; charset=utf-8",
     "main.js" "text/javascript; charset=utf-8",
+    "messages.js" "text/javascript; charset=utf-8",
     "meters.js" "text/javascript; charset=utf-8",
     "motion.js" "text/javascript; charset=utf-8",
     "page.css" "text/css; charset=utf-8",
@@ -39,6 +48,17 @@ const ASSETS: &[Asset] = assets![
     "view.js" "text/javascript; charset=utf-8",
     "worklet.js" "text/javascript; charset=utf-8",
 ];
+
+/// The page, as HTML that refers to its style and its script.
+pub const PAGE: &str = include_str!("../page/index.html");
+
+/// The style of the page.
+pub const STYLE: &str = include_str!("../page/page.css");
+
+/// Returns the text of a file of the page; empty if there is none.
+pub fn module(name: &str) -> &'static str {
+    find(name).and_then(|a| std::str::from_utf8(a.bytes).ok()).unwrap_or_default()
+}
 
 /// Returns the file with this name; an empty name means the page itself.
 pub(crate) fn find(name: &str) -> Option<&'static Asset> {

@@ -10,13 +10,14 @@
 #![forbid(unsafe_code)]
 
 mod asset;
+mod bundle;
 mod client;
-mod film;
 mod http;
 mod page;
 mod page_files;
 mod pending;
 
-pub use film::script as film_script;
+pub use asset::{PAGE, STYLE, module};
+pub use bundle::bundle;
 pub use page::{Feed, Page, PageRequest};
 pub use page_files::{PageFiles, SoundFileSink};

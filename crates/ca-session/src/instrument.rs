@@ -11,7 +11,7 @@ use crate::protocol::NumberedRequest;
 use crate::session::{Parts, Session};
 use ca_core::Scene;
 use ca_haptic::engine::{Engine, Options};
-use ca_haptic::serve::{Clock, Live, RecordIntervals, Recorder, Shared, rings};
+use ca_haptic::serve::{Clock, Live, RecordIntervals, Recorder, Shared, Sink, rings};
 use ca_view::Drawing;
 use std::sync::Arc;
 use std::time::Duration;
@@ -34,17 +34,19 @@ pub struct Instrument {
 }
 
 impl Instrument {
-    /// Makes an instrument at rest, greets open pages, and sends sound and pictures to `sink`.
-    pub fn new(scene: &Arc<Scene>, parts: Parts, sink: Box<dyn Pages>) -> Instrument {
+    /// Makes an instrument at rest, greets open pages, and sends pictures and sound to `pages`, and everything to
+    /// `sinks`.
+    pub fn new(scene: &Arc<Scene>, parts: Parts, pages: Box<dyn Pages>, sinks: Vec<Box<dyn Sink>>) -> Instrument {
         let drawing = Arc::new(Drawing::new(scene));
         let stability = parts.language.stability(scene);
         parts.pages.greet(&greeting(scene, &drawing, &parts.name, 1, stability));
-        let sink = PageSink::new(sink, drawing.clone(), scene);
+        let sink = PageSink::new(pages, drawing.clone(), scene);
         let session = Session::new(parts, scene.clone(), drawing, &sink);
         let shared = Arc::new(Shared::default());
         let engine = Engine::new(scene.clone(), Vec::new(), Options::default());
         let (ends, _, recorder) = rings(scene, 0, PICTURES);
-        let recorder = Recorder::new(recorder, shared.clone(), scene.clone(), &engine.ports, vec![Box::new(sink)]);
+        let sinks = [Box::new(sink) as Box<dyn Sink>].into_iter().chain(sinks).collect();
+        let recorder = Recorder::new(recorder, shared.clone(), scene.clone(), &engine.ports, sinks);
         let rate = scene.rate / f64::from(scene.rates.ratio);
         let view = (rate / f64::from(PICTURES)).max(1.0) as u64;
         let every = RecordIntervals { view, ..RecordIntervals::default() };

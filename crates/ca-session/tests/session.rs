@@ -159,7 +159,7 @@ fn instrument() -> (Instrument, FakePages) {
         name: "bob".into(),
         allow_arm: false,
     };
-    (Instrument::new(&scene(&[]).unwrap(), parts, Box::new(pages.clone())), pages)
+    (Instrument::new(&scene(&[]).unwrap(), parts, Box::new(pages.clone()), Vec::new()), pages)
 }
 
 fn ask(instrument: &mut Instrument, pages: &FakePages, request: Value) -> (bool, String) {

@@ -4,5 +4,6 @@ mod accuracy;
 mod atlas;
 mod costs;
 mod instruments;
+mod moving_picture;
 mod peers;
 mod start_orders;

@@ -15,6 +15,7 @@ pub(crate) mod device;
 pub(crate) mod equiv;
 mod error_target;
 pub(crate) mod explain;
+pub(crate) mod export;
 pub(crate) mod fit;
 pub(crate) mod import;
 pub(crate) mod list;
@@ -25,6 +26,7 @@ pub(crate) mod render;
 pub(crate) mod report;
 pub(crate) mod serve;
 pub(crate) mod shm;
+pub(crate) mod site;
 pub(crate) mod sweep;
 pub(crate) mod take;
 pub(crate) mod tune;
@@ -56,6 +58,8 @@ commands! {
     Render(render::RenderArgs) => render::run,
     Report(report::ReportArgs) => report::run,
     Play(play::PlayArgs) => play::run,
+    Export(export::ExportArgs) => export::run,
+    Site(site::SiteArgs) => site::run,
     Set(control::SetArgs) => control::set,
     Audio(control::AudioArgs) => control::audio,
     /// Shows the state of a running `ca serve` or `ca play`

@@ -4,7 +4,7 @@
 //! it matches this build, works without a network, and moves with the folder.
 
 use crate::args::completions;
-use crate::load::{self, BUNDLED};
+use crate::load::{self, BUNDLED, STARTER};
 use crate::outcome::{Ended, Failure, Outcome};
 use ca_io::{atomic_file, read_limited};
 use ca_lab::catalog;
@@ -34,9 +34,6 @@ pub struct NewArgs {
     #[arg(long)]
     pub force: bool,
 }
-
-/// Default model of `ca new`.
-pub const STARTER: &str = include_str!("starter.ca.toml");
 
 /// File name of the JSON Schema, beside the model files.
 const SCHEMA: &str = "ca.schema.json";

@@ -13,6 +13,6 @@ mod value;
 
 pub use ca_core::internal::numeric::Plain;
 pub use note::{near_note, note, note_name, note_number, note_of};
-pub use read::{is_quantity, parse, product};
+pub use read::{is_quantity, of_param, parse, product};
 pub use show::{rounded, short, show, six, unit_of};
 pub use value::{Quantity, QuantityError};

@@ -1,5 +1,6 @@
 //! Parses a quantity: number, blank, unit. A prefix moves the decimal point before the number becomes a float.
 
+use super::show::unit_of;
 use super::units::{near, symbol};
 use super::value::{Quantity, QuantityError};
 use alloc::format;
@@ -237,4 +238,16 @@ impl<'a> Scan<'a> {
             Err(_) => Err(fault(start, self.at, "`^` must be followed by a number, as in `m^1.5`")),
         }
     }
+}
+
+/// Parses a text as a value of the parameter `name` with this unit \[SI\]. A number without a unit counts in SI.
+///
+/// # Errors
+/// If the text is not a quantity of this unit, in words.
+pub fn of_param(name: &str, unit: Unit, text: &str) -> Result<f64, String> {
+    let q = parse(text.trim()).map_err(|e| format!("`{name}`: {e}"))?;
+    if q.has_unit && !q.dim.same(unit.dim) {
+        return Err(format!("`{name}` must be in {}, not in {}", unit.symbol, unit_of(q.dim)));
+    }
+    Ok(q.value)
 }

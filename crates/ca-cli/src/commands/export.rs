@@ -1,0 +1,57 @@
+//! `ca export`: writes an instrument as a web page in one file.
+//!
+//! The page has the engine inside, so it plays from a disk and from any web server.
+
+use crate::args::common::model_help;
+use crate::args::{Source, completions};
+use crate::outcome::{Ended, Failure, Outcome};
+use crate::{load, term};
+use ca_compile::Options;
+use ca_io::atomic_file;
+use ca_site::{WebModules, modules, one_file};
+use clap::Args;
+use clap_complete::ArgValueCompleter;
+use std::path::PathBuf;
+
+/// Writes an instrument as a web page in one file
+///
+/// The page needs neither `ca` nor a network. It has the moving picture, the keys, the parameters and the sound, and
+/// whoever opens it can also change the text of the model.
+#[derive(Args)]
+#[command(after_long_help = "Examples:
+  ca export hammered_string --html string.html
+  ca export mine.ca.toml --html mine.html
+  ca export mine.ca.toml --html mine.html --site https://example.org/ca/")]
+pub struct ExportArgs {
+    /// the model
+    #[arg(help = model_help(), add = ArgValueCompleter::new(completions::models))]
+    pub model: String,
+    /// Page to write
+    #[arg(long, value_name = "FILE.html", required = true)]
+    pub html: PathBuf,
+    /// Address of a site (`ca site`) for links to the model
+    #[arg(long, value_name = "URL", default_value = "", hide_default_value = true)]
+    pub site: String,
+}
+
+/// Runs the command.
+pub fn run(args: &ExportArgs) -> Outcome {
+    let modules = built_in()?;
+    let loaded = load::load(&Source::of(&args.model))?;
+    load::scene(&loaded, &Options::default())?;
+    if !loaded.model.files.is_empty() || !loaded.clouds.is_empty() {
+        let what = "the model takes parts or points from other files, which a page cannot read; copy them into the model";
+        return Err(Failure::Failed(what.into()));
+    }
+    let page = one_file(&loaded.model.text, &format!("{}.ca.toml", loaded.name), &args.site, modules);
+    atomic_file::write(&args.html, page.as_bytes())?;
+    term::note(&format!("{} written ({:.1} MB)", args.html.display(), page.len() as f64 * 1e-6));
+    Ok(Ended::Well)
+}
+
+/// Returns the engine for browsers.
+pub(super) fn built_in() -> Result<WebModules, Failure> {
+    modules().ok_or_else(|| {
+        Failure::Failed("this `ca` was built without the engine for browsers; in its sources, `tools/site FOLDER` builds it".into())
+    })
+}

@@ -1,0 +1,225 @@
+//! Compiler and engine natively, as a page uses them; and the WebAssembly modules in Node, which give the same bits.
+
+use ca_io::format::Format;
+use ca_io::level_and_fade::{Ending, RenderOut};
+use ca_web::compiler::answer;
+use ca_web::engine::{Facts, WebEngine};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+const STRING: &str = r#"
+[param]
+k = { value = "2 kN/m", unit = "N/m", live = true, min = 200, max = 4000 }
+[STRING]
+low = { n = 30, f = "110 Hz", t60 = "3 s", m = "1 g" }
+[MAS]
+bob = { m = "10 g" }
+[SOL]
+wall = {}
+[REF]
+spring = { between = ["wall", "bob"], k = "k", z = 0.2 }
+[ENF]
+push = { to = "low[4]" }
+[SOX]
+left = { from = "low[6]", gain = 200 }
+right = { from = "bob", gain = 200 }
+[gesture]
+push = [[0, 0], [0.01, 0.5], [0.02, 0], [0.6, 0]]
+"#;
+
+fn ask(request: &Value) -> (Value, Vec<u8>) {
+    answer(request.to_string().as_bytes(), &[])
+}
+
+/// Compiles a text that is right.
+fn plan(text: &str, changes: &Value) -> (Vec<u8>, Facts) {
+    let (object, bytes) = ask(&json!({"type": "compile", "file": "s.ca.toml", "text": text, "changes": changes}));
+    assert_eq!(object["ok"], true, "{object}");
+    (bytes, serde_json::from_value(object["facts"].clone()).unwrap())
+}
+
+struct Played {
+    engine: WebEngine,
+    messages: Vec<Value>,
+}
+
+impl Played {
+    fn new(text: &str) -> Played {
+        let (plan, facts) = plan(text, &json!([]));
+        let mut played = Played { engine: WebEngine::open(&plan, &facts).unwrap(), messages: Vec::new() };
+        played.fetch();
+        played
+    }
+
+    fn fetch(&mut self) {
+        while let Some(message) = self.engine.next_message() {
+            if message[0] == b'{' {
+                self.messages.push(serde_json::from_slice(&message).unwrap());
+            }
+        }
+    }
+
+    fn ask(&mut self, request: &Value) -> Value {
+        let mut request = request.clone();
+        request["id"] = json!(7);
+        self.engine.request(request.to_string().as_bytes());
+        self.fetch();
+        self.last("reply")
+    }
+
+    fn last(&self, kind: &str) -> Value {
+        self.messages.iter().rfind(|m| m["type"] == kind).cloned().unwrap_or_default()
+    }
+
+    fn play(&mut self, frames: u32) -> Vec<f32> {
+        let sound = self.engine.play(frames).to_vec();
+        self.fetch();
+        sound
+    }
+}
+
+fn peak(sound: &[f32]) -> f32 {
+    sound.iter().fold(0.0, |m, x| m.max(x.abs()))
+}
+
+#[test]
+fn an_instrument_is_played_edited_and_mended() {
+    let mut p = Played::new(STRING);
+    assert_eq!((&p.last("scene")["channels"], p.engine.shape().channels), (&json!(["left", "right"]), 2));
+    assert!(p.last("scene")["stability"].as_str().unwrap().contains("margin"));
+    assert_eq!(peak(&p.play(100)), 0.0);
+    assert_eq!(p.ask(&json!({"type": "gesture", "play": true}))["ok"], true);
+    let frame = p.engine.shape().frame as usize;
+    let sound = p.play(300);
+    assert_eq!(sound.len(), 300 * frame * 2);
+    assert!(peak(&sound) > 0.01, "{}", peak(&sound));
+    assert_eq!(p.ask(&json!({"type": "set", "values": {"k": "900 N/m"}}))["ok"], true);
+    assert!(p.ask(&json!({"type": "set", "values": {"k": "900 kg"}}))["text"].as_str().unwrap().contains("must be in N/m"));
+    // a change needs the compiler, which is elsewhere; the instrument plays on meanwhile
+    p.ask(&json!({"type": "change", "name": "low.t60", "value": "1 s"}));
+    p.play(2);
+    assert_eq!(p.last("compile")["changes"], json!([["low.t60", "1 s"]]));
+    assert!(peak(&p.play(50)) > 0.0);
+    let (bytes, facts) = plan(STRING, &p.last("compile")["changes"]);
+    p.engine.compiled(&bytes, &facts);
+    p.play(50);
+    assert_eq!((&p.last("report")["ok"], &p.last("scene")["generation"]), (&json!(true), &json!(2)));
+    assert!(peak(&p.play(50)) > 0.0, "the new version goes on");
+    // a wrong one is reported, and nothing changes
+    p.ask(&json!({"type": "change", "name": "low.t60", "value": "-1 s"}));
+    p.play(2);
+    let (object, _) = ask(&json!({"type": "compile", "text": STRING, "changes": p.last("compile")["changes"]}));
+    assert_eq!(object["ok"], false);
+    p.engine.refused(object["text"].as_str().unwrap());
+    p.play(2);
+    assert!(p.last("report")["text"].as_str().unwrap().contains("`t60`"), "{}", p.last("report"));
+    assert_eq!(p.last("scene")["generation"], 2);
+}
+
+#[test]
+fn bytes_that_are_not_a_plan_and_requests_of_any_form_are_refused() {
+    let (plan, facts) = plan(STRING, &json!([]));
+    assert!(WebEngine::open(&[], &facts).is_err());
+    for at in (0..plan.len()).step_by(97) {
+        let mut damaged = plan.clone();
+        damaged[at] ^= 0x40;
+        assert!(WebEngine::open(&damaged, &facts).is_err(), "byte {at}");
+        assert!(WebEngine::open(&plan[..at], &facts).is_err(), "cut at {at}");
+    }
+    let mut p = Played::new(STRING);
+    for request in ["", "{", "[]", "null", "{\"type\": 3}", "{\"type\": \"grab\", \"mass\": 1e300}", "{\"id\": {}, \"type\": \"save\"}"] {
+        p.engine.request(request.as_bytes());
+        p.play(1);
+    }
+    p.engine.compiled(&plan, &facts);
+    p.play(2);
+    assert_eq!(p.last("report"), Value::Null, "a plan that nothing asked for is dropped");
+    for request in ["", "{}", "{\"type\": \"compile\"}", "{\"type\": \"render\", \"seconds\": 1e9}", "{\"type\": \"wav\"}"] {
+        assert_eq!(answer(request.as_bytes(), &[]).0["ok"], false, "{request}");
+    }
+}
+
+#[test]
+fn a_model_from_a_link_is_limited() {
+    let (object, bytes) = ask(&json!({"type": "compile", "text": STRING, "limit": 20}));
+    assert!(object["text"].as_str().unwrap().contains("at most 20"), "{object}");
+    assert!(bytes.is_empty());
+    assert_eq!(ask(&json!({"type": "compile", "text": STRING, "limit": 200})).0["ok"], true);
+}
+
+#[test]
+fn errors_are_those_of_the_command() {
+    let (object, _) = ask(&json!({"type": "check", "file": "s.ca.toml", "text": STRING.replace("[STRING]", "[STRNG]")}));
+    let text = object["text"].as_str().unwrap();
+    assert!(text.contains("s.ca.toml:4:2") && text.contains("STRING"), "{text}");
+    let (object, _) = ask(&json!({"type": "check", "text": "[STRING]\nlow = { file = 'x' }\n"}));
+    assert_eq!(object["ok"], false);
+    let (object, _) = ask(&json!({"type": "check", "text": STRING}));
+    assert!(object["masses"].as_u64().unwrap() > 30 && object["stability"].as_str().unwrap().contains("margin"));
+}
+
+/// A render in a page has the bytes of the file that `ca render` writes.
+#[test]
+fn a_render_is_the_file_of_the_command() {
+    let (object, bytes) = ask(&json!({"type": "render", "file": "s.ca.toml", "text": STRING, "seconds": 0.7}));
+    assert_eq!((&object["file"], &object["frames"]), (&json!("s.wav"), &json!(33_600)));
+    let scene = cordis_anima::Loaded::read(STRING, "s.ca.toml").compile(&Default::default()).unwrap().scene;
+    let sound = cordis_anima::render(&scene, Some(0.7)).unwrap();
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("s.wav");
+    let ending = Ending { format: Format::F32, flac: false, ceiling: false, fade: true, normalize: None };
+    let mut out = RenderOut::create(&path, sound.rate, sound.channels, ending).unwrap();
+    out.write(&sound.sound).unwrap();
+    assert!(out.finish(false).unwrap().faded);
+    assert!(std::fs::read(path).unwrap() == bytes);
+    // sound that a page recorded
+    let samples: Vec<u8> = [0.5_f32, -0.25].iter().flat_map(|x| x.to_le_bytes()).collect();
+    let (object, wav) = answer(json!({"type": "wav", "file": "r.wav", "rate": 48e3, "channels": 2}).to_string().as_bytes(), &samples);
+    assert_eq!(object["ok"], true, "{object}");
+    assert!(wav.ends_with(&samples) && wav.starts_with(b"RIFF"));
+}
+
+/// Folder with `engine.wasm` and `compiler.wasm`, as `tools/site --engine` makes it.
+fn modules() -> Option<PathBuf> {
+    let of = |folder: PathBuf| folder.join("engine.wasm").is_file().then_some(folder);
+    std::env::var_os("CA_WEB_ENGINE").map(PathBuf::from).and_then(of)
+}
+
+#[test]
+fn every_bundled_model_gives_the_same_bits_in_node() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let Some(folder) = modules() else {
+        skipped::skipped("modules of the browser", "CA_WEB_ENGINE does not name the folder of `tools/site --engine`");
+        return;
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bits.mjs");
+    let done = Command::new("node").arg(script).args([&folder, &root.join("models")]).arg(dir.path()).status();
+    let Ok(done) = done else {
+        skipped::skipped("node", "no Node.js, so no WebAssembly runs");
+        return;
+    };
+    assert!(done.success());
+    let mut models = 0;
+    for entry in std::fs::read_dir(root.join("models")).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_str().unwrap().to_owned();
+        if !name.ends_with(".ca.toml") {
+            continue;
+        }
+        let text = std::fs::read_to_string(&path).unwrap();
+        let mut p = Played::new(&text);
+        p.ask(&json!({"type": "gesture", "play": true}));
+        let shape = p.engine.shape();
+        let frames = (shape.rate / f64::from(shape.frame)).ceil() as u32;
+        let sound: Vec<u8> = (0..frames).flat_map(|_| p.play(1)).flat_map(f32::to_le_bytes).collect();
+        let there = std::fs::read(dir.path().join(&name)).unwrap();
+        assert!(sound == there, "{name}: {} and {} bytes", sound.len(), there.len());
+        models += 1;
+    }
+    assert!(models > 30);
+}
+
+#[path = "../../../tests/src/skipped.rs"]
+mod skipped;
