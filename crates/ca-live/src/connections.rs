@@ -134,8 +134,8 @@ impl Connections {
             match event {
                 Event::Here { session } => recorder.say(false, format!("{name}: connected (session {session:x})")),
                 Event::Gone => recorder.say(true, format!("{name}: disconnected")),
-                Event::Taken(who) => {
-                    recorder.say(true, format!("{who}; that process keeps the device until it ends"));
+                Event::Taken(why) => {
+                    recorder.say(true, format!("{why}; that process keeps the device until it ends"));
                 }
                 Event::Foreign(why) => {
                     let fix = why.fix();

@@ -100,7 +100,9 @@ impl Output {
     ) -> Result<(), Failure> {
         let Some(path) = path else { return Ok(()) };
         if scene.counts.channels == 0 {
-            return Err(Failure::Usage("-o: the model has no output, so there is no sound to write".into()));
+            return Err(Failure::Usage(
+                "-o: nothing to write, because the model lacks an output; add one with `[SOX]`".into(),
+            ));
         }
         check_wav_path(path)?;
         let out = WavOut::create(path, scene.rate, scene.counts.channels, Format::F32)?;

@@ -74,7 +74,7 @@ pub fn play(request: Request, listener: &Arc<dyn Listener>) -> Result<Report, Fa
     let Compiled { options, scene, setups, unknown, played, softened } = compile(&request, &**listener)?;
     let names = devices(&scene);
     if request.devices.pace == Pace::Device && names.is_empty() {
-        return Err(Failure::Usage("--clock device: the model has no device".into()));
+        return Err(Failure::Usage("--clock device: the model names none; leave the option out".into()));
     }
     if names.is_empty() && request.page.is_none() {
         listener.note("the model does not use a device; to play it in the browser, use `ca play` instead");
@@ -93,7 +93,9 @@ pub fn play(request: Request, listener: &Arc<dyn Listener>) -> Result<Report, Fa
     let mut output = Output::open(listener, waits, capacity)?;
     output.sound(request.files.sound.as_deref(), &scene, (capacity, busy))?;
     if request.sound.device.is_some() && scene.counts.channels == 0 {
-        return Err(Failure::Usage("--audio: the model has no output, so there is no sound to play".into()));
+        return Err(Failure::Usage(
+            "--audio: nothing to play, because the model lacks an output; add one with `[SOX]`".into(),
+        ));
     }
     let header = || {
         let changes = request.source.changes.clone();

@@ -73,7 +73,7 @@ impl EnergyOverTime {
                      supplied."
                 )
             }
-            _ if b.peak == 0.0 => "Nothing moved, so there is no energy.".into(),
+            _ if b.peak == 0.0 => "Nothing moved, so the energy is zero.".into(),
             0.0 => "The ledger balances exactly.".into(),
             rel => format!("The ledger balances to {rel:.1e} of its peak, {}.", joule(scale * b.peak)),
         };

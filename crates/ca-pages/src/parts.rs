@@ -34,7 +34,7 @@ pub(crate) fn notes(sound: &Sound, diverged: bool) -> Vec<(Weight, String)> {
     let peak = sound.peak().iter().copied().fold(0.0, f64::max);
     let mut list = Vec::new();
     if sound.names().is_empty() {
-        list.push((Weight::Note, "the model has no output, so there is no sound; add an output with `[SOX]`".into()));
+        list.push((Weight::Note, "the model is silent, because it lacks an output; add one with `[SOX]`".into()));
     } else if peak == 0.0 {
         list.push((Weight::Note, "all outputs are silent".into()));
     }

@@ -44,7 +44,8 @@ impl Bundle {
                 let _ = writeln!(body, "{line}");
             }
         }
-        let _ = write!(self.text, "modules[\"{name}\"] = (() => {{\n{body}return {{ {} }};\n}})();\n", exports.join(", "));
+        let _ =
+            write!(self.text, "modules[\"{name}\"] = (() => {{\n{body}return {{ {} }};\n}})();\n", exports.join(", "));
         self.done.push(name.into());
     }
 }
@@ -85,7 +86,10 @@ mod tests {
         }
         let film = bundle("picture/film.js");
         assert!(film.find("modules[\"picture/colour.js\"] =") < film.find("modules[\"picture/film.js\"] ="));
-        assert!(film.contains("return { Scene };") && bundle("main.js").contains("return { Slider, Parameters, ports, element };"));
+        assert!(
+            film.contains("return { Scene };")
+                && bundle("main.js").contains("return { Slider, Parameters, ports, element };")
+        );
     }
 
     #[test]

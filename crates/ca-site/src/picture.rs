@@ -18,16 +18,20 @@ pub fn svg(drawing: &Drawing) -> String {
     let low = [0, 1].map(|k| of(k).fold(f64::INFINITY, f64::min));
     let high = [0, 1].map(|k| of(k).fold(f64::NEG_INFINITY, f64::max));
     let extent = [high[0] - low[0], high[1] - low[1]];
-    let scale = [0, 1].map(|k| (SIZE[k] - 2.0 * MARGIN) / extent[k].max(1e-12)).into_iter().fold(f64::INFINITY, f64::min);
+    let scale =
+        [0, 1].map(|k| (SIZE[k] - 2.0 * MARGIN) / extent[k].max(1e-12)).into_iter().fold(f64::INFINITY, f64::min);
     let at = |p: [f64; 2]| [0, 1].map(|k| 0.5 * SIZE[k] + scale * (p[k] - 0.5 * (low[k] + high[k])));
     let places: Vec<[f64; 2]> = points.iter().map(|p| at(*p)).collect();
-    let mut out = format!("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" aria-hidden=\"true\">", SIZE[0], SIZE[1]);
+    let mut out = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" aria-hidden=\"true\">",
+        SIZE[0], SIZE[1]
+    );
     let mut lines = String::new();
     for link in json["links"].as_array().into_iter().flatten() {
         let ends = numbers(&link["ends"]);
         for pair in ends.chunks_exact(2) {
-            if let (Some(a), Some(b)) = (places.get(pair[0] as usize), places.get(pair[1] as usize)) {
-                let _ = write!(lines, "M{:.1} {:.1}L{:.1} {:.1}", a[0], a[1], b[0], b[1]);
+            if let (Some([x, y]), Some([to_x, to_y])) = (places.get(pair[0] as usize), places.get(pair[1] as usize)) {
+                let _ = write!(lines, "M{x:.1} {y:.1}L{to_x:.1} {to_y:.1}");
             }
         }
     }

@@ -80,9 +80,23 @@ fn files(modules: WebModules) -> Result<Vec<File>, Failure> {
     files.push(("npm/package.json".into(), format!("{package:#}\n").into_bytes()));
     files.push(("npm/model.js".into(), module("browser/model.js").into()));
     files.push(("npm/compiler.wasm".into(), modules.compiler.to_vec()));
-    let played = ["play.html", "play.js", "page.css", "browser/worklet.js", "browser/compiler-worker.js", "engine.wasm", "compiler.wasm", "register.js", "site.webmanifest", "icon.svg"];
-    let copies: Vec<File> =
-        files.iter().filter(|f| played.contains(&f.0.as_str())).map(|f| (format!("npm/page/{}", f.0), f.1.clone())).collect();
+    let played = [
+        "play.html",
+        "play.js",
+        "page.css",
+        "browser/worklet.js",
+        "browser/compiler-worker.js",
+        "engine.wasm",
+        "compiler.wasm",
+        "register.js",
+        "site.webmanifest",
+        "icon.svg",
+    ];
+    let copies: Vec<File> = files
+        .iter()
+        .filter(|f| played.contains(&f.0.as_str()))
+        .map(|f| (format!("npm/page/{}", f.0), f.1.clone()))
+        .collect();
     files.extend(copies);
     Ok(files)
 }

@@ -1,6 +1,9 @@
 async model => {
   const encoder = new TextEncoder();
-  const give = (wasm, bytes) => new Uint8Array(wasm.memory.buffer, wasm.ca_room(bytes.length), bytes.length).set(bytes);
+  const give = (wasm, bytes) => {
+    const place = wasm.ca_room(bytes.length);
+    new Uint8Array(wasm.memory.buffer, place, bytes.length).set(bytes);
+  };
   const framed = (text, bytes = new Uint8Array()) => {
     const all = new Uint8Array(4 + text.length + bytes.length);
     new DataView(all.buffer).setUint32(0, text.length, true);
@@ -12,7 +15,7 @@ async model => {
   window.modules ??= [await load("compiler"), await load("engine")];
   const compiler = (await WebAssembly.instantiate(window.modules[0])).exports;
   give(compiler, framed(encoder.encode(JSON.stringify(model))));
-  const length = compiler.ca_answer(), all = new Uint8Array(compiler.memory.buffer, compiler.ca_at(), length).slice();
+  const length = compiler.ca_answer(), at = compiler.ca_at(), all = new Uint8Array(compiler.memory.buffer, at, length).slice();
   const head = new DataView(all.buffer).getUint32(0, true), answer = JSON.parse(new TextDecoder().decode(all.subarray(4, 4 + head)));
   const wasm = (await WebAssembly.instantiate(window.modules[1])).exports;
   give(wasm, framed(encoder.encode(JSON.stringify(answer.facts)), all.subarray(4 + head)));

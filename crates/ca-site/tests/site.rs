@@ -4,17 +4,16 @@
 #[path = "../../ca-cli/tests/page/browser.rs"]
 #[allow(dead_code)]
 mod browser;
+mod server;
 #[path = "../../../tests/src/skipped.rs"]
 mod skipped;
 
 use browser::Tab;
 use ca_site::{WebModules, modules, one_file, site};
 use serde_json::{Value, json};
-use std::io::{BufRead as _, BufReader, Write as _};
-use std::net::{TcpListener, TcpStream};
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use server::Server;
+use std::path::Path;
+use std::sync::atomic::Ordering::Relaxed;
 use std::time::{Duration, Instant};
 
 fn built() -> Option<WebModules> {
@@ -23,58 +22,6 @@ fn built() -> Option<WebModules> {
         skipped::skipped("modules of the browser", "CA_WEB_ENGINE is not set, so no page without a server is played");
     }
     found
-}
-
-/// A server of files, as any web server is, that can be switched off.
-struct Server {
-    address: String,
-    off: Arc<AtomicBool>,
-}
-
-impl Server {
-    fn of(folder: PathBuf) -> Server {
-        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-        let address = format!("http://{}/", listener.local_addr().unwrap());
-        let off = Arc::new(AtomicBool::new(false));
-        let is_off = Arc::clone(&off);
-        std::thread::spawn(move || {
-            for stream in listener.incoming().flatten() {
-                if !is_off.load(Relaxed) {
-                    let folder = folder.clone();
-                    std::thread::spawn(move || answer(stream, &folder));
-                }
-            }
-        });
-        Server { address, off }
-    }
-}
-
-fn answer(mut stream: TcpStream, folder: &Path) {
-    let mut line = String::new();
-    let mut reader = BufReader::new(stream.try_clone().unwrap());
-    let _ = reader.read_line(&mut line);
-    let mut rest = String::new();
-    while reader.read_line(&mut rest).is_ok_and(|n| n > 2) {
-        rest.clear();
-    }
-    let path = line.split(' ').nth(1).unwrap_or("/").split('?').next().unwrap_or("/");
-    let path = if path == "/" { "/index.html" } else { path };
-    let file = folder.join(&path[1..]);
-    let kind = match file.extension().and_then(|e| e.to_str()) {
-        Some("html") => "text/html; charset=utf-8",
-        Some("js") => "text/javascript",
-        Some("css") => "text/css",
-        Some("svg") => "image/svg+xml",
-        Some("wasm") => "application/wasm",
-        Some("webmanifest") => "application/manifest+json",
-        _ => "text/plain; charset=utf-8",
-    };
-    let (status, body) = std::fs::read(&file).map_or(("404 Not Found", Vec::new()), |b| ("200 OK", b));
-    let head = format!(
-        "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\nConnection: close\r\n\r\n",
-        body.len()
-    );
-    let _ = stream.write_all(head.as_bytes()).and_then(|()| stream.write_all(&body));
 }
 
 /// Waits until an expression in the page is true.
@@ -138,7 +85,11 @@ fn an_instrument_of_the_gallery_is_played_pulled_edited_and_shared() {
         ));
     };
     edit(&mut tab, "[STRING]", "[STRNG]");
-    until(&mut tab, "the error is shown", "document.getElementById('reportText').textContent.includes('hammered_string.ca.toml:')");
+    until(
+        &mut tab,
+        "the error is shown",
+        "document.getElementById('reportText').textContent.includes('hammered_string.ca.toml:')",
+    );
     let generation = "+document.documentElement.dataset.generation";
     let before = tab.js(generation).as_f64().unwrap();
     edit(&mut tab, "[STRNG]", "[STRING]");
@@ -167,9 +118,17 @@ fn a_link_that_is_damaged_or_too_large_is_refused() {
         .then(b => { location.hash = 'model=' + btoa(String.fromCharCode(...new Uint8Array(b))).replaceAll('+', '-').replaceAll('/', '_'); location.reload(); return true; })";
     tab.js(bomb);
     until(&mut tab, "it is said", "document.getElementById('bannerText').textContent.includes('too long')");
-    for (address, why) in [("play.html", "names no instrument"), ("play.html?model=nothing", "no instrument `nothing`"), ("play.html?model=../x", "names no instrument")] {
+    for (address, why) in [
+        ("play.html", "names no instrument"),
+        ("play.html?model=nothing", "no instrument `nothing`"),
+        ("play.html?model=../x", "names no instrument"),
+    ] {
         tab.js(&format!("location.href = {}", json!(format!("{}{address}", server.address))));
-        until(&mut tab, address, &format!("document.getElementById('bannerText')?.textContent.includes({})", json!(why)));
+        until(
+            &mut tab,
+            address,
+            &format!("document.getElementById('bannerText')?.textContent.includes({})", json!(why)),
+        );
     }
 }
 
@@ -193,7 +152,8 @@ fn the_site_works_without_a_network_once_visited() {
 fn one_file_plays_from_a_disk() {
     let Some(modules) = built() else { return };
     let dir = tempfile::tempdir().unwrap();
-    let text = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/kalimba.ca.toml")).unwrap();
+    let text =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/kalimba.ca.toml")).unwrap();
     // the end of a script inside a model does not end the script of the page
     let text = format!("# </script><script>document.title = 'broken'</script>\n{text}");
     let path = dir.path().join("kalimba.html");
@@ -217,7 +177,9 @@ fn two_elements_on_one_page_play() {
     std::fs::write(dir.path().join("two.html"), page).unwrap();
     let Some(mut tab) = Tab::open(&format!("{}two.html", server.address)) else { return };
     let inside = |k: usize, what: &str| {
-        format!("(() => {{ const d = document.querySelectorAll('iframe')[{k}]?.contentDocument; return d?.documentElement && ({what}); }})()")
+        format!(
+            "(() => {{ const d = document.querySelectorAll('iframe')[{k}]?.contentDocument; return d?.documentElement && ({what}); }})()"
+        )
     };
     for k in 0..2 {
         until(&mut tab, "it is there", &inside(k, "d.documentElement.dataset.generation === '1'"));
@@ -237,7 +199,12 @@ fn every_model_plays_in_the_browser_with_the_bits_of_the_command() {
     for (name, text) in ca_lab::load::BUNDLED {
         let model = json!({"type": "compile", "file": format!("{name}.ca.toml"), "text": text});
         let found = tab.js(&format!("({run})({model})"));
-        let there: Vec<u32> = found.as_array().unwrap_or_else(|| panic!("{name}: {found} {:?}", tab.errors())).iter().map(number).collect();
+        let there: Vec<u32> = found
+            .as_array()
+            .unwrap_or_else(|| panic!("{name}: {found} {:?}", tab.errors()))
+            .iter()
+            .map(number)
+            .collect();
         assert_eq!(there, native(&model), "{name}");
     }
 }

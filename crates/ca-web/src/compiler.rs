@@ -61,7 +61,7 @@ pub fn answer(request: &[u8], bytes: &[u8]) -> (Value, Vec<u8>) {
         Ok(Ask::Compile(source)) => compile(&source),
         Ok(Ask::Check(source)) => check(&source),
         Ok(Ask::Render { source, seconds }) => sound(&source, seconds),
-        Ok(Ask::Wav { file, rate, channels }) => wav(file, rate, channels, bytes),
+        Ok(Ask::Wav { file, rate, channels }) => wav(&file, rate, channels, bytes),
         Err(why) => Err(json!({"text": format!("the request cannot be read: {why}")})),
     };
     match done {
@@ -82,7 +82,11 @@ type Answer = Result<(Value, Vec<u8>), Value>;
 fn compile(source: &Source) -> Answer {
     let (loaded, compiled) = compiled(source)?;
     let Compiled { scene, findings, .. } = compiled;
-    let facts = Facts { name: loaded.name.clone(), stability: stability(&scene.certificate), warnings: warnings(&findings, &loaded.model) };
+    let facts = Facts {
+        name: loaded.name.clone(),
+        stability: stability(&scene.certificate),
+        warnings: warnings(&findings, &loaded.model),
+    };
     let object = json!({"facts": facts, "findings": render::json(&findings, &loaded.model), "rate": scene.rate});
     Ok((object, scene.to_bytes()))
 }
@@ -121,9 +125,9 @@ fn sound(source: &Source, seconds: Option<f64>) -> Answer {
     Ok((object, bytes))
 }
 
-fn wav(file: String, rate: f64, channels: usize, bytes: &[u8]) -> Answer {
+fn wav(file: &str, rate: f64, channels: usize, bytes: &[u8]) -> Answer {
     let samples: Vec<f64> = bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b).into()).collect();
-    let bytes = wav_bytes(&file, rate, channels, &samples).map_err(|why| json!({"text": why.to_string()}))?;
+    let bytes = wav_bytes(file, rate, channels, &samples).map_err(|why| json!({"text": why.to_string()}))?;
     Ok((json!({"file": file}), bytes))
 }
 

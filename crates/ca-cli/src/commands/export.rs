@@ -40,7 +40,8 @@ pub fn run(args: &ExportArgs) -> Outcome {
     let loaded = load::load(&Source::of(&args.model))?;
     load::scene(&loaded, &Options::default())?;
     if !loaded.model.files.is_empty() || !loaded.clouds.is_empty() {
-        let what = "the model takes parts or points from other files, which a page cannot read; copy them into the model";
+        let what =
+            "the model takes parts or points from other files, which a page cannot read; copy them into the model";
         return Err(Failure::Failed(what.into()));
     }
     let page = one_file(&loaded.model.text, &format!("{}.ca.toml", loaded.name), &args.site, modules);
@@ -52,6 +53,8 @@ pub fn run(args: &ExportArgs) -> Outcome {
 /// Returns the engine for browsers.
 pub(super) fn built_in() -> Result<WebModules, Failure> {
     modules().ok_or_else(|| {
-        Failure::Failed("this `ca` was built without the engine for browsers; in its sources, `tools/site FOLDER` builds it".into())
+        Failure::Failed(
+            "this `ca` was built without the engine for browsers; in its sources, `tools/site FOLDER` builds it".into(),
+        )
     })
 }

@@ -96,6 +96,12 @@ impl Tab {
         }
     }
 
+    /// Sends a command of the DevTools protocol.
+    #[allow(dead_code)]
+    pub fn emulate(&mut self, method: &str, params: &Value) {
+        self.command(method, params);
+    }
+
     /// Evaluates an expression in the page as a user gesture, so that the page may start sound.
     pub fn js(&mut self, expression: &str) -> Value {
         let asked = json!({"expression": expression, "awaitPromise": true, "returnByValue": true, "userGesture": true});

@@ -48,7 +48,7 @@ impl Written<'_> {
     }
 }
 
-impl<'a> Wiring<'a> {
+impl Wiring<'_> {
     /// Resolves a selector. `wants_mat` is the reason why it must refer to MATs, if it must.
     pub(super) fn select(&mut self, w: Written<'_>, wants_mat: Option<&str>) -> Option<Meaning> {
         let sel = match select::parse(w.text) {

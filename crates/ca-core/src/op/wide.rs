@@ -110,15 +110,11 @@ pub(crate) fn plain<R: Real, W: pulp::WithSimd>(layout: &Layout<R>, call: W) -> 
     }
 }
 
-/// Runs `call` with the vectors of `arch`. A WebAssembly module that is built with vectors has only them, so it gets a
-/// single instance.
+/// Runs `call` with the vectors of `arch`. A WebAssembly module either has vectors everywhere or nowhere, so one instance
+/// is enough, and the compiler vectorises its loops.
 #[inline(always)]
 fn dispatch<W: pulp::WithSimd>(arch: Arch, call: W) -> W::Output {
-    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-    if let Some(simd) = pulp::wasm::Simd128::try_new() {
-        return Simd::vectorize(simd, call);
-    }
-    arch.dispatch(call)
+    if cfg!(target_arch = "wasm32") { Simd::vectorize(pulp::Scalar::new(), call) } else { arch.dispatch(call) }
 }
 
 /// Runs a pass with the body `B`, for vectors that are aligned to cache lines or limited by square roots.
