@@ -3,7 +3,7 @@
 //! Models are drawn part by part, not from the seed of a generator as for the certificate. A failing model therefore
 //! shrinks to the few parts it needs, and is printed as text.
 
-use crate::play::{Random, scene, with, within};
+use crate::play::{Random, scene, with};
 use ca_compile::Options;
 use ca_core::{Level, Scene, State, tick};
 use proptest::prelude::*;

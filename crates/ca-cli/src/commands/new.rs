@@ -4,10 +4,11 @@
 //! it matches this build, works without a network, and moves with the folder.
 
 use crate::args::completions;
-use crate::load::{self, BUNDLED, STARTER};
+use crate::load::{self, BUNDLED};
 use crate::outcome::{Ended, Failure, Outcome};
 use ca_io::{atomic_file, read_limited};
 use ca_lab::catalog;
+use ca_lab::load::STARTER;
 use ca_model::schema;
 use ca_model::suggest::nearest;
 use clap::Args;
