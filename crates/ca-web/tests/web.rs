@@ -233,6 +233,10 @@ fn every_bundled_model_gives_the_same_bits_in_node() {
         models += 1;
     }
     assert!(models > 30);
+    let text = std::fs::read_to_string(root.join("models/kalimba.ca.toml")).unwrap();
+    let render = json!({"type": "render", "file": "kalimba.ca.toml", "text": text, "seconds": 0.5});
+    let there = std::fs::read(dir.path().join("kalimba.wav")).unwrap();
+    assert!(ask(&render).1 == there, "the WAV files differ: {} bytes", there.len());
 }
 
 #[path = "../../../tests/src/skipped.rs"]

@@ -8,6 +8,8 @@ use std::path::PathBuf;
 
 /// Masses of the string.
 const MASSES: usize = 79;
+/// Place of the hammer at load, as the model has it \[m\].
+const HAMMER: f64 = -8e-3;
 /// Pictures, ticks between two of them, and the time for which one is shown \[s\].
 const PICTURES: usize = 56;
 const TICKS: usize = 16;
@@ -17,7 +19,7 @@ const SIZE: [f64; 2] = [640.0, 240.0];
 const AMPLITUDE: f64 = 70.0;
 const MARGIN: f64 = 30.0;
 
-/// The displacements of the string and of the hammer \[m\], from 2 ms before the string first moves.
+/// The displacements of the string and the place of the hammer \[m\], from 2 ms before the string first moves.
 fn film() -> Vec<(Vec<f64>, f64)> {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../models/hammered_string.ca.toml");
     let scene = Loaded::open(folder).expect("a bundled model").compile(&Options::default()).expect("it compiles").scene;
@@ -35,7 +37,7 @@ fn film() -> Vec<(Vec<f64>, f64)> {
         if p.state.tick % TICKS as u64 != 0 {
             continue;
         }
-        let now = (string.iter().map(|i| p.state.x[*i]).collect::<Vec<f64>>(), p.state.x[hammer]);
+        let now = (string.iter().map(|i| p.state.x[*i]).collect::<Vec<f64>>(), HAMMER + p.state.x[hammer]);
         let moves = now.0.iter().any(|x| x.abs() > 1e-5);
         if all.is_empty() && !moves {
             before.push(now);

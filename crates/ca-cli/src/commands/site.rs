@@ -14,7 +14,7 @@ use std::path::PathBuf;
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca site public
-  ca site public && python3 -m http.server --directory public")]
+  ca site public && ls public/models")]
 pub struct SiteArgs {
     /// Folder to write; existing files of the same names are replaced
     pub folder: PathBuf,

@@ -50,7 +50,7 @@ impl Vectors {
 
     /// Runs `call` with the vectors for arrays aligned to cache lines.
     pub(crate) fn widest<W: pulp::WithSimd>(self, call: W) -> W::Output {
-        dispatch(self.widest, call)
+        self.widest.dispatch(call)
     }
 
     /// Returns all vectors of this processor, narrowest first. A scene plays the same bits with each.
@@ -97,7 +97,7 @@ pub fn wide<R: Real, B: Body<R>>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R
 pub(crate) fn plain<R: Real, W: pulp::WithSimd>(layout: &Layout<R>, call: W) -> W::Output {
     // a dual number is one vector of the widest kind
     if const { matches!(R::PRECISION, Precision::Dual) } {
-        return dispatch(layout.vectors.widest, call);
+        return layout.vectors.widest.dispatch(call);
     }
     // avoids a third instance of bodies that would not gain by it
     match layout.vectors.plain {
@@ -106,18 +106,11 @@ pub(crate) fn plain<R: Real, W: pulp::WithSimd>(layout: &Layout<R>, call: W) -> 
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         _ => Simd::vectorize(pulp::Scalar::new(), call),
         #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
-        other => dispatch(other, call),
+        other => other.dispatch(call),
     }
-}
-
-/// Runs `call` with the vectors of `arch`. A WebAssembly module either has vectors everywhere or nowhere, so one instance
-/// is enough, and the compiler vectorises its loops.
-#[inline(always)]
-fn dispatch<W: pulp::WithSimd>(arch: Arch, call: W) -> W::Output {
-    if cfg!(target_arch = "wasm32") { Simd::vectorize(pulp::Scalar::new(), call) } else { arch.dispatch(call) }
 }
 
 /// Runs a pass with the body `B`, for vectors that are aligned to cache lines or limited by square roots.
 pub fn widest<B: Body<f64>>(op: &Op, layout: &Layout, s: &mut State) {
-    dispatch(layout.vectors.widest, Call { op, layout, s, body: PhantomData::<B> });
+    layout.vectors.widest.dispatch(Call { op, layout, s, body: PhantomData::<B> });
 }

@@ -23,7 +23,7 @@ pub struct Played<'a> {
     pub performance: Performance<'a>,
     /// Samples played.
     pub frames: u64,
-    /// Time spent.
+    /// Time spent; zero in WebAssembly, which has no clock.
     pub wall: Duration,
     /// Tick at which a divergence was found.
     pub diverged_at: Option<u64>,
@@ -50,7 +50,7 @@ pub fn play<'a, E>(
     let n_out = p.scene.counts.n_out;
     let mut rows = Vec::with_capacity(block as usize * n_out);
     let mut last_good: Option<(Ledger, u64)> = None;
-    let begin = Instant::now();
+    let begin = cfg!(not(target_family = "wasm")).then(Instant::now);
     let mut done = 0;
     while done < length.frames {
         let block = block.min(length.frames - done);
@@ -70,7 +70,7 @@ pub fn play<'a, E>(
             break;
         }
     }
-    let wall = begin.elapsed();
+    let wall = begin.map_or(Duration::ZERO, |begin| begin.elapsed());
     // finds a divergence since the last check of the state
     p.diverged |= !p.state.is_bounded(DIVERGED);
     let diverged_at = p.diverged.then_some(p.state.tick);

@@ -5,6 +5,7 @@ mod border;
 mod check_device;
 mod commands;
 mod equiv;
+mod export;
 mod fit;
 mod number_format;
 mod pitch;
