@@ -8,8 +8,9 @@ use std::path::PathBuf;
 
 /// Masses of the string.
 const MASSES: usize = 79;
-/// Place of the hammer at load, as the model has it \[m\].
+/// Place of the hammer at load \[m\], and the mass that it strikes, as the model has them.
 const HAMMER: f64 = -8e-3;
+const STRUCK: usize = 8;
 /// Pictures, ticks between two of them, and the time for which one is shown \[s\].
 const PICTURES: usize = 56;
 const TICKS: usize = 16;
@@ -34,10 +35,13 @@ fn film() -> Vec<(Vec<f64>, f64)> {
     let mut all = Vec::new();
     while all.len() < PICTURES {
         p.tick();
-        if p.state.tick % TICKS as u64 != 0 {
+        if !p.state.tick.is_multiple_of(TICKS as u64) {
             continue;
         }
-        let now = (string.iter().map(|i| p.state.x[*i]).collect::<Vec<f64>>(), HAMMER + p.state.x[hammer]);
+        let line: Vec<f64> = string.iter().map(|i| p.state.x[*i]).collect();
+        // the pressed felt has no thickness in the picture
+        let place = (HAMMER + p.state.x[hammer]).min(line[STRUCK]);
+        let now = (line, place);
         let moves = now.0.iter().any(|x| x.abs() > 1e-5);
         if all.is_empty() && !moves {
             before.push(now);
@@ -87,7 +91,7 @@ fn svg(film: &[(Vec<f64>, f64)]) -> String {
         times = scale * 25.4e-3 / 96.0,
         first = lines[0],
         lines = lines.join(";"),
-        hammer = x(9),
+        hammer = x(STRUCK + 1),
         start = heights[0],
         heights = heights.join(";"),
         left = x(0),
