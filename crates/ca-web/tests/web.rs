@@ -175,10 +175,12 @@ fn errors_are_those_of_the_command() {
 /// A render in a page has the bytes of the file that `ca render` writes.
 #[test]
 fn a_render_is_the_file_of_the_command() {
-    let (object, bytes) = ask(&json!({"type": "render", "file": "s.ca.toml", "text": STRING, "seconds": 0.1}));
+    // loud, so that its end is faded
+    let text = STRING.replace("gain = 200", "gain = 20000");
+    let (object, bytes) = ask(&json!({"type": "render", "file": "s.ca.toml", "text": text, "seconds": 0.1}));
     assert_eq!((&object["file"], &object["frames"]), (&json!("s.wav"), &json!(4800)));
     let scene =
-        cordis_anima::Loaded::read(STRING, "s.ca.toml").compile(&cordis_anima::Options::default()).unwrap().scene;
+        cordis_anima::Loaded::read(&text, "s.ca.toml").compile(&cordis_anima::Options::default()).unwrap().scene;
     let sound = cordis_anima::render(&scene, Some(0.1)).unwrap();
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("s.wav");
