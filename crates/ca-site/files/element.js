@@ -1,5 +1,5 @@
 // <ca-instrument src="model.ca.toml">: an instrument in any page. The model may also stand inside the element, as text.
-// Each instrument is a page of its own in a frame, so several do not disturb each other. One that is out of sight is
+// Each instrument is a separate page in a frame, so several do not disturb each other. One that is out of sight is
 // suspended.
 
 import { pack } from "./index.js";

@@ -1,8 +1,8 @@
 //! Instruments as web pages that need no server.
 //!
 //! [`one_file`] puts an instrument into one HTML file with the engine inside. [`site`] writes a folder for any web
-//! server: a gallery of the bundled instruments, the page that plays them, and a package for other pages. The page is
-//! that of `ca play` ([`ca_play::PAGE`]), with the engine of `ca-web` in place of a server.
+//! server: a gallery of the bundled instruments, the page that plays them, and a package for other pages. All use
+//! the page of `ca play` ([`ca_play::PAGE`]), with the engine of `ca-web` in place of a server.
 #![forbid(unsafe_code)]
 
 mod gallery;

@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use std::io::Write as _;
 
 /// Returns the page of a model. `file` is the name of its file, and `site` the address of a site for links to the
-/// model; there are no links if it is empty.
+/// model; links are left out if it is empty.
 pub fn one_file(text: &str, file: &str, site: &str, modules: WebModules) -> String {
     let style = format!("<style>\n{STYLE}</style>\n");
     let model = inside(&json!({"file": file, "text": text}));

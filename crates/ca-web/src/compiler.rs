@@ -45,7 +45,7 @@ enum Ask {
     Render {
         #[serde(flatten)]
         source: Source,
-        /// Duration \[s\]; that of the model if `None`.
+        /// Duration \[s\]; the duration in the model if `None`.
         seconds: Option<f64>,
     },
     /// Makes a WAV file of samples, which are behind the request: `f32`, interleaved.

@@ -39,7 +39,7 @@ fn film() -> Vec<(Vec<f64>, f64)> {
             continue;
         }
         let line: Vec<f64> = string.iter().map(|i| p.state.x[*i]).collect();
-        // the pressed felt has no thickness in the picture
+        // the picture leaves out the thickness of the felt
         let place = (HAMMER + p.state.x[hammer]).min(line[STRUCK]);
         let now = (line, place);
         let moves = now.0.iter().any(|x| x.abs() > 1e-5);

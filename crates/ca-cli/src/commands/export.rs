@@ -16,7 +16,7 @@ use std::path::PathBuf;
 /// Writes an instrument as a web page in one file
 ///
 /// The page needs neither `ca` nor a network. It has the moving picture, the keys, the parameters and the sound, and
-/// whoever opens it can also change the text of the model.
+/// its reader can also change the text of the model.
 #[derive(Args)]
 #[command(after_long_help = "Examples:
   ca export hammered_string --html string.html
