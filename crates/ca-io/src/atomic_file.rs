@@ -88,7 +88,7 @@ fn stdout() -> std::io::Result<File> {
     let owned = std::os::fd::AsFd::as_fd(&std::io::stdout()).try_clone_to_owned();
     #[cfg(windows)]
     let owned = std::os::windows::io::AsHandle::as_handle(&std::io::stdout()).try_clone_to_owned();
-    // without an operating system there are no files
+    // files need an operating system
     #[cfg(not(any(unix, windows)))]
     let owned: std::io::Result<File> = Err(std::io::ErrorKind::Unsupported.into());
     owned.map(File::from)

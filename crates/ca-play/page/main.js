@@ -139,6 +139,7 @@ function load(message) {
   canvas.setAttribute("aria-label", `The moving instrument: ${scene.n} masses`);
   if (scene.decimated) status.say(`The picture shows ${scene.decimated.shown} of ${scene.decimated.of} masses.`);
   root.generation = scene.generation;
+  root.rate = scene.message.rate;
 }
 
 // the button plays the whole instrument from its beginning, with sound; while the gesture of the model plays, it ends

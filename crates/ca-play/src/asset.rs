@@ -24,6 +24,7 @@ const ASSETS: &[Asset] = assets![
     "browser/parts.js" "text/javascript; charset=utf-8",
     "browser/sound.js" "text/javascript; charset=utf-8",
     "browser/text.js" "text/javascript; charset=utf-8",
+    "browser/wasm.js" "text/javascript; charset=utf-8",
     "browser/worklet.js" "text/javascript; charset=utf-8",
     "picture/camera.js" "text/javascript; charset=utf-8",
     "picture/colour.js" "text/javascript; charset=utf-8",

@@ -26,7 +26,7 @@ impl Bundle {
         if self.done.iter().any(|n| n == name) {
             return;
         }
-        let asset = asset::find(name).unwrap_or_else(|| panic!("the page has no module `{name}`"));
+        let asset = asset::find(name).unwrap_or_else(|| panic!("the page lacks the module `{name}`"));
         let source = String::from_utf8_lossy(asset.bytes);
         let (mut body, mut exports) = (String::new(), Vec::new());
         for line in source.lines() {
@@ -82,7 +82,7 @@ mod tests {
         for root in ["main.js", "picture/film.js", "browser/worklet.js", "browser/compiler-worker.js"] {
             let text = bundle(root);
             assert!(!text.contains("\nimport ") && !text.contains("\nexport ") && !text.contains("</script"), "{root}");
-            assert_eq!(text.matches("modules[\"").count() > 1, root != "browser/compiler-worker.js", "{root}");
+            assert!(text.contains(" = modules[\""), "{root}");
         }
         let film = bundle("picture/film.js");
         assert!(film.find("modules[\"picture/colour.js\"] =") < film.find("modules[\"picture/film.js\"] ="));

@@ -95,3 +95,26 @@ pub trait Files {
     /// If nothing was kept, or the file cannot be written.
     fn save(&mut self, recorder: &mut Recorder) -> Result<String, Refused>;
 }
+
+/// Files of a host that writes none. Requests for files are refused with this reason.
+pub struct NoFiles(pub &'static str);
+
+impl Files for NoFiles {
+    fn can_save(&self) -> bool {
+        false
+    }
+
+    fn recording(&self) -> Option<String> {
+        None
+    }
+
+    fn poll(&mut self, _: &mut Recorder) {}
+
+    fn record(&mut self, _: bool, _: &Scene) -> Result<String, Refused> {
+        Err(self.0.into())
+    }
+
+    fn save(&mut self, _: &mut Recorder) -> Result<String, Refused> {
+        Err(self.0.into())
+    }
+}

@@ -26,7 +26,7 @@ mod session;
 
 pub use answer::{Change, answer, value};
 pub use greeting::greeting;
-pub use host::{CompileState, CompiledVersion, Files, Language, VersionCompiler};
+pub use host::{CompileState, CompiledVersion, Files, Language, NoFiles, VersionCompiler};
 pub use instrument::Instrument;
 pub use midi::Midi;
 pub use pages::Pages;

@@ -2,10 +2,11 @@
 
 use ca_core::{LiveParam, Scene};
 use ca_haptic::engine::Setup;
-use ca_haptic::serve::Recorder;
 use ca_haptic::version::Version;
 use ca_session::protocol::{Message, NumberedRequest};
-use ca_session::{CompileState, CompiledVersion, Files, Instrument, Language, Pages, Parts, Refused, VersionCompiler};
+use ca_session::{
+    CompileState, CompiledVersion, Instrument, Language, NoFiles, Pages, Parts, Refused, VersionCompiler,
+};
 use ca_view::Drawing;
 use serde_json::{Value, json};
 use std::cell::RefCell;
@@ -131,31 +132,13 @@ impl VersionCompiler for Compiler {
     }
 }
 
-struct NoFiles;
-
-impl Files for NoFiles {
-    fn can_save(&self) -> bool {
-        false
-    }
-    fn recording(&self) -> Option<String> {
-        None
-    }
-    fn poll(&mut self, _: &mut Recorder) {}
-    fn record(&mut self, _: bool, _: &Scene) -> Result<String, Refused> {
-        Err("no files here".into())
-    }
-    fn save(&mut self, _: &mut Recorder) -> Result<String, Refused> {
-        Err("no files here".into())
-    }
-}
-
 fn instrument() -> (Instrument, FakePages) {
     let pages = FakePages::default();
     let parts = Parts {
         pages: Box::new(pages.clone()),
         language: Box::new(Numbers),
         maker: Box::<Compiler>::default(),
-        files: Box::new(NoFiles),
+        files: Box::new(NoFiles("no files here")),
         name: "bob".into(),
         allow_arm: false,
     };

@@ -5,6 +5,9 @@
 #[path = "../../ca-cli/tests/page/browser.rs"]
 #[allow(dead_code)]
 mod browser;
+#[path = "../tests/second/mod.rs"]
+#[allow(dead_code)]
+mod second;
 #[path = "../tests/server/mod.rs"]
 #[allow(dead_code)]
 mod server;
@@ -16,51 +19,30 @@ use ca_lab::load::BUNDLED;
 use ca_site::{modules, site};
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use serde_json::json;
+use serde_json::{Value, json};
 use server::Server;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
 /// Rounds of timing; the fastest counts.
 const ROUNDS: usize = 5;
 
-/// Time for a second of sound by the native engine \[ms\].
-fn native(text: &str) -> f64 {
-    let model = json!({"type": "compile", "file": "m.ca.toml", "text": text});
-    let (object, plan) = ca_web::compiler::answer(model.to_string().as_bytes(), &[]);
-    let facts = serde_json::from_value(object["facts"].clone()).expect("facts");
-    let round = || {
-        let mut engine = ca_web::engine::WebEngine::open(&plan, &facts).expect("a plan");
-        engine.request(br#"{"type": "gesture", "play": true}"#);
-        let shape = engine.shape();
-        let began = Instant::now();
-        for _ in 0..(shape.rate / f64::from(shape.frame)).ceil() as u32 {
-            engine.play(1);
-            while engine.next_message().is_some() {}
-        }
-        began.elapsed().as_secs_f64() * 1e3
-    };
-    (0..ROUNDS).map(|_| round()).fold(f64::INFINITY, f64::min)
-}
-
 /// Time for a second of sound of each model in Node \[ms\].
-fn node(folder: &Path) -> BTreeMap<String, f64> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let script = root.join("crates/ca-web/tests/bits.mjs");
-    let out = tempfile::tempdir().expect("a folder");
+fn node(site: &Path) -> BTreeMap<String, f64> {
+    std::fs::write(site.join("npm/second.js"), include_str!("../tests/second.js")).expect("a file");
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/node.mjs");
     let mut all: BTreeMap<String, f64> = BTreeMap::new();
     for _ in 0..ROUNDS {
-        let mut command = Command::new("node");
-        command.arg(&script).args([folder, &root.join("models")]).arg(out.path()).env("CA_TIMES", "1");
-        let done = command.output().expect("Node.js");
+        let done = Command::new("node").args([&script, site]).output().expect("Node.js");
         assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
         for line in String::from_utf8_lossy(&done.stdout).lines() {
-            let words: Vec<&str> = line.split(' ').collect();
-            let (name, ms) = (words[0].trim_end_matches(".ca.toml"), words[1].parse::<f64>().expect("a time"));
+            let second: Value = serde_json::from_str(line).expect("a line of JSON");
+            let name = second["file"].as_str().unwrap_or_default().trim_end_matches(".ca.toml");
+            let ms = second["ms"].as_f64().expect("a time");
             all.entry(name.into()).and_modify(|t| *t = t.min(ms)).or_insert(ms);
         }
     }
@@ -99,10 +81,12 @@ fn processor() -> String {
 }
 
 fn main() {
-    let (Some(modules), Some(folder)) = (modules(), std::env::var_os("CA_WEB_ENGINE").map(PathBuf::from)) else {
+    let Some(modules) = modules() else {
         skipped::skipped("modules of the browser", "CA_WEB_ENGINE is not set");
         return;
     };
+    let native =
+        |name: &str, text: &str| (0..ROUNDS).map(|_| second::native(name, text).ms).fold(f64::INFINITY, f64::min);
     let mut page = String::from(
         "# The engine in the browser\n\nThis page answers how large the engine is, how soon it sounds, and how much slower it is than the \
          command. Made by `CA_WEB_ENGINE=$PWD/target/web UPDATE=1 cargo bench -p ca-site` after `tools/site --engine`: do not edit.\n\n",
@@ -123,12 +107,12 @@ fn main() {
              visited before {warm:.1} s (target 1)."
         );
     }
-    let there = node(&folder);
+    let there = node(dir.path());
     let _ = writeln!(page, "\nTime for a second of sound \\[ms\\], fastest of {ROUNDS}, on {}:\n", processor());
     page += "| model | native | Node.js | ratio |\n|---|---|---|---|\n";
     let mut ratios = Vec::new();
     for (name, text) in BUNDLED {
-        let (here, there) = (native(text), there.get(*name).copied().unwrap_or(f64::NAN));
+        let (here, there) = (native(name, text), there.get(*name).copied().unwrap_or(f64::NAN));
         ratios.push(there / here);
         let _ = writeln!(page, "| {name} | {here:.1} | {there:.1} | {:.1} |", there / here);
     }

@@ -41,3 +41,26 @@ fn page(head: &str, script: &str) -> String {
         .replace("<link rel=\"stylesheet\" href=\"page.css\">\n", head)
         .replace("<script type=\"module\" src=\"main.js\"></script>\n", script)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The page of `ca play` has the lines that a page without a server changes, and the documents have its limits.
+    #[test]
+    fn pages_without_a_server_follow_the_page_of_the_program() {
+        let page = one_file("# a </script>", "a.ca.toml", "", WebModules { engine: b"e", compiler: b"c" });
+        assert!(page.contains("data-engine=\"browser\"") && page.contains("<style>") && page.contains("caParts"));
+        for gone in ["page.css", "src=\"main.js\"", "# a </script>"] {
+            assert!(!page.contains(gone), "{gone}");
+        }
+        let words = include_str!("../../../docs/web.md").split_whitespace().collect::<Vec<_>>().join(" ");
+        for (file, code, word) in [
+            ("browser/model.js", "LONGEST = 300000, MODULES = 20000", "300 kB and its model at most 20 000 modules"),
+            ("browser/compiler.js", "LONGEST = 20000;", "stopped after 20 s"),
+        ] {
+            assert!(ca_play::module(file).contains(code), "{code}");
+            assert!(words.contains(word), "{word}");
+        }
+    }
+}

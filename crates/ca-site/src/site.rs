@@ -78,7 +78,9 @@ fn files(modules: WebModules) -> Result<Vec<File>, Failure> {
         "files": ["*.js", "*.d.ts", "*.wasm", "page"],
     });
     files.push(("npm/package.json".into(), format!("{package:#}\n").into_bytes()));
-    files.push(("npm/model.js".into(), module("browser/model.js").into()));
+    for name in ["model.js", "wasm.js"] {
+        files.push((format!("npm/{name}"), module(&format!("browser/{name}")).into()));
+    }
     files.push(("npm/compiler.wasm".into(), modules.compiler.to_vec()));
     let played = [
         "play.html",

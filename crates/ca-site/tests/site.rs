@@ -4,6 +4,8 @@
 #[path = "../../ca-cli/tests/page/browser.rs"]
 #[allow(dead_code)]
 mod browser;
+#[allow(dead_code)]
+mod second;
 mod server;
 #[path = "../../../tests/src/skipped.rs"]
 mod skipped;
@@ -13,15 +15,20 @@ use ca_site::{WebModules, modules, one_file, site};
 use serde_json::{Value, json};
 use server::Server;
 use std::path::Path;
+use std::process::Command;
 use std::sync::atomic::Ordering::Relaxed;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-fn built() -> Option<WebModules> {
+/// Pages in real time would disturb each other on two cores.
+static ALONE: Mutex<()> = Mutex::new(());
+
+fn built() -> Option<(WebModules, MutexGuard<'static, ()>)> {
     let found = modules();
     if found.is_none() {
         skipped::skipped("modules of the browser", "CA_WEB_ENGINE is not set, so no page without a server is played");
     }
-    found
+    found.map(|modules| (modules, ALONE.lock().unwrap_or_else(PoisonError::into_inner)))
 }
 
 /// Waits until an expression in the page is true.
@@ -58,7 +65,7 @@ fn folder(modules: WebModules) -> (tempfile::TempDir, Server) {
 
 #[test]
 fn an_instrument_of_the_gallery_is_played_pulled_edited_and_shared() {
-    let Some(modules) = built() else { return };
+    let Some((modules, _alone)) = built() else { return };
     let (_dir, server) = folder(modules);
     let Some(mut tab) = Tab::open(&server.address) else { return };
     until(&mut tab, "the gallery shows all", "document.querySelectorAll('.card').length >= 34");
@@ -95,13 +102,32 @@ fn an_instrument_of_the_gallery_is_played_pulled_edited_and_shared() {
     edit(&mut tab, "[STRNG]", "[STRING]");
     until(&mut tab, "it is mended", "document.getElementById('report').hidden");
     until(&mut tab, "the new version plays", &format!("{generation} > {before}"));
+    // saved: the render, and what was played
+    tab.js("window.saved = {}; const made = URL.createObjectURL; let last; \
+         URL.createObjectURL = blob => { last = blob; return made.call(URL, blob); }; \
+         HTMLAnchorElement.prototype.click = function () { \
+         const name = this.download; last.arrayBuffer().then(b => { window.saved[name] = b; }); }; 0");
+    tab.js("document.getElementById('render').click()");
+    let saved = |name: &str, bytes: u32| {
+        format!(
+            "(b => !!b && b.byteLength > {bytes} && String.fromCharCode(...new Uint8Array(b, 0, 4)) === 'RIFF')(window.saved['{name}'])"
+        )
+    };
+    until(&mut tab, "the render is saved", &saved("hammered_string.wav", 2_000_000));
+    tab.js("window.saved = {}; document.getElementById('record').click()");
+    std::thread::sleep(Duration::from_millis(600));
+    tab.js("document.getElementById('record').click()");
+    until(&mut tab, "the sound is saved", &saved("hammered_string.wav", 100_000));
+    tab.js("document.getElementById('saveText').click()");
+    until(&mut tab, "the text is saved", "window.saved['hammered_string.ca.toml']?.byteLength > 1000");
+    assert_eq!(tab.js("getComputedStyle(document.getElementById('stop')).display"), "none", "nothing to end");
     // shared: the link carries the edited text
     edit(&mut tab, "110 Hz", "123 Hz");
     tab.js("Object.defineProperty(navigator, 'clipboard', {value: {writeText: async t => { window.copied = t; }}}); document.getElementById('share').click()");
     until(&mut tab, "the link is copied", "typeof window.copied === 'string'");
     let link = tab.js("window.copied");
     assert!(link.as_str().unwrap().contains("play.html#model="), "{link}");
-    tab.js(&format!("location.href = {link}; location.reload()"));
+    tab.js(&format!("location.href = {link}; 0"));
     until(&mut tab, "the shared text is there", "document.getElementById('modelText')?.value.includes('123 Hz')");
     play(&mut tab);
     assert_eq!(tab.errors(), Vec::<String>::new());
@@ -109,7 +135,7 @@ fn an_instrument_of_the_gallery_is_played_pulled_edited_and_shared() {
 
 #[test]
 fn a_link_that_is_damaged_or_too_large_is_refused() {
-    let Some(modules) = built() else { return };
+    let Some((modules, _alone)) = built() else { return };
     let (_dir, server) = folder(modules);
     let Some(mut tab) = Tab::open(&format!("{}play.html#model=AAAA", server.address)) else { return };
     until(&mut tab, "it is said", "document.getElementById('bannerText').textContent.includes('damaged')");
@@ -134,7 +160,7 @@ fn a_link_that_is_damaged_or_too_large_is_refused() {
 
 #[test]
 fn the_site_works_without_a_network_once_visited() {
-    let Some(modules) = built() else { return };
+    let Some((modules, _alone)) = built() else { return };
     let (_dir, server) = folder(modules);
     let Some(mut tab) = Tab::open(&format!("{}play.html?model=plucked_string", server.address)) else { return };
     play(&mut tab);
@@ -150,7 +176,7 @@ fn the_site_works_without_a_network_once_visited() {
 
 #[test]
 fn one_file_plays_from_a_disk() {
-    let Some(modules) = built() else { return };
+    let Some((modules, _alone)) = built() else { return };
     let dir = tempfile::tempdir().unwrap();
     let text =
         std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/kalimba.ca.toml")).unwrap();
@@ -169,11 +195,12 @@ fn one_file_plays_from_a_disk() {
 
 #[test]
 fn two_elements_on_one_page_play() {
-    let Some(modules) = built() else { return };
+    let Some((modules, _alone)) = built() else { return };
     let (dir, server) = folder(modules);
     let page = "<!doctype html><meta charset=utf-8><script type=module src=npm/element.js></script>\
         <ca-instrument src=models/kalimba.ca.toml></ca-instrument>\
-        <ca-instrument>[CEL]\nbar = { m = '2 g', f = '440 Hz', t60 = '9 s', dx0 = '1 mm' }\n[SOX]\nout = { from = 'bar', gain = 500 }</ca-instrument>";
+        <ca-instrument>[CEL]\nbar = { m = '2 g', f = '440 Hz', t60 = '9 s', dx0 = '1 mm' }\n[SOX]\nout = { from = 'bar', gain = 500 }</ca-instrument>\
+        <p style='height: 3000px'></p>";
     std::fs::write(dir.path().join("two.html"), page).unwrap();
     let Some(mut tab) = Tab::open(&format!("{}two.html", server.address)) else { return };
     let inside = |k: usize, what: &str| {
@@ -188,44 +215,100 @@ fn two_elements_on_one_page_play() {
     for k in 0..2 {
         until(&mut tab, "it sounds", &inside(k, "d.getElementById('decibels').textContent.includes('dBFS')"));
     }
+    // out of sight, its time stands still; in sight, it goes on
+    tab.js("scrollTo(0, 3500)");
+    let tick = inside(0, "+d.documentElement.dataset.tick");
+    std::thread::sleep(Duration::from_secs(1));
+    let before = tab.js(&tick);
+    std::thread::sleep(Duration::from_secs(1));
+    assert_eq!(tab.js(&tick), before);
+    tab.js("scrollTo(0, 0)");
+    until(&mut tab, "it goes on", &format!("{tick} > {before}"));
+}
+
+/// A model that needs more than real time is reported, and can be played at half the rate.
+#[test]
+fn a_model_that_is_too_heavy_is_offered_at_half_the_rate() {
+    let Some((modules, _alone)) = built() else { return };
+    let (dir, server) = folder(modules);
+    let text = "[rate]\noversample = 64\n[STRING]\nlow = { n = 300, f = '80 Hz', t60 = '2 s', m = '1 g' }\n\
+        [SOX]\nout = { from = 'low[7]', gain = 10 }\n";
+    std::fs::write(dir.path().join("models/heavy.ca.toml"), text).unwrap();
+    let Some(mut tab) = Tab::open(&format!("{}play.html?model=heavy", server.address)) else { return };
+    until(&mut tab, "the instrument is there", OPEN);
+    tab.js("document.getElementById('play').click()");
+    until(&mut tab, "it is said", "document.getElementById('bannerText').textContent.includes('of real time')");
+    assert_eq!(tab.js("document.documentElement.dataset.rate"), "48000");
+    tab.js("document.getElementById('again').click()");
+    until(&mut tab, "it plays at half the rate", "document.documentElement.dataset.rate === '24000'");
+    until(&mut tab, "time goes on", "+document.documentElement.dataset.tick > 1000");
+    // an edited text keeps the rate
+    tab.js("document.getElementById('modelText').value += '\\n'; document.getElementById('apply').click()");
+    until(&mut tab, "the new version plays", "+document.documentElement.dataset.generation === 2");
+    assert_eq!(tab.js("document.documentElement.dataset.rate"), "24000");
+}
+
+/// The package renders in Node, with the bytes of the command, and refuses with the errors of the model.
+#[test]
+fn the_package_renders_in_node() {
+    let Some((modules, _alone)) = built() else { return };
+    let (dir, _server) = folder(modules);
+    let script = "const [site, out] = process.argv.slice(1); const { render, check } = await import(`${site}/npm/index.js`); \
+        const fs = await import('node:fs'), text = fs.readFileSync(`${site}/models/kalimba.ca.toml`, 'utf8'); \
+        fs.writeFileSync(out, (await render(text, { seconds: 0.5, file: 'k.ca.toml' })).wav); \
+        const found = await check(text), refused = await check('[STRNG]').catch(e => e.message); \
+        console.log(JSON.stringify({ masses: found.masses, refused }));";
+    let wav = dir.path().join("k.wav");
+    let Some(said) = node(&[Path::new("--input-type=module"), Path::new("-e"), Path::new(script), dir.path(), &wav])
+    else {
+        return;
+    };
+    let said: Value = serde_json::from_str(&said).unwrap();
+    assert!(said["masses"].as_u64().unwrap() > 7 && said["refused"].as_str().unwrap().contains("STRING"), "{said}");
+    let text = std::fs::read_to_string(dir.path().join("models/kalimba.ca.toml")).unwrap();
+    let render = json!({"type": "render", "file": "k.ca.toml", "text": text, "seconds": 0.5});
+    let (_, native) = ca_web::compiler::answer(render.to_string().as_bytes(), &[]);
+    assert!(std::fs::read(wav).unwrap() == native);
+}
+
+/// Runs Node; `None` without it.
+fn node(args: &[&Path]) -> Option<String> {
+    let Ok(done) = Command::new("node").args(args).output() else {
+        skipped::skipped("node", "no Node.js, so no package is used");
+        return None;
+    };
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    Some(String::from_utf8(done.stdout).unwrap())
 }
 
 #[test]
-fn every_model_plays_in_the_browser_with_the_bits_of_the_command() {
-    let Some(modules) = built() else { return };
-    let (_dir, server) = folder(modules);
-    let Some(mut tab) = Tab::open(&format!("{}index.html", server.address)) else { return };
-    let run = include_str!("bits.js");
-    for (name, text) in ca_lab::load::BUNDLED {
-        let model = json!({"type": "compile", "file": format!("{name}.ca.toml"), "text": text});
-        let found = tab.js(&format!("({run})({model})"));
-        let there: Vec<u32> = found
-            .as_array()
-            .unwrap_or_else(|| panic!("{name}: {found} {:?}", tab.errors()))
-            .iter()
-            .map(number)
-            .collect();
-        assert_eq!(there, native(&model), "{name}");
+fn every_model_plays_with_the_bits_of_the_command_in_node_and_in_chromium() {
+    let Some((modules, _alone)) = built() else { return };
+    let (dir, server) = folder(modules);
+    std::fs::write(dir.path().join("npm/second.js"), include_str!("second.js")).unwrap();
+    let native = |name: &str| {
+        let text = std::fs::read_to_string(dir.path().join("models").join(name)).unwrap();
+        second::native(name, &text)
+    };
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/node.mjs");
+    let mut models = 0;
+    for line in node(&[&script, dir.path()]).iter().flat_map(|all| all.lines()) {
+        let there: Value = serde_json::from_str(line).unwrap();
+        let name = there["file"].as_str().unwrap();
+        assert_eq!((&there["samples"], &there["hash"]), native(name).json(), "{name} in Node");
+        models += 1;
     }
-}
-
-fn number(v: &Value) -> u32 {
-    v.as_u64().unwrap() as u32
-}
-
-/// Number of samples, and their FNV-1a hash in 32 bits, of one second.
-fn native(model: &Value) -> Vec<u32> {
-    let (object, plan) = ca_web::compiler::answer(model.to_string().as_bytes(), &[]);
-    let facts = serde_json::from_value(object["facts"].clone()).unwrap();
-    let mut engine = ca_web::engine::WebEngine::open(&plan, &facts).unwrap();
-    engine.request(br#"{"type": "gesture", "play": true}"#);
-    let shape = engine.shape();
-    let (mut n, mut hash) = (0, 0x811c_9dc5_u32);
-    for _ in 0..(shape.rate / f64::from(shape.frame)).ceil() as u32 {
-        for x in engine.play(1) {
-            n += 1;
-            hash = (hash ^ x.to_bits()).wrapping_mul(0x0100_0193);
-        }
+    assert!(models == 0 || models > 34, "{models}");
+    let Some(mut tab) = Tab::open(&server.address) else { return };
+    tab.js("Promise.all(['compiler', 'engine'].map(async n => WebAssembly.compile(await (await fetch(n + '.wasm')).arrayBuffer())))\
+        .then(async ([c, e]) => { window.engine = e; window.compiler = (await WebAssembly.instantiate(c)).exports; })");
+    for entry in std::fs::read_dir(dir.path().join("models")).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        let there = tab.js(&format!(
+            "(async () => {{ const {{ second }} = await import('./npm/second.js'); \
+             return second(window.compiler, window.engine, {0}, await (await fetch('models/' + {0})).text()); }})()",
+            json!(name)
+        ));
+        assert_eq!((&there["samples"], &there["hash"]), native(&name).json(), "{name} in Chromium: {:?}", tab.errors());
     }
-    vec![n, hash]
 }

@@ -7,18 +7,21 @@ use crate::outbox::Outbox;
 use ca_core::Catalog;
 use ca_core::{LiveParam, Plan, Scene};
 use ca_haptic::engine::Setup;
-use ca_haptic::serve::{Recorder, Sink, SinkStreams};
+use ca_haptic::serve::{Sink, SinkStreams};
 use ca_haptic::version::Version;
 use ca_io::FileError;
 use ca_model::{quantity, suggest};
 use ca_session::protocol::{NumberedRequest, Request};
-use ca_session::{CompileState, CompiledVersion, Files, Instrument, Language, Parts, Refused, VersionCompiler};
+use ca_session::{CompileState, CompiledVersion, Instrument, Language, NoFiles, Parts, Refused, VersionCompiler};
 use ca_view::Drawing;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use std::cell::RefCell;
 use std::rc::Rc;
 use std::sync::Arc;
+
+/// The page itself records sound and saves files.
+const BY_PAGE: &str = "the page of a browser records sound by itself; takes need `ca play`";
 
 /// Facts about a plan that the compiler knows.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -75,7 +78,7 @@ impl WebEngine {
             pages: Box::new(outbox.clone()),
             language: Box::new(WebLanguage(Rc::clone(&stability))),
             maker: Box::new(Elsewhere { outbox: outbox.clone(), state: Rc::clone(&compilation) }),
-            files: Box::new(NoFiles),
+            files: Box::new(NoFiles(BY_PAGE)),
             name: facts.name.clone(),
             allow_arm: false,
         };
@@ -237,30 +240,5 @@ impl VersionCompiler for Elsewhere {
 
     fn gone(&mut self) -> Option<String> {
         None
-    }
-}
-
-/// The page itself records sound and saves files.
-struct NoFiles;
-
-const BY_PAGE: &str = "the page of a browser records sound by itself; takes need `ca play`";
-
-impl Files for NoFiles {
-    fn can_save(&self) -> bool {
-        false
-    }
-
-    fn recording(&self) -> Option<String> {
-        None
-    }
-
-    fn poll(&mut self, _: &mut Recorder) {}
-
-    fn record(&mut self, _: bool, _: &Scene) -> Result<String, Refused> {
-        Err(BY_PAGE.into())
-    }
-
-    fn save(&mut self, _: &mut Recorder) -> Result<String, Refused> {
-        Err(BY_PAGE.into())
     }
 }

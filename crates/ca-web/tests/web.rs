@@ -1,12 +1,10 @@
-//! Compiler and engine natively, as a page uses them; and the WebAssembly modules in Node, which give the same bits.
+//! Compiler and engine natively, as a page uses them. The tests of `ca-site` compare the WebAssembly modules with them.
 
 use ca_io::format::Format;
 use ca_io::level_and_fade::{Ending, RenderOut};
 use ca_web::compiler::answer;
 use ca_web::engine::{Facts, WebEngine};
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
-use std::process::Command;
 
 const STRING: &str = r#"
 [param]
@@ -196,51 +194,3 @@ fn a_render_is_the_file_of_the_command() {
     assert_eq!(object["ok"], true, "{object}");
     assert!(wav.ends_with(&samples) && wav.starts_with(b"RIFF"));
 }
-
-/// Folder with `engine.wasm` and `compiler.wasm`, as `tools/site --engine` makes it.
-fn modules() -> Option<PathBuf> {
-    let of = |folder: PathBuf| folder.join("engine.wasm").is_file().then_some(folder);
-    std::env::var_os("CA_WEB_ENGINE").map(PathBuf::from).and_then(of)
-}
-
-#[test]
-fn every_bundled_model_gives_the_same_bits_in_node() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    let Some(folder) = modules() else {
-        skipped::skipped("modules of the browser", "CA_WEB_ENGINE does not name the folder of `tools/site --engine`");
-        return;
-    };
-    let dir = tempfile::tempdir().unwrap();
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bits.mjs");
-    let done = Command::new("node").arg(script).args([&folder, &root.join("models")]).arg(dir.path()).status();
-    let Ok(done) = done else {
-        skipped::skipped("node", "no Node.js, so no WebAssembly runs");
-        return;
-    };
-    assert!(done.success());
-    let mut models = 0;
-    for entry in std::fs::read_dir(root.join("models")).unwrap() {
-        let path = entry.unwrap().path();
-        let name = path.file_name().unwrap().to_str().unwrap().to_owned();
-        if !name.ends_with(".ca.toml") {
-            continue;
-        }
-        let text = std::fs::read_to_string(&path).unwrap();
-        let mut p = Played::new(&text);
-        p.ask(&json!({"type": "gesture", "play": true}));
-        let shape = p.engine.shape();
-        let frames = (shape.rate / f64::from(shape.frame)).ceil() as u32;
-        let sound: Vec<u8> = (0..frames).flat_map(|_| p.play(1)).flat_map(f32::to_le_bytes).collect();
-        let there = std::fs::read(dir.path().join(&name)).unwrap();
-        assert!(sound == there, "{name}: {} and {} bytes", sound.len(), there.len());
-        models += 1;
-    }
-    assert!(models > 30);
-    let text = std::fs::read_to_string(root.join("models/kalimba.ca.toml")).unwrap();
-    let render = json!({"type": "render", "file": "kalimba.ca.toml", "text": text, "seconds": 0.5});
-    let there = std::fs::read(dir.path().join("kalimba.wav")).unwrap();
-    assert!(ask(&render).1 == there, "the WAV files differ: {} bytes", there.len());
-}
-
-#[path = "../../../tests/src/skipped.rs"]
-mod skipped;

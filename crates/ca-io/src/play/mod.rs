@@ -23,7 +23,7 @@ pub struct Played<'a> {
     pub performance: Performance<'a>,
     /// Samples played.
     pub frames: u64,
-    /// Time spent; zero in WebAssembly, which has no clock.
+    /// Time spent; zero in WebAssembly, where a clock is missing.
     pub wall: Duration,
     /// Tick at which a divergence was found.
     pub diverged_at: Option<u64>,

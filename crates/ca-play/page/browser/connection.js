@@ -3,6 +3,7 @@
 
 import { Messages } from "../messages.js";
 import { Compiler } from "./compiler.js";
+import { framed } from "./wasm.js";
 
 /**
  * A model as text.
@@ -13,7 +14,7 @@ import { Compiler } from "./compiler.js";
  */
 
 /**
- * Where the parts of the engine are.
+ * The places of the parts of the engine.
  * @typedef {object} Parts
  * @property {() => Worker} worker starts the worker of the compiler
  * @property {() => Promise<ArrayBuffer>} compiler module of the compiler
@@ -36,6 +37,8 @@ export class EngineConnection extends Messages {
     this.first = model;
     /** @type {Model|null} */
     this.model = null;
+    /** @type {[string, string][]} values that every version of the model has */
+    this.changes = [];
     this.parts = parts;
     this.compiler = new Compiler(parts);
     this.decoder = new TextDecoder();
@@ -67,7 +70,7 @@ export class EngineConnection extends Messages {
 
   async begin() {
     this.model = this.model || await this.first;
-    const made = await this.compiler.ask({ type: "compile", ...this.model });
+    const made = await this.compiler.ask({ type: "compile", ...this.model, changes: this.changes });
     if (!made.ok) {
       // the text can be mended in the page
       this.on.status("open", {});
@@ -76,7 +79,7 @@ export class EngineConnection extends Messages {
     }
     const engine = await this.parts.engine();
     await this.sound(made.rate);
-    this.node.port.postMessage({ type: "open", engine, request: this.plan(made) });
+    this.node.port.postMessage({ type: "open", engine, request: framed(made.facts, made.bytes) });
     this.open = true;
     this.on.status("open", {});
   }
@@ -149,24 +152,17 @@ export class EngineConnection extends Messages {
     this.on.status("heavy", { text });
   }
 
+  // plays the model from its beginning at half the rate, as the rate of an engine is fixed
   lighten() {
-    this.send({ type: "change", name: "rate.sound", value: `${this.rate / 2} Hz` });
+    this.changes = [["rate.sound", `${this.rate / 2} Hz`]];
+    this.connect();
   }
 
   // compiles another version for the engine, with the numbers changed in the page
   async compile(changes) {
-    const made = await this.compiler.ask({ type: "compile", ...this.model, changes });
-    if (made.ok) this.node.port.postMessage({ type: "compiled", request: this.plan(made) });
+    const made = await this.compiler.ask({ type: "compile", ...this.model, changes: [...this.changes, ...changes] });
+    if (made.ok) this.node.port.postMessage({ type: "compiled", request: framed(made.facts, made.bytes) });
     else this.node.port.postMessage({ type: "refused", request: this.encoder.encode(made.text) });
-  }
-
-  // the facts of a plan and the plan, as the engine reads them
-  plan({ facts, bytes }) {
-    const text = this.encoder.encode(JSON.stringify(facts)), all = new Uint8Array(4 + text.length + bytes.length);
-    new DataView(all.buffer).setUint32(0, text.length, true);
-    all.set(text, 4);
-    all.set(bytes, 4 + text.length);
-    return all;
   }
 
   // plays another text

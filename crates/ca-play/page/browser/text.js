@@ -14,6 +14,7 @@ export class ModelText {
     this.say = say;
     this.area = find("modelText");
     find("textBox").hidden = false;
+    find("record").title = "Records the sound from now on, and saves it as a WAV file";
     find("apply").addEventListener("click", () => this.apply());
     find("saveText").addEventListener("click", () => save(connection.model.file, this.area.value, "text/plain"));
     find("share").hidden = !this.site;
@@ -39,9 +40,9 @@ export class ModelText {
     at.hash = "model=" + await pack(this.area.value);
     try {
       await navigator.clipboard.writeText(String(at));
-      this.say("The link is copied. Whoever opens it plays this instrument.");
+      this.say("The link is copied. It opens this instrument.");
     } catch {
-      window.prompt("Copy this link. Whoever opens it plays this instrument.", String(at));
+      window.prompt("Copy this link. It opens this instrument.", String(at));
     }
   }
 

@@ -2,9 +2,12 @@
 // following block.
 
 import { Player } from "../worklet.js";
+import { give } from "./wasm.js";
 
 // longest time for the frames of a block [ms]; a model that is too heavy leaves gaps then
 const LONGEST = 100;
+// after a block that took longer than this [ms], the thread rests for half of its time, so that the page still moves
+const LATE = 8;
 
 class Instrument extends Player {
   constructor() {
@@ -13,8 +16,7 @@ class Instrument extends Player {
     this.wasm = null;
     this.gaps = 0;
     this.write = this.read = this.rate = 0;
-    this.work = 0;
-    this.blocks = 0;
+    this.work = this.blocks = this.rest = 0;
     this.port.onmessage = ({ data }) => this.message(data);
   }
 
@@ -26,7 +28,7 @@ class Instrument extends Player {
     try {
       if (data.type === "open") this.begin(data);
       else if (this.wasm) {
-        this.give(data.request);
+        if (data.request) give(this.wasm, data.request);
         if (data.type === "request") this.wasm.ca_request();
         else if (data.type === "compiled") this.wasm.ca_compiled();
         else if (data.type === "refused") this.wasm.ca_refused();
@@ -41,7 +43,7 @@ class Instrument extends Player {
   begin({ engine, request }) {
     const wasm = new WebAssembly.Instance(new WebAssembly.Module(engine)).exports;
     this.wasm = wasm;
-    this.give(request);
+    give(wasm, request);
     const length = wasm.ca_open();
     if (length > 0) {
       const text = String.fromCharCode(...new Uint8Array(wasm.memory.buffer, wasm.ca_at(), length));
@@ -53,12 +55,6 @@ class Instrument extends Player {
   stop(error) {
     this.wasm = null;
     this.port.postMessage({ type: "failed", text: `the engine stopped (${error.message || error}); reload the page` });
-  }
-
-  give(bytes) {
-    if (!bytes) return;
-    const place = this.wasm.ca_room(bytes.length);
-    new Uint8Array(this.wasm.memory.buffer, place, bytes.length).set(bytes);
   }
 
   // passes the messages of the engine to the page
@@ -90,8 +86,8 @@ class Instrument extends Player {
   }
 
   process(_, [output]) {
-    if (!this.wasm) return true;
     const left = output[0], right = output[1] || left, length = left.length, began = Date.now();
+    if (!this.wasm || began < this.rest) return true;
     try {
       this.fill(this.ratio && this.ratio !== 1 ? length * this.ratio + 34 : length);
       if (this.channels) {
@@ -127,6 +123,7 @@ class Instrument extends Player {
   count(began, length) {
     const now = Date.now();
     this.work += now - began;
+    if (now - began > LATE) this.rest = now + (now - began) / 2;
     this.blocks += length;
     if (this.blocks < sampleRate / 2) return;
     const load = this.work * 1e-3 * sampleRate / this.blocks;

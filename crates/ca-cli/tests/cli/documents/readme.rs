@@ -109,13 +109,15 @@ mod in_real_time {
     /// watchdogs end the forces as intended, so it plays again.
     fn play(sandbox: &Sandbox, server: &Line, device: &Line) {
         const TRIES: usize = 10;
+        // half of the periods of the performance
+        const HALF: u32 = 9000;
         for _ in 0..TRIES {
             sandbox.files().iter().for_each(|f| fs::remove_file(sandbox.path(f)).unwrap());
             sandbox.sh(device.text).is(0);
             let ran = sandbox.sh(server.text);
             // the device waits for the server and ends by itself
             let felt = effects::felt(sandbox, device);
-            let stood_still = ran.out.contains("WATCHDOG") || left_out(&ran.out) > 1000;
+            let stood_still = ran.out.contains("WATCHDOG") || left_out(&ran.out) > HALF;
             let code = if stood_still && ran.code == 3 { 3 } else { 0 };
             let ran = ran.is(code);
             if felt > 1.0 {
