@@ -1,5 +1,6 @@
 //! Last step: converts the network to the arrays and passes of a [`Scene`](ca_core::Scene).
 
+pub mod clusters;
 pub mod cost;
 mod driven;
 pub mod gesture_rate;

@@ -1,5 +1,6 @@
 //! Schedule: builds the flat arrays and the list of passes of a scene, with entries only for parts that it has.
 
+use crate::emit::clusters::clusters;
 use crate::emit::driven;
 use crate::emit::gesture_rate::{self, Slow};
 use crate::emit::high_pass::{blockers, of_motion, plain_first};
@@ -158,6 +159,7 @@ pub fn schedule(
             rows: Vec::new(),
             pair_sets: links.pair_sets,
             e0: links.e0,
+            clusters: Vec::new(),
         },
         out: OutputArrays {
             output_rows: Vec::new(),
@@ -193,6 +195,9 @@ pub fn schedule(
         vectors: Vectors::detect(),
     };
     layout.links.rows = rows(&links.forces, &layout.links.ends, &layout.links.reach, &layout.places.rest);
+    if options.arithmetic.is_none_or(|a| a >= 8) && layout.places.modal_couplings.is_empty() {
+        layout.links.clusters = clusters(&links.forces, &layout.links.ends, &coef[2 * n_mat..3 * n_mat]);
+    }
     let mut reads = pass_list::reads(&layout, live_places.len(), aimed);
     let sweeps = options.arithmetic.is_none_or(|a| a >= 7);
     let mut forces = pass_list::forces(&layout, links.forces, links.late, weight, in_space, sweeps);
@@ -365,7 +370,7 @@ fn loaded(net: &Pruned, layout: &Layout, x: &[f64], v: &[f64], coef: &[f64], (li
         near: layout.links.pair_sets.iter().map(|c| VerletList::new(c.members.len(), c.rows, c.columns)).collect(),
         cells: alloc::vec![Cell::default(); layout.places.moving_points.len()],
         implicit: alloc::vec![0.0; layout.implicit.as_ref().map_or(0, |a| 2 * a.places.len())],
-        touches: ActiveContacts::new(layout.counts.n_touch, layout.counts.n_mat),
+        touches: ActiveContacts::of(layout),
     };
     s.ports = PortState {
         last_input: input.clone(),

@@ -34,6 +34,8 @@ pub(super) fn nothing<R: Real>() -> R {
 #[derive(Clone, Copy)]
 pub(super) struct Reach<R: Real> {
     ends: [u32; 2],
+    /// number of its cluster
+    cluster: usize,
     axes: usize,
     g: [R; 3],
     tap: Option<usize>,
@@ -63,16 +65,18 @@ pub(super) fn reach<R: Real, G: Measure>(
         own += *g * *g * (mobility(layout, s, a) + mobility(layout, s, b));
     }
     let tap = op.form.tap.then_some(op.tap + i);
-    Reach { ends, axes, g, tap, side, free, own }
+    let cluster = layout.links.clusters.get(op.first + i).map_or(0, |c| *c as usize);
+    Reach { ends, cluster, axes, g, tap, side, free, own }
 }
 
 /// Adds a link to the list of this tick and returns its record, in which all but the reach is from an earlier tick.
 #[inline(always)]
 pub(super) fn enter<R: Real>(s: &mut State<R>, mem: usize, by: Reach<R>) -> Option<&mut ActiveContact<R>> {
     let touches = &mut s.links.touches;
-    let t = touches.list.get_mut(touches.n)?;
-    touches.n += 1;
-    let Reach { ends, axes, g, tap, side, free, own } = by;
+    let Reach { ends, cluster, axes, g, tap, side, free, own } = by;
+    let region = touches.regions.get_mut(cluster).filter(|region| region.n < region.room)?;
+    let t = touches.list.get_mut(region.first + region.n)?;
+    region.n += 1;
     (t.mem, t.ends, t.axes, t.g, t.tap, t.side, t.free, t.own) = (mem, ends, axes, g, tap, side, free, own);
     Some(t)
 }

@@ -171,6 +171,7 @@ fn layout<R: Real>(l: &Layout, laws: &Laws<R>) -> Result<Layout<R>, Unbound> {
             rows: l.links.rows.clone(),
             pair_sets: l.links.pair_sets.clone(),
             e0: reals(&l.links.e0),
+            clusters: l.links.clusters.clone(),
         },
         places: Places {
             rest: reals(&l.places.rest),
@@ -278,7 +279,7 @@ fn state<R: Real>(s: &State, layout: &Layout<R>) -> State<R> {
             cells: s.links.cells.iter().map(|c| Cell { n: c.n, node: c.node, weight: c.weight.map(R::of) }).collect(),
             near: layout.links.pair_sets.iter().map(|c| VerletList::new(c.members.len(), c.rows, c.columns)).collect(),
             implicit: reals(&s.links.implicit),
-            touches: ActiveContacts::new(layout.counts.n_touch, layout.counts.n_mat),
+            touches: ActiveContacts::of(layout),
         },
         input: s.input.clone(),
         ports: PortState {

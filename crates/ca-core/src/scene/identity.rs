@@ -26,9 +26,10 @@ use core::hash::Hasher as _;
 /// - 5: set-valued friction sticks from the first tick on if nothing moves at load.
 /// - 6: ports at links solved with the coming motion run a tick late; shared `stable` contacts use discrete gradients.
 /// - 7: links that share masses are first solved one by one, in sweeps, if one of them is a discrete gradient.
+/// - 8: links that share masses are solved cluster by cluster.
 ///
-/// Takes from before 5, 6 and 7 are compiled as they were then, and so play the same bits.
-pub const ARITHMETIC: u32 = 7;
+/// Takes from before 5, 6, 7 and 8 are compiled as they were then, and so play the same bits.
+pub const ARITHMETIC: u32 = 8;
 
 /// Returns the oldest arithmetic that plays a scene with the same bits as [`ARITHMETIC`].
 pub fn same_since<R: Real>(scene: &Scene<R>) -> u32 {
@@ -38,6 +39,9 @@ pub fn same_since<R: Real>(scene: &Scene<R>) -> u32 {
     };
     let curved = |op: &Op<R>| op.law.is_some_and(|law| matches!(law.stage, SolveStage::Coupled(c) if c.curve));
     let coupled = |op: &Op<R>| op.law.is_some_and(|law| matches!(law.stage, SolveStage::Coupled(_)));
+    if !scene.layout.links.clusters.is_empty() {
+        return 8;
+    }
     let forces = &scene.passes.forces;
     if forces.iter().any(|op| op.pass == Pass::Contacts { modes: false, sweeps: true }) {
         return 7;
@@ -114,7 +118,7 @@ impl Words {
             rates: Rates { sample_dt, ratio, frame, slow, substeps },
             counts: Counts { n_mat, n_lia, n_coef, n_mem, n_touch, n_tap, channels, n_out },
             // rows follow from ends, reach and rest
-            links: LinkArrays { ends, onto, reach, pair_sets, e0, rows: _ },
+            links: LinkArrays { ends, onto, reach, pair_sets, e0, clusters, rows: _ },
             places: Places { rest, nodes, moving_points, modal, shares, solved_modal, modal_couplings, couplings },
             tables,
             ports: PortArrays { enx, enf, tgr, ahead, driven, crossing },
@@ -138,6 +142,9 @@ impl Words {
         self.all(output_links.iter().map(|h| (h.ends, h.e0, h.coef, h.step, h.coefs, h.tap)));
         self.debug(&(pair_sets, moving_points, modal, tables));
         self.debug(&(enx, enf, tgr, crossing, waves));
+        if !clusters.is_empty() {
+            self.places(clusters.iter());
+        }
         if !ahead.is_empty() {
             self.places(ahead.iter());
         }

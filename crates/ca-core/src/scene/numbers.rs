@@ -33,7 +33,7 @@ pub fn structure<R: Real<Outer = R>>(scene: &mut Scene<R>) -> Identity {
 fn layout<R: Real<Outer = R>>(layout: &mut Layout<R>, visit: &mut impl FnMut(&mut R)) {
     // names each field, so that adding one requires a decision here
     let Layout {
-        links: LinkArrays { reach, e0, ends: _, onto: _, rows: _, pair_sets: _ },
+        links: LinkArrays { reach, e0, ends: _, onto: _, rows: _, pair_sets: _, clusters: _ },
         places:
             Places { rest, shares, couplings, nodes: _, moving_points: _, modal: _, solved_modal: _, modal_couplings: _ },
         tables,

@@ -4,6 +4,7 @@
 //! of one are used together. Capacity for all is allocated at load.
 
 use crate::numeric::{Real, Table};
+use crate::op::layout::{Counts, Layout};
 use alloc::vec::Vec;
 
 /// Push of a contact as a curve over the motion of the coming tick (`method/cluster.rs`).
@@ -98,11 +99,23 @@ pub(crate) struct ActiveContact<R: Real = f64> {
     pub q: R,
 }
 
+/// The entries of a cluster in the list of contacts.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Region {
+    /// place of its first entry
+    pub first: usize,
+    /// number of entries it has room for
+    pub room: usize,
+    /// number of contacts that are active in this tick
+    pub n: usize,
+}
+
 /// Contacts of this tick.
 #[derive(Clone, Debug, Default)]
 pub struct ActiveContacts<R: Real = f64> {
-    pub(crate) n: usize,
-    /// contacts, of which the first `n` are active (length: all that can be)
+    /// clusters, whose contacts are solved together
+    pub(crate) regions: Vec<Region>,
+    /// contacts of all clusters (length: all that can be active)
     pub(crate) list: Vec<ActiveContact<R>>,
     /// number of ticks in which curves were not solved within the iteration limit
     pub unsolved: u64,
@@ -113,16 +126,33 @@ pub struct ActiveContacts<R: Real = f64> {
 /// The list is working memory of one tick and is not compared.
 impl<R: Real> PartialEq for ActiveContacts<R> {
     fn eq(&self, other: &ActiveContacts<R>) -> bool {
-        (self.n, self.unsolved) == (other.n, other.unsolved)
+        self.unsolved == other.unsolved
     }
 }
 
 impl<R: Real> ActiveContacts<R> {
-    /// Allocates for `contacts` links among `places` slots.
+    /// Allocates for the links of a layout that are solved together.
+    pub fn of(layout: &Layout<R>) -> ActiveContacts<R> {
+        let Counts { n_touch, n_mat, .. } = layout.counts;
+        let clusters = || layout.links.clusters.iter().filter(|c| **c != u32::MAX).map(|c| *c as usize);
+        let Some(last) = clusters().max() else { return ActiveContacts::new(n_touch, n_mat) };
+        let mut regions = alloc::vec![Region::default(); last + 1];
+        for cluster in clusters() {
+            regions[cluster].room += 1;
+        }
+        let mut first = 0;
+        for region in &mut regions {
+            region.first = first;
+            first += region.room;
+        }
+        ActiveContacts { regions, ..ActiveContacts::new(n_touch, n_mat) }
+    }
+
+    /// Allocates for one cluster of `contacts` links among `places` slots.
     pub fn new(contacts: usize, places: usize) -> ActiveContacts<R> {
         let places = if contacts == 0 { 0 } else { places };
         ActiveContacts {
-            n: 0,
+            regions: alloc::vec![Region { first: 0, room: contacts, n: 0 }],
             unsolved: 0,
             list: alloc::vec![ActiveContact::default(); contacts],
             push: alloc::vec![R::ZERO; places],

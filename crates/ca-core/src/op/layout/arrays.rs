@@ -70,6 +70,9 @@ pub struct LinkArrays<R: Real = f64> {
     pub pair_sets: Vec<PairSet>,
     /// constant part of the elongation \[m\] (n_lia)
     pub e0: Vec<R>,
+    /// numbers of the clusters of links solved together, from 0, `u32::MAX` for other links (n_lia, none if there is
+    /// one cluster)
+    pub clusters: Vec<u32>,
 }
 
 /// Rest positions of MATs, and the MATs that follow others: moving points and modal masses.

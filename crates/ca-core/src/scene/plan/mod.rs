@@ -33,7 +33,7 @@ pub type Plan = Scene<f64>;
 
 const MAGIC: &[u8; 8] = b"ca plan\n";
 /// Version of the record. It changes with any structure that a record holds.
-pub const PLAN_VERSION: u32 = 3;
+pub const PLAN_VERSION: u32 = 4;
 /// Bytes before the record.
 const HEAD: usize = 32;
 

@@ -18,6 +18,11 @@ pub(in super::super) fn layout(l: &Layout, inputs: usize, live: usize) -> Verifi
     ensure(l.places.rest.len() == n_mat, "masses and their rest positions differ in number")?;
     ensure([l.links.ends.len(), l.links.e0.len()] == [n_lia; 2], "links and their ends differ in number")?;
     ensure(l.links.rows.len() == l.links.reach.len(), "distances and their rows differ in number")?;
+    let clusters = &l.links.clusters;
+    ensure(clusters.is_empty() || clusters.len() == n_lia, "links and their clusters differ in number")?;
+    let in_clusters = || clusters.iter().filter(|c| **c != u32::MAX);
+    let all_in = clusters.is_empty() || in_clusters().count() == n_touch;
+    ensure(all_in && in_clusters().all(|c| (*c as usize) < n_touch), "a cluster of links does not exist")?;
     ensure(n_touch <= n_lia, "more contacts than links are solved together")?;
     ensure(channels <= n_out, "there are more channels than outputs")?;
     for set in &l.links.pair_sets {
