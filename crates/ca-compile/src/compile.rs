@@ -74,7 +74,7 @@ fn network_with(
     let mut net = prune::prune(model, net, options, &mut diags);
     solve_order::choose(model, &mut net, options.arithmetic, &mut diags);
     implicit::check(model, &mut net, &mut diags);
-    waves::settle(model, &mut net, &mut diags);
+    waves::settle(model, &mut net, options.arithmetic, &mut diags);
     pefrl::check(model, &net, options, &mut diags);
     reach::mark(&mut net);
     if options.precision == Precision::Single {

@@ -11,7 +11,7 @@ use crate::net::{End, Pruned};
 use alloc::format;
 use alloc::vec::Vec;
 use ca_core::Unit;
-use ca_core::internal::tuning::wave::tune;
+use ca_core::internal::tuning::wave::{HighDecay, tune};
 use ca_model::Model;
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::{self, Plain};
@@ -21,7 +21,8 @@ use core::f64::consts::PI;
 const LOW_CORNER: f64 = 0.25;
 
 /// Sets the masses of the junctions that stay, and tunes the waveguides.
-pub fn settle(model: &Model, net: &mut Pruned, diags: &mut Diags) {
+pub fn settle(model: &Model, net: &mut Pruned, arithmetic: Option<u32>, diags: &mut Diags) {
+    let high = if arithmetic.is_none_or(|a| a >= 8) { HighDecay::Pole } else { HighDecay::Gain };
     let mut lines = core::mem::take(&mut net.lines);
     lines.retain(|l| net.alive[l.first as usize]);
     if !lines.is_empty() {
@@ -35,7 +36,7 @@ pub fn settle(model: &Model, net: &mut Pruned, diags: &mut Diags) {
             }
             let item = &net.items[line.item as usize];
             let source = &model.items[item.model];
-            match tune(&line.spec, &masses, net.tick_dt) {
+            match tune(&line.spec, &masses, net.tick_dt, high) {
                 Ok(tuned) => {
                     let low = masses.iter().fold(0.0f64, |a, b| a.max(*b));
                     let corner = line.spec.z / (PI * low);

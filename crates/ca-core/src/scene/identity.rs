@@ -8,7 +8,9 @@
 
 use crate::numeric::Real;
 use crate::numeric::word_hash::word;
-use crate::op::layout::{Counts, Layout, LinkArrays, MeasureKind, OutputArrays, Places, PortArrays, Rates};
+use crate::op::layout::{
+    Counts, Delay, Layout, LinkArrays, MeasureKind, OutputArrays, Places, PortArrays, Rates, Termination,
+};
 use crate::op::{Op, Pass, SolveStage};
 use crate::scene::Scene;
 use crate::state::{Identity, State};
@@ -26,7 +28,7 @@ use core::hash::Hasher as _;
 /// - 5: set-valued friction sticks from the first tick on if nothing moves at load.
 /// - 6: ports at links solved with the coming motion run a tick late; shared `stable` contacts use discrete gradients.
 /// - 7: links that share masses are first solved one by one, in sweeps, if one of them is a discrete gradient.
-/// - 8: links that share masses are solved cluster by cluster.
+/// - 8: links that share masses are solved cluster by cluster; `t60_high` of a waveguide is the decay of a partial.
 ///
 /// Takes from before 5, 6, 7 and 8 are compiled as they were then, and so play the same bits.
 pub const ARITHMETIC: u32 = 8;
@@ -39,7 +41,8 @@ pub fn same_since<R: Real>(scene: &Scene<R>) -> u32 {
     };
     let curved = |op: &Op<R>| op.law.is_some_and(|law| matches!(law.stage, SolveStage::Coupled(c) if c.curve));
     let coupled = |op: &Op<R>| op.law.is_some_and(|law| matches!(law.stage, SolveStage::Coupled(_)));
-    if !scene.layout.links.clusters.is_empty() {
+    let taps = |d: &Delay<R>| matches!(&d.end, Termination::Lossy { loss, .. } if loss.b != R::Outer::of(0.0));
+    if !scene.layout.links.clusters.is_empty() || scene.layout.waves.delays.iter().any(taps) {
         return 8;
     }
     let forces = &scene.passes.forces;

@@ -102,39 +102,89 @@ fn problem<T>(param: &'static str, title: impl Into<alloc::string::String>, help
     Err(Problem { title: title.into(), param, help: help.into() })
 }
 
+/// Meaning of the second decay.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HighDecay {
+    /// of a partial at that frequency on the string without the masses of its junctions
+    Pole,
+    /// gain of a round trip at that frequency, as up to arithmetic 7
+    Gain,
+}
+
+/// A frequency with a decay: z = exp(−s T).
+struct Pole {
+    /// angle of a tick \[rad\]
+    omega: f64,
+    /// decay of a tick, as an exponent
+    decay: f64,
+    z: Complex<f64>,
+    /// (z + 1/z)/2
+    wave: Complex<f64>,
+}
+
+impl Pole {
+    fn of(f: f64, t60: f64, tick_dt: f64) -> Pole {
+        let (omega, decay) = (TAU * f * tick_dt, 3.0 * LN_10 * tick_dt / t60);
+        let radius = libm::exp(-decay);
+        let z = Complex::new(radius * libm::cos(omega), radius * libm::sin(omega));
+        Pole { omega, decay, z, wave: (z + z.inv()) * 0.5 }
+    }
+
+    /// Returns z to the power −n.
+    fn later(&self, n: f64) -> Complex<f64> {
+        let size = libm::exp(self.decay * n);
+        Complex::new(size * libm::cos(self.omega * n), -size * libm::sin(self.omega * n))
+    }
+
+    /// Returns what the far end must reflect, for this to be a pole: the negative inverse of the reflectance of the near
+    /// end and all junctions.
+    fn wanted(
+        &self,
+        asked: &WaveguideSpec,
+        masses: &[f64],
+        delays: &[usize],
+        near: Option<&Loss>,
+        tick_dt: f64,
+    ) -> Complex<f64> {
+        let mut back = -self.later(delays[0] as f64) * near.map_or(Complex::from(1.0), |l| l.gain(self.wave));
+        for (i, m) in masses.iter().enumerate() {
+            if i > 0 {
+                back *= self.later(2.0 * delays[i] as f64);
+            }
+            // to waves, a mass of the scheme is the impedance 2m/T (z−1)/(z+1)
+            let mass = (self.z - 1.0) / (self.z + 1.0) * (2.0 * m / (tick_dt * asked.z)) * (back + 1.0);
+            back = (back * 2.0 - mass) / (mass + 2.0);
+        }
+        -back.inv()
+    }
+
+    /// Returns what the far end reflects, after `n` whole samples.
+    fn reflected(&self, loss: &Loss, n: f64) -> Complex<f64> {
+        let allpass = (self.z.inv() + loss.c) / (self.z.inv() * loss.c + 1.0);
+        self.later(n + 1.0) * loss.gain(self.wave) * allpass
+    }
+}
+
 /// Tunes a string with junctions of these `masses` \[kg\], at a tick of `tick_dt` \[s\].
 ///
 /// # Errors
 /// If no delay line has this pitch and decay, with the parameter to change.
-pub fn tune(asked: &WaveguideSpec, masses: &[f64], tick_dt: f64) -> Result<Tuned, Problem> {
+pub fn tune(asked: &WaveguideSpec, masses: &[f64], tick_dt: f64, of: HighDecay) -> Result<Tuned, Problem> {
     let dies = || problem("t60", "it decays before it has oscillated once", "use a longer `t60`");
     if asked.f * asked.t60 < 0.25 {
         return dies();
     }
     let delays = places(asked, tick_dt)?;
-    let omega = TAU * asked.f * tick_dt;
-    let z = {
-        let radius = libm::exp(-3.0 * LN_10 * tick_dt / asked.t60);
-        Complex::new(radius * libm::cos(omega), radius * libm::sin(omega))
-    };
-    // z to the power −n
-    let later = |n: f64| {
-        let size = libm::exp(3.0 * LN_10 * tick_dt / asked.t60 * n);
-        Complex::new(size * libm::cos(omega * n), -size * libm::sin(omega * n))
-    };
-    // reflectance of the near end and all junctions for a wave from the far end
-    let wave = (z + z.inv()) * 0.5;
     let near = near(asked, tick_dt).filter(|_| delays[0] >= 3);
-    let mut back = -later(delays[0] as f64) * near.map_or(Complex::from(1.0), |l| l.gain(wave));
-    for (i, m) in masses.iter().enumerate() {
-        if i > 0 {
-            back *= later(2.0 * delays[i] as f64);
-        }
-        // to waves, a mass of the scheme is the impedance 2m/T (z−1)/(z+1)
-        let mass = (z - 1.0) / (z + 1.0) * (2.0 * m / (tick_dt * asked.z)) * (back + 1.0);
-        back = (back * 2.0 - mass) / (mass + 2.0);
-    }
-    let wanted = -back.inv();
+    let first = Pole::of(asked.f, asked.t60, tick_dt);
+    let omega = first.omega;
+    let wanted = first.wanted(asked, masses, &delays, near.as_ref(), tick_dt);
+    let second = asked.high.filter(|_| of == HighDecay::Pole).map(|[f, t60]| {
+        let pole = Pole::of(f, t60, tick_dt);
+        let light = alloc::vec![0.0; masses.len()];
+        let wanted = pole.wanted(asked, &light, &delays, near.as_ref(), tick_dt);
+        (pole, wanted)
+    });
     let heard = delays[0] as f64 + 2.0 * delays[1..].iter().sum::<usize>() as f64;
     let lag = -libm::atan2(wanted.im, wanted.re);
     let left = if lag < 0.0 { lag + TAU } else { lag } / omega;
@@ -149,14 +199,17 @@ pub fn tune(asked: &WaveguideSpec, masses: &[f64], tick_dt: f64) -> Result<Tuned
     }
     let n = libm::floor(left - 1.5);
     let (mut part, mut g0) = (left - 1.0 - n, loss_phase(asked, asked.t60));
+    let mut g1 = high_gain(asked, near.as_ref(), tick_dt);
     let (mut loss, mut reached) = (Loss { a: 1.0, b: 0.0, c: 0.0 }, None);
     for _ in 0..STEPS {
-        (loss, reached) = far(asked, near.as_ref(), wave, g0, tick_dt);
+        (loss, reached) = far(asked, near.as_ref(), first.wave, [g0, g1], tick_dt);
         loss.c = libm::sin(0.5 * omega * (1.0 - part)) / libm::sin(0.5 * omega * (1.0 + part));
-        let allpass = (z.inv() + loss.c) / (z.inv() * loss.c + 1.0);
-        let off = wanted / (later(n + 1.0) * loss.gain(wave) * allpass);
+        let off = wanted / first.reflected(&loss, n);
         part -= libm::atan2(off.im, off.re) / omega;
         g0 *= libm::sqrt(off.norm_sqr());
+        if let (Some((pole, wanted)), None) = (&second, reached) {
+            g1 *= libm::sqrt((wanted / pole.reflected(&loss, n)).norm_sqr());
+        }
     }
     let passive = loss.a >= 0.0 && loss.b >= 0.0 && loss.a + 2.0 * loss.b <= 1.0 + 1e-12;
     if !(passive && loss.c.abs() < 1.0) {
@@ -220,13 +273,26 @@ fn near(asked: &WaveguideSpec, tick_dt: f64) -> Option<Loss> {
     (double > 0.0).then_some(Loss { a: 1.0 - double, b: 0.5 * double, c: 0.0 })
 }
 
-/// Returns the far taps, with gain `g0` at the pole and the requested decay at the second frequency. If that would make
-/// energy, it takes the nearest gain that does not, and returns the decay time reached.
-fn far(asked: &WaveguideSpec, near: Option<&Loss>, wave: Complex<f64>, g0: f64, tick_dt: f64) -> (Loss, Option<f64>) {
-    let Some([f, t60]) = asked.high else { return (Loss { a: g0, b: 0.0, c: 0.0 }, None) };
+/// Returns the gain of the far taps at the second frequency for the requested decay of a round trip.
+fn high_gain(asked: &WaveguideSpec, near: Option<&Loss>, tick_dt: f64) -> f64 {
+    let Some([f, t60]) = asked.high else { return 0.0 };
+    let high = Complex::from(libm::cos(TAU * f * tick_dt));
+    loss_phase(asked, t60) / near.map_or(1.0, |l| l.gain(high).re)
+}
+
+/// Returns the far taps with gain `g0` at the pole and `g1` at the second frequency. If that would make energy, it takes
+/// the nearest gain that does not, and returns the decay time reached.
+fn far(
+    asked: &WaveguideSpec,
+    near: Option<&Loss>,
+    wave: Complex<f64>,
+    [g0, g1]: [f64; 2],
+    tick_dt: f64,
+) -> (Loss, Option<f64>) {
+    let Some([f, _]) = asked.high else { return (Loss { a: g0, b: 0.0, c: 0.0 }, None) };
     let (low, high) = (wave.re, libm::cos(TAU * f * tick_dt));
     let before = near.map_or(1.0, |l| l.gain(Complex::from(high)).re);
-    let ideal = (g0 - loss_phase(asked, t60) / before) / (low - high);
+    let ideal = (g0 - g1) / (low - high);
     // a ≥ 2b avoids inverting the highest frequencies, a + 2b ≤ 1 avoids growth of the lowest
     let most = (g0 / (1.0 + low)).min((1.0 - g0) / (1.0 - low));
     let double = ideal.min(most).max(0.0);

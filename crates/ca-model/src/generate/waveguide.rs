@@ -14,7 +14,7 @@ use alloc::format;
 use alloc::vec::Vec;
 use ca_core::internal::kind::builder::{Args, Builder, Generator, Problem};
 use ca_core::internal::mat::X;
-use ca_core::internal::tuning::wave::{WaveguideSpec, tune};
+use ca_core::internal::tuning::wave::{HighDecay, WaveguideSpec, tune};
 use ca_core::{ABOVE_ZERO, Kind, Need, OneOf, Param, Role, Type, Unit};
 
 const fn number(name: &'static str, unit: Unit, need: Need, doc: &'static str) -> Param {
@@ -100,7 +100,7 @@ fn spec(a: &Args<'_>) -> Result<WaveguideSpec, Problem> {
 fn derive(a: &Args<'_>, slots: &mut Vec<Option<f64>>) -> Result<(), Problem> {
     let asked = spec(a)?;
     let masses = alloc::vec![asked.mass(0.0, a.tick_dt); asked.at.len()];
-    tune(&asked, &masses, a.tick_dt)?;
+    tune(&asked, &masses, a.tick_dt, HighDecay::Pole)?;
     slots.push(Some(2.0 * asked.z));
     slots.extend(masses.iter().map(|m| Some(asked.cell(*m, a.tick_dt))));
     Ok(())

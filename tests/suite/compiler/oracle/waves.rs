@@ -6,7 +6,7 @@
 use super::expand::{Family, mat};
 use super::network::{Mat, Network};
 use super::numbers::{Numbers, entry, list};
-use ca_core::internal::tuning::wave::{Loss, WaveguideSpec, tune};
+use ca_core::internal::tuning::wave::{HighDecay, Loss, WaveguideSpec, tune};
 use ca_model::Item;
 use std::collections::VecDeque;
 
@@ -41,7 +41,7 @@ pub fn string(numbers: &Numbers, net: &mut Network, i: &Item) -> Family {
     let (m, n) = (num("m").expect("a written mass"), at.len());
     let asked =
         WaveguideSpec { f: num("f").expect("f"), t60: num("t60").unwrap_or(f64::INFINITY), high, z, at, m: Some(m) };
-    let tuned = tune(&asked, &vec![m; n], tick_dt).expect("a string");
+    let tuned = tune(&asked, &vec![m; n], tick_dt, HighDecay::Pole).expect("a string");
     let cell = m + z * tick_dt;
     let masses: Vec<usize> = (0..n).map(|_| mat(numbers, net, i, cell, 1.0 - 2.0 * z * tick_dt / cell, -0.0)).collect();
     // waves reach junction j from the junction before it on the left, and from the next on the right

@@ -6,6 +6,7 @@ mod args;
 mod device;
 mod levels;
 mod schedule;
+mod waveguides;
 
 pub use args::CheckArgs;
 

@@ -1,5 +1,6 @@
 //! Prints the passes of one tick with the cost of each.
 
+use super::waveguides;
 use crate::outcome::Failure;
 use ca_accuracy::schedule::{Schedule, absent, form, pairs};
 use ca_core::Scene;
@@ -51,6 +52,7 @@ pub(super) fn text(scene: &Scene, m: &Schedule) -> Result<(), Failure> {
             group.masses, group.links, scene.rates.frame
         )?;
     }
+    waveguides::text(scene, &mut out)?;
     writeln!(out, "\nLeft out:")?;
     for what in &scene.about.left_out {
         writeln!(out, "  {what}")?;
@@ -79,6 +81,6 @@ pub(super) fn json(scene: &Scene, m: &Schedule) -> Json {
         "passes": rows, "ns_per_tick": m.tick, "budget_ns": 1e9 * scene.rates.sample_dt, "measured": "here",
         "instructions_predicted": m.instructions, "ns_predicted": m.instructions * m.ns_per_instruction,
         "ns_per_instruction": m.ns_per_instruction,
-        "ns_of_group_per_frame": m.step, "left_out": scene.about.left_out, "absent": absent(scene),
+        "ns_of_group_per_frame": m.step, "waveguide_filters": waveguides::json(scene), "left_out": scene.about.left_out, "absent": absent(scene),
     })
 }

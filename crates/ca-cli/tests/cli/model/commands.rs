@@ -35,6 +35,15 @@ fn check_tells_what_it_knows() {
     }
     let sum: f64 = passes.iter().map(|p| of(p, "instructions_predicted")).sum();
     assert!(of(&j["schedule"], "instructions_predicted") > sum);
+    // filters of a waveguide: without `t60_high` the gain of a round trip, and no filter without losses
+    assert_eq!(j["schedule"]["waveguide_filters"], serde_json::json!([]));
+    let string = "[WAVEGUIDE]\nw = { f = 440, t60 = 2, z = 1, at = 0.3, m = 1e-12 }\n[SOX]\no = { from = \"w[0]\" }\n";
+    sandbox.put("wave.ca.toml", string);
+    let r = sandbox.ca(&["check", "wave.ca.toml", "--schedule"]).is(0).says(&["Waveguide filters", "from w[0]"]);
+    assert!(r.out.contains("b 0.000000000000"), "{}", r.out);
+    let waves = sandbox.ca(&["check", "wave.ca.toml", "--schedule", "--json"]).is(0).json();
+    let filter = &waves["schedule"]["waveguide_filters"][0];
+    assert!((of(filter, "a") / 10f64.powf(-3.0 / (440.0 * 2.0)) - 1.0).abs() < 1e-6, "{filter}");
     // a mesh is one pass with all its links
     let mesh = "[MESH]\nm = { nx = 20, ny = 20, m = 1e-3, k = 1e3 }\n[MAS]\nh = { m = 1e-3, v = 1 }\n[BUT]\nb = { between = \
                 [\"h\", \"m[3,3]\"], k = 1e3 }\n[SOX]\no = { from = \"m[7,7]\" }\n";
