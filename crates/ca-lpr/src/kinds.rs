@@ -4,7 +4,7 @@
 //! and the rest is copied from the kind of the law.
 
 use crate::laws;
-use crate::params::{BOW, PAGE, count, params};
+use crate::params::{BOW, BUT, HRZ, PAGE, count, params};
 use ca_core::internal::op::LawEntry;
 use ca_core::internal::phi;
 use ca_core::{Kind, Param, Real, Role};
@@ -115,11 +115,12 @@ kind!(
 kind!(
     LPR_BUT,
     "LPR_BUT",
-    BUT,
+    CONTACT_BUT,
     phi::but::KIND,
     "buffer across two worlds",
     "A contact in space that makes a world on a line sound.",
-    edge!("LPR_BUT", "\"-0.6 m/s\", \"-0.8 m/s\", 0", "k = \"20 kN/m\", z = \"0.5 N s/m\", d = \"10 mm\"", "1000")
+    edge!("LPR_BUT", "\"-0.6 m/s\", \"-0.8 m/s\", 0", "k = \"20 kN/m\", z = \"0.5 N s/m\", d = \"10 mm\"", "1000"),
+    BUT
 );
 kind!(
     LPR_CUB,
@@ -133,11 +134,12 @@ kind!(
 kind!(
     LPR_HRZ,
     "LPR_HRZ",
-    HRZ,
+    CONTACT_HRZ,
     phi::hrz::KIND,
     "Hertz contact across two worlds",
     "A contact of rounded bodies in space that makes a world on a line sound.",
-    edge!("LPR_HRZ", "\"-0.6 m/s\", \"-0.8 m/s\", 0", "k = \"1e6 N/m^1.5\", h = \"0.2 s/m\", d = \"10 mm\"", "1000")
+    edge!("LPR_HRZ", "\"-0.6 m/s\", \"-0.8 m/s\", 0", "k = \"1e6 N/m^1.5\", h = \"0.2 s/m\", d = \"10 mm\"", "1000"),
+    HRZ
 );
 kind!(
     LPR_LNL,

@@ -8,7 +8,7 @@ use crate::op::kernel;
 use crate::{coulomb, params};
 use ca_core::internal::op::{Cheaper, LawEntry, LawFns};
 use ca_core::internal::phi;
-use ca_core::{Law, Phi, Real, Type};
+use ca_core::{Law, Phi, Real};
 
 /// Makes records and the list of pairs from name, code, law of the core, its [`Phi`](ca_core::Phi) and cheaper laws.
 macro_rules! laws {
@@ -52,25 +52,35 @@ laws! {
     TABLE "LPR_BOW table" phi::bow::TABLE, phi::lnl::TableFriction;
 }
 
+/// Makes the law of a contact, chosen by its method: the explicit one, and one that keeps its energy in ψ.
+macro_rules! contact {
+    ($name:ident $explicit:ident, $stable:ident $code:literal $of:path, $params:path) => {
+        pub static $name: Law = Law {
+            cheaper: Cheaper {
+                simpler: |p| (params::is($params, p, "method", "stable") == Some(true)).then_some(&$stable),
+                variants: &[&$stable],
+            },
+            ..$explicit
+        };
+        static $stable: Law = Law { code: $code, ..$of };
+    };
+}
+
+contact!(CONTACT_BUT BUT, BUT_STABLE "LPR_BUT stable" phi::but::STABLE3D, params::BUT);
+contact!(CONTACT_HRZ HRZ, HRZ_STABLE "LPR_HRZ stable" phi::hrz::STABLE3D, params::HRZ);
+
 /// Law of LPR_BOW, chosen by curve and method. Its `method` has fewer choices than that in BOW.
 pub static BOW: Law = Law {
     code: "LPR_BOW smooth",
     fns: LawFns { kernel: kernel::<f64, phi::bow::Smooth, _, _>, ..phi::bow::SMOOTH.fns },
     cheaper: Cheaper {
         simpler: |p| {
-            let position = |name: &str| params::BOW.iter().position(|p| p.name == name);
-            let is = |name: &str, word: &str| {
-                let at = position(name)?;
-                let (Type::Choice(words), Some(v)) = (params::BOW[at].ty, p.get(at)?.number()) else {
-                    return None;
-                };
-                Some(words.get(v as usize) == Some(&word))
-            };
-            if is("method", "set-valued") == Some(true) && is("curve", "coulomb") == Some(true) {
+            let is = |name: &str, word: &str| params::is(params::BOW, p, name, word) == Some(true);
+            if is("method", "set-valued") && is("curve", "coulomb") {
                 return Some(&coulomb::LAW);
             }
             // the core would read this method as its choice of method
-            let method = position("method")?;
+            let method = params::BOW.iter().position(|p| p.name == "method")?;
             quadripole((phi::bow::SMOOTH.cheaper.simpler)(p.get(..method)?)?)
         },
         variants: &[&PIECEWISE, &COULOMB, &TABLE, &coulomb::LAW],
@@ -85,8 +95,12 @@ pub fn fns<R: Real, P: Phi<C, M> + 'static, const C: usize, const M: usize>() ->
 
 /// Returns the functions over `R` of the laws of this file.
 pub fn laws<R: Real>() -> impl IntoIterator<Item = LawEntry<R>> {
-    let bow = [(BOW.code, fns::<R, phi::bow::Smooth, _, _>())];
-    own().into_iter().chain(bow)
+    let more = [
+        (BOW.code, fns::<R, phi::bow::Smooth, _, _>()),
+        (BUT_STABLE.code, phi::but::stable3d()),
+        (HRZ_STABLE.code, phi::hrz::stable3d()),
+    ];
+    own().into_iter().chain(more)
 }
 
 /// Returns the quadripole of `law`, if there is one here.

@@ -1,10 +1,11 @@
 //! Parameters of LPR kinds, made at compile time from the parameters of their law, and the end of their page.
 //!
 //! Parameters, docs and alternatives are copied from the law, so they cannot differ. `along` is removed, since each
-//! port measures in the dimensions of its world, and so is `method`, which only LPR_BOW has. `onto` follows, since a
+//! port measures in the dimensions of its world. So is `method`: contacts and LPR_BOW have one of their own. `onto` follows, since a
 //! law knows its parameters by number. They are not in [`crate::kinds`], because the law of LPR_BOW looks up its
 //! parameters and a kind contains its law.
 
+use ca_core::internal::op::ParamBinding;
 use ca_core::internal::phi;
 use ca_core::{Kind, Need, Param, Type};
 
@@ -23,7 +24,6 @@ const ONTO: Param = Param::new(
 );
 
 const fn is_kept(p: &Param) -> bool {
-    // methods other than the explicit one support one port only
     !matches!(p.ty, Type::Direction) && !matches!(p.name.as_bytes(), b"method" | b"theta")
 }
 
@@ -67,6 +67,32 @@ const DRY: Param = Param::new(
     Need::Default(0.0),
     "ca: explicit; set-valued, for the curve coulomb: while it sticks, the sum of both elongations does not change",
 );
+
+const STABLE: Param = Param::new(
+    "method",
+    Type::Choice(&["ca", "stable"]),
+    Need::Default(0.0),
+    "ca: explicit; stable: conserves energy at any stiffness, by the method `stable3d` of a contact in space",
+);
+
+/// Parameters of LPR_BUT.
+pub const BUT: &[Param] = {
+    const ALL: [Param; count(&phi::but::KIND) + 1] = with(params(&phi::but::KIND), &[STABLE]);
+    &ALL
+};
+
+/// Parameters of LPR_HRZ.
+pub const HRZ: &[Param] = {
+    const ALL: [Param; count(&phi::hrz::KIND) + 1] = with(params(&phi::hrz::KIND), &[STABLE]);
+    &ALL
+};
+
+/// Returns whether a parameter of a kind, a choice, is fixed at a word.
+pub fn is(params: &[Param], values: &[ParamBinding], name: &str, word: &str) -> Option<bool> {
+    let at = params.iter().position(|p| p.name == name)?;
+    let (Type::Choice(words), Some(v)) = (params[at].ty, values.get(at)?.number()) else { return None };
+    Some(words.get(v as usize) == Some(&word))
+}
 
 /// Parameters of LPR_BOW.
 pub const BOW: &[Param] = {

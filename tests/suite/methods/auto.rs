@@ -117,3 +117,21 @@ fn from_format_2_on_auto_is_the_default() {
         assert!(found.has_errors(), "{wrong}");
     }
 }
+
+/// Few pairs of a set become single links, whose energy is conserved; many stay one module.
+#[test]
+fn a_small_set_of_pairs_is_conserved() {
+    let text = |n: u32, format: u32| {
+        format!(
+            "[model]\nformat = {format}\n[air]\ndim = 3\n[air.GRAINS]\ng = {{ n = {n}, m = \"0.3 g\", gap = \"8 mm\" }}\n\
+             [BUT]\nclack = {{ between = [\"air.g[*]\", \"air.g[*]\"], k = 5e5, d = \"9 mm\" }}\n[SOX]\no = {{ from = \"air.g[0]\", along = \"x\" }}\n"
+        )
+    };
+    let few = compiled(&text(12, 2));
+    assert_eq!(few.certificate.level, Level::Proven);
+    assert!(laws(&few).contains(&"BUT stable3d"), "{:?}", laws(&few));
+    only_falls(&few, 9_600, 1e-11, &text(12, 2), |_| {});
+    for text in [text(12, 1), text(40, 2)] {
+        assert!(laws(&compiled(&text)).contains(&"BUT"), "{text}");
+    }
+}

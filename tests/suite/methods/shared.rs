@@ -30,7 +30,7 @@ fn a_stack_stands_where_statics_has_it() {
         let scene = audited(&stack(k));
         assert_eq!(scene.certificate.level, Level::Proven);
         assert!(ran(&scene).contains(&"BUT stable, shared"), "{:?}", ran(&scene));
-        assert_eq!(same_since(&scene), ARITHMETIC);
+        assert_eq!(same_since(&scene), 7);
         let s = played(&scene, 10.0);
         let weight = 0.01 * 9.81;
         let top = mat(&scene, "r.c");
@@ -137,6 +137,46 @@ fn sweeps_find_the_solution_of_newtons_method() {
             }
         }
     }
+}
+
+/// Links that share no mass are clusters of their own: each plays the bits that it plays alone. The two stacks stand on
+/// one fixed point. Takes of arithmetic 7 are solved as one cluster.
+#[test]
+fn each_cluster_plays_as_if_alone() {
+    let second = |text: &str| {
+        let named =
+            ["r.a", "r.b", "r.c"].iter().fold(text.to_owned(), |t, name| t.replace(name, &name.replace("r.", "r.u")));
+        named
+            .replace("\na = {", "\nua = {")
+            .replace("\nb = {", "\nub = {")
+            .replace("\nc = {", "\nuc = {")
+            .replace("s = {", "t = {")
+    };
+    let (soft, hard) = (stack(1e4), second(&stack(1e7)));
+    let part = |text: &str, from: &str, to: &str| {
+        let begin = text.find(from).expect("it is there");
+        text[begin + from.len()..begin + text[begin..].find(to).expect("it ends")].to_owned()
+    };
+    let masses = part(&hard, "[r.MAS]\n", "[BUT]");
+    let links = part(&hard, "[BUT]\n", "[SOX]");
+    let both = soft.replace("[BUT]\n", &format!("{masses}[BUT]\n{links}")) + "p = { from = \"r.uc\" }\n";
+    let [one, two, both, old] = [(&soft, None), (&hard, None), (&both, None), (&both, Some(7))]
+        .map(|(text, arithmetic)| with(text, &Options { arithmetic, ..Options::default() }));
+    assert_eq!([same_since(&one), same_since(&both), same_since(&old)], [7, ARITHMETIC, 7]);
+    let [mut a, mut b, mut s, mut t] = [&one, &two, &both, &old].map(|scene| scene.state());
+    let mut other = false;
+    for n in 0..20_000 {
+        for (scene, s) in [(&one, &mut a), (&two, &mut b), (&both, &mut s), (&old, &mut t)] {
+            tick(scene, s);
+        }
+        for name in ["r.a", "r.b", "r.c"] {
+            assert_eq!(a.x[mat(&one, name)], s.x[mat(&both, name)], "{name} at {n}");
+            let name = name.replace("r.", "r.u");
+            assert_eq!(b.x[mat(&two, &name)], s.x[mat(&both, &name)], "{name} at {n}");
+            other |= s.x[mat(&both, &name)] != t.x[mat(&old, &name)];
+        }
+    }
+    assert!(other, "the bits of arithmetic 7 differ");
 }
 
 const PULSES: &str = "[gesture]\nh = { pulse = \"3 mm\", every = 0.2, rise = 0.006, hold = 0.01, fall = 0.02, offset = \"-2 mm\", to = 2 }\n";

@@ -398,3 +398,27 @@ fn the_page_of_the_rattle_holds() {
     assert_eq!(cell("0.5", 2), page::ended(&fares(0.5, "ca", 1, 10.0)));
     assert_eq!(cell("100", 4), page::strayed(&fares(100.0, "stable3d", 1, 10.0)));
 }
+
+/// The stiffest contacts that are called proven, for a long time: the growth of the energy by rounding, over the ticks.
+/// A million ticks, or 100 million with `CA_LONG=1`.
+#[test]
+fn the_stiffest_contacts_keep_their_energy_for_long() {
+    let ticks =
+        if ca_tests::long_form::long_form("walls at kT²/m = 1e8 for 1e8 ticks") { 100_000_000u64 } else { 1_000_000 };
+    for a in [1e4, 1e8] {
+        let text = walls(a, "stable", "").replace("x = 11.1 }", "x = 11.1, v = 0.731 }");
+        let scene = audited(&text);
+        assert_eq!(scene.certificate.level, Level::Proven);
+        let mut s = scene.state();
+        for _ in 0..ticks {
+            tick(&scene, &mut s);
+        }
+        let b = s.ledger.as_ref().expect("a ledger").balance();
+        println!("kT²/m = {a:e}, {ticks} ticks: energy {:e} of {:e}", b.h, b.h0);
+        // it gains no more than a random walk, and loses at most 1e-18 kT²/m of it in a tick
+        let (gains, loses) = (1e-14 * a * (ticks as f64 / 48e3).sqrt(), 1e-18 * a * ticks as f64);
+        let made = b.h / b.h0 - 1.0;
+        assert!(made <= gains && made >= -gains.max(loses), "{made:e}: {b:?}");
+        assert_eq!(s.links.touches.unsolved, 0);
+    }
+}

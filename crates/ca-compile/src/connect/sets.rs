@@ -11,6 +11,7 @@ use alloc::collections::BTreeSet;
 use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
+use ca_core::internal::tuning::Method;
 use ca_core::{Law, Name};
 use ca_model::part::instances;
 use ca_model::select::parse;
@@ -18,6 +19,9 @@ use ca_model::{Model, Value};
 
 /// Smallest number of pairs per member. Below it single links are cheaper: three grains, or one mass against many.
 const FEWEST: f64 = 1.5;
+
+/// Largest number of pairs that `auto` makes single links, so that their energy is conserved.
+const MOST_BY_AUTO: f64 = 512.0;
 
 /// Returns the names that outputs and probes refer to.
 pub fn output_names(model: &Model, options: &Options) -> BTreeSet<String> {
@@ -42,12 +46,15 @@ impl Wiring<'_> {
         let (Some(first), Some(second)) = (mats(a), mats(b)) else { return false };
         let itself = first == second;
         let (n, m) = (first.len() as f64, second.len() as f64);
-        let enough = if itself { 0.5 * (n - 1.0) >= FEWEST } else { n * m >= FEWEST * (n + m) };
+        let (pairs, members) = if itself { (0.5 * n * (n - 1.0), n) } else { (n * m, n + m) };
+        let enough = pairs >= FEWEST * members;
+        let by_auto = self.net.medium_of(item.group).method == Method::Auto;
         let written = |key: &str| self.entry(id, key).is_some();
         // Other methods need memory per pair. A module joined to itself is left to the pairs, which report it.
         let plain = law.contact && law.mem == 0 && arg("method").is_none_or(|m| m == 0.0);
         if !plain
             || !enough
+            || by_auto && pairs <= MOST_BY_AUTO
             || self.output_names.contains(&*name)
             || ["along", "onto", "soften", "l0"].into_iter().any(written)
         {

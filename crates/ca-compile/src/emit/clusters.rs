@@ -4,45 +4,45 @@
 //! converged. Links share no mass through a fixed end or a port, since these have no mobility.
 
 use crate::net::disjoint::Sets;
+use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
-use ca_core::internal::op::layout::MeasureKind;
+use ca_core::internal::op::layout::{LinkArrays, MeasureKind};
 use ca_core::internal::op::{Op, SolveStage};
 
-/// Returns the cluster of each link, or an empty list if there is only one. `ends` has the first slots of the ends of
-/// each link, `mobility` the mobility of each slot.
-pub fn clusters(passes: &[Op], ends: &[[u32; 2]], mobility: &[f64]) -> Vec<u32> {
-    let mut sets = Sets::new(mobility.len());
+/// Returns the cluster of each link, or an empty list if there is only one. `mobility` has the mobility of each slot.
+pub fn clusters(passes: &[Op], arrays: &LinkArrays, mobility: &[f64]) -> Vec<u32> {
     let coupled = passes.iter().filter(|op| op.law.is_some_and(|law| matches!(law.stage, SolveStage::Coupled(_))));
-    let links: Vec<(usize, usize)> = coupled
-        .flat_map(|op| {
-            let axes = if op.form.measure == MeasureKind::Line { 1 } else { 3 };
-            (op.first..op.first + op.n).map(move |link| (link, axes))
-        })
-        .collect();
-    let slots = |(link, axes): (usize, usize)| {
-        let moves = |slot: &usize| mobility[*slot] != 0.0;
-        ends[link].into_iter().flat_map(move |end| end as usize..end as usize + axes).filter(moves)
-    };
-    for link in &links {
-        let mut all = slots(*link);
-        if let Some(first) = all.next() {
-            all.for_each(|slot| sets.join(first, slot));
-        }
+    let links: Vec<(usize, Vec<usize>)> =
+        coupled.flat_map(|op| (0..op.n).map(|i| (op.first + i, slots(op, i, arrays, mobility)))).collect();
+    let mut sets = Sets::new(mobility.len());
+    for (_, slots) in &links {
+        slots.windows(2).for_each(|pair| sets.join(pair[0], pair[1]));
     }
-    let mut of = alloc::vec![u32::MAX; ends.len()];
-    let mut number = alloc::vec![u32::MAX; mobility.len()];
+    let mut of = alloc::vec![u32::MAX; arrays.ends.len()];
+    let mut numbers = BTreeMap::new();
     let mut next = 0;
-    for link in &links {
-        // a link without a slot that moves is a cluster of its own
-        let root = slots(*link).next().map(|slot| sets.root(slot));
-        let known = root.map_or(u32::MAX, |root| number[root]);
-        of[link.0] = if known == u32::MAX { next } else { known };
-        if known == u32::MAX {
+    for (link, slots) in &links {
+        let new = next;
+        let mut number = || {
             next += 1;
-        }
-        if let Some(root) = root {
-            number[root] = of[link.0];
-        }
+            new
+        };
+        // a link whose ends do not move is a cluster of its own
+        of[*link] = match slots.first() {
+            Some(slot) => *numbers.entry(sets.root(*slot)).or_insert_with(number),
+            None => number(),
+        };
     }
     if next > 1 { of } else { Vec::new() }
+}
+
+/// Returns the slots that link `i` of a pass moves.
+fn slots(op: &Op, i: usize, arrays: &LinkArrays, mobility: &[f64]) -> Vec<usize> {
+    let second = op.ports.onto.map(|(measure, first, _)| (measure, arrays.onto[first + i]));
+    let ports = core::iter::once((op.form.measure, arrays.ends[op.first + i])).chain(second);
+    let all = ports.flat_map(|(measure, ends)| {
+        let axes = if measure == MeasureKind::Line { 1 } else { 3 };
+        ends.into_iter().flat_map(move |end| end as usize..end as usize + axes)
+    });
+    all.filter(|slot| mobility[*slot] != 0.0).collect()
 }

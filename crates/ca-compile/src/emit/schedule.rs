@@ -196,7 +196,7 @@ pub fn schedule(
     };
     layout.links.rows = rows(&links.forces, &layout.links.ends, &layout.links.reach, &layout.places.rest);
     if options.arithmetic.is_none_or(|a| a >= 8) && layout.places.modal_couplings.is_empty() {
-        layout.links.clusters = clusters(&links.forces, &layout.links.ends, &coef[2 * n_mat..3 * n_mat]);
+        layout.links.clusters = clusters(&links.forces, &layout.links, &coef[2 * n_mat..3 * n_mat]);
     }
     let mut reads = pass_list::reads(&layout, live_places.len(), aimed);
     let sweeps = options.arithmetic.is_none_or(|a| a >= 7);

@@ -88,8 +88,8 @@ fn method_of(model: &Model, net: &Wired, l: &LiaNode) -> Option<(usize, usize)> 
     let word = CONSISTENT.iter().find_map(|c| words.iter().position(|w| w == c))?;
     let item = &net.items[l.item as usize];
     let written = model.items[item.model].args.iter().any(|e| e.key == "method");
-    // sets of pairs, quadripoles that share masses, and groups at the gesture rate lack such a method
-    if written || l.sets.is_some() || l.onto.is_some() || net.medium_of(item.group).method != Method::Auto {
+    // sets of pairs and groups at the gesture rate lack such a method
+    if written || l.sets.is_some() || net.medium_of(item.group).method != Method::Auto {
         return None;
     }
     let slow = |m: u32| net.medium_of(net.mats[m as usize].group).slow;

@@ -35,8 +35,8 @@ pub fn choose(model: &Model, net: &mut Pruned, arithmetic: Option<u32>, diags: &
         }
     }
     let twice = |l: &LiaNode| places(net, l).into_iter().find(|(m, k)| count[*m as usize][*k as usize] > 1);
-    for l in net.lias.iter().filter(|l| !l.law.stage.is_explicit() && l.onto.is_some()) {
-        // No method solves four ends together with other links.
+    for l in net.lias.iter().filter(|l| matches!(l.law.stage, SolveStage::Single(_)) && l.onto.is_some()) {
+        // Set-valued friction of four ends is not solved together with other links.
         if let Some((m, _)) = twice(l) {
             let title = format!(
                 "`{}` shares `{}` with another link that is solved implicitly",

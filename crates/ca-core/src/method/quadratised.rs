@@ -55,14 +55,19 @@ pub const fn fns<R: Real, S: Spring<R>>(spring: LawFns<R>) -> LawFns<R> {
 }
 
 fn kernel<R: Real, S: Spring<R>>(form: Form) -> Kernel<R> {
-    match form.measure {
-        MeasureKind::Line => gather::<R, S, Line>,
-        MeasureKind::Along => gather::<R, S, Along>,
-        MeasureKind::Radial => gather::<R, S, Radial>,
+    match (form.measure, form.onto) {
+        (MeasureKind::Line, None) => gather::<R, S, Line, Line>,
+        (MeasureKind::Along, None) => gather::<R, S, Along, Line>,
+        (MeasureKind::Radial, None) => gather::<R, S, Radial, Line>,
+        // quadripoles; the compiler puts a port in space first
+        (MeasureKind::Line, Some(_)) => gather::<R, S, Line, Line>,
+        (_, Some(MeasureKind::Radial)) => gather::<R, S, Radial, Radial>,
+        (_, Some(_)) => gather::<R, S, Radial, Line>,
     }
 }
 
-fn gather<R: Real, S: Spring<R>, G: Measure>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
+/// Collects the contacts of `op`, whose ends are measured by `G`, and those of a second port by `H`.
+fn gather<R: Real, S: Spring<R>, G: Measure, H: Measure>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for i in 0..op.n {
         let contact = Contact::<R, S>::read(s, op.coef, op.n, i);
         let ends = layout.links.ends[op.first + i].map(|m| m as usize);
@@ -73,7 +78,7 @@ fn gather<R: Real, S: Spring<R>, G: Measure>(op: &Op<R>, layout: &Layout<R>, s: 
         if op.form.tap {
             s.links.tap[op.tap + i] = R::ZERO;
         }
-        if psi == R::ZERO {
+        if psi == R::ZERO && op.ports.onto.is_none() {
             // test for an open contact without the square root
             let d = contact.d.max(R::ZERO);
             if G::square(&s.x, ends, &at).is_some_and(|l| contact.side * (d * d - l) < R::ZERO) {
@@ -81,12 +86,22 @@ fn gather<R: Real, S: Spring<R>, G: Measure>(op: &Op<R>, layout: &Layout<R>, s: 
             }
         }
         let measured = G::measure(&s.x, &s.d, ends, &at);
-        let eta = contact.penetration(measured.e + layout.links.e0[op.first + i]);
+        let second = op.ports.onto.map(|(_, first, reach)| {
+            let ends = layout.links.onto[first + i];
+            let at = if H::SPACE { layout.links.reach[reach + i] } else { [R::ZERO; 4] };
+            (ends, H::measure(&s.x, &s.d, ends.map(|m| m as usize), &at))
+        });
+        let more = second.map_or(R::ZERO, |(_, measured)| measured.e);
+        let eta = contact.penetration(measured.e + more + layout.links.e0[op.first + i]);
         if eta < R::ZERO && psi * psi <= nothing() {
             s.links.mem[mem] = R::ZERO;
             continue;
         }
         let link = reach::<R, G>(op, layout, s, i, contact.side, measured.gradient());
+        let link = match second {
+            Some((ends, measured)) => link.and::<H>(layout, s, ends, measured.gradient()),
+            None => link,
+        };
         let (free, w) = (link.free, link.own);
         let (gamma, z) = match (eta >= R::ZERO, free < R::ZERO) {
             (true, opening) => {

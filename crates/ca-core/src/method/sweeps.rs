@@ -13,9 +13,9 @@
 //! slowly, or after [`MAX_SWEEPS`]. Then `cluster.rs` solves.
 
 use super::cluster::push;
-use super::system::Response;
+use super::system::{Response, places};
 use crate::numeric::{Precision, Real};
-use crate::state::active_contacts::{ActiveContact, Part};
+use crate::state::active_contacts::{ActiveContact, Part, Port};
 
 /// Maximum number of sweeps per tick.
 const MAX_SWEEPS: usize = 16;
@@ -51,10 +51,7 @@ pub(super) fn swept<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], to
     for t in &mut *all {
         solved &= t.curve.is_some() || !t.clip || t.p >= R::ZERO;
         t.y = t.stiff * t.at;
-        for k in 0..t.axes {
-            let [a, b] = t.ends.map(|m| m as usize + k);
-            (to.push[a], to.push[b]) = (R::ZERO, R::ZERO);
-        }
+        places(t, |a, b, _| (to.push[a], to.push[b]) = (R::ZERO, R::ZERO));
     }
     solved
 }
@@ -62,15 +59,19 @@ pub(super) fn swept<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], to
 /// Solves one link against the present pushes of all others. With `first`, or for a contact that waits, it
 /// also computes the scale of the motion.
 ///
-/// Returns the magnitude of the change of s relative to that scale, or infinity for a stiff link. During the sweeps
+/// Returns the magnitude of the change of s relative to that scale, or infinity for a stiff link or a quadripole. During the sweeps
 /// `to.push` holds the displacements \[m\] that all pushes cause.
 #[inline(always)]
 fn visit<R: Real, const MODES: bool>(t: &mut ActiveContact<R>, to: &mut Response<R, MODES>, first: bool) -> R {
-    let [a, b] = t.ends.map(|m| m as usize);
+    if t.onto.is_some() {
+        return R::INFINITY;
+    }
+    let Port { ends, axes, g } = t.port;
+    let [a, b] = ends.map(|m| m as usize);
     let Response { layout, mobility, push: moved, .. } = to;
-    let mut by_all = t.g[0] * (moved[b] - moved[a]);
-    for k in 1..t.axes {
-        by_all += t.g[k] * (moved[b + k] - moved[a + k]);
+    let mut by_all = g[0] * (moved[b] - moved[a]);
+    for k in 1..axes {
+        by_all += g[k] * (moved[b + k] - moved[a + k]);
     }
     if t.part == Part::Waits && t.p == R::ZERO {
         t.at = t.free - by_all;
@@ -98,9 +99,9 @@ fn visit<R: Real, const MODES: bool>(t: &mut ActiveContact<R>, to: &mut Response
     let more = force + rise * change - t.p;
     t.at += change;
     t.p += more;
-    for k in 0..t.axes {
-        moved[a + k] -= t.g[k] * mobility[a + k] * more;
-        moved[b + k] += t.g[k] * mobility[b + k] * more;
+    for k in 0..axes {
+        moved[a + k] -= g[k] * mobility[a + k] * more;
+        moved[b + k] += g[k] * mobility[b + k] * more;
     }
     change.abs() * t.r
 }

@@ -17,7 +17,7 @@ use crate::op::Op;
 use crate::op::layout::Layout;
 use crate::op::links::measure::Measure;
 use crate::state::State;
-use crate::state::active_contacts::{ActiveContact, Part};
+use crate::state::active_contacts::{ActiveContact, Part, Port};
 use nalgebra::Vector3;
 
 /// Returns the factor by which the squared residual must fall.
@@ -33,17 +33,46 @@ pub(super) fn nothing<R: Real>() -> R {
 /// Ends of a link, and its motion by all other forces.
 #[derive(Clone, Copy)]
 pub(super) struct Reach<R: Real> {
-    ends: [u32; 2],
+    port: Port<R>,
+    /// second pair of ends, of a quadripole
+    onto: Option<Port<R>>,
     /// number of its cluster
     cluster: usize,
-    axes: usize,
-    g: [R; 3],
     tap: Option<usize>,
     side: R,
     /// change of penetration over two ticks \[m\]
     pub(super) free: R,
-    /// mobility of both ends \[m/N\]
+    /// mobility of all ends \[m/N\]
     pub(super) own: R,
+}
+
+impl<R: Real> Reach<R> {
+    /// Adds a second pair of ends; `u` is the gradient of its elongation.
+    #[inline(always)]
+    pub(super) fn and<G: Measure>(self, layout: &Layout<R>, s: &State<R>, ends: [u32; 2], u: Vector3<R>) -> Reach<R> {
+        let (onto, free, own) = port::<R, G>(layout, s, ends, self.side, u);
+        Reach { onto: Some(onto), free: self.free + free, own: self.own + own, ..self }
+    }
+}
+
+/// Returns a pair of ends, the change of penetration over two ticks by all other forces, and the mobility of both ends.
+#[inline(always)]
+fn port<R: Real, G: Measure>(
+    layout: &Layout<R>,
+    s: &State<R>,
+    ends: [u32; 2],
+    side: R,
+    u: Vector3<R>,
+) -> (Port<R>, R, R) {
+    let g: [R; 3] = (u * -side).into();
+    let axes = if G::SPACE { 3 } else { 1 };
+    let (mut free, mut own) = (R::ZERO, R::ZERO);
+    for (k, g) in g[..axes].iter().enumerate() {
+        let [a, b] = ends.map(|m| m as usize + k);
+        free += *g * (free_motion(layout, s, b) + s.d[b] - free_motion(layout, s, a) - s.d[a]);
+        own += *g * *g * (mobility(layout, s, a) + mobility(layout, s, b));
+    }
+    (Port { ends, axes, g }, free, own)
 }
 
 /// Measures the reach of link `i` of `op`; `u` is the gradient of its elongation.
@@ -56,28 +85,21 @@ pub(super) fn reach<R: Real, G: Measure>(
     side: R,
     u: Vector3<R>,
 ) -> Reach<R> {
-    let g: [R; 3] = (u * -side).into();
-    let (ends, axes) = (layout.links.ends[op.first + i], if G::SPACE { 3 } else { 1 });
-    let (mut free, mut own) = (R::ZERO, R::ZERO);
-    for (k, g) in g[..axes].iter().enumerate() {
-        let [a, b] = ends.map(|m| m as usize + k);
-        free += *g * (free_motion(layout, s, b) + s.d[b] - free_motion(layout, s, a) - s.d[a]);
-        own += *g * *g * (mobility(layout, s, a) + mobility(layout, s, b));
-    }
+    let (port, free, own) = port::<R, G>(layout, s, layout.links.ends[op.first + i], side, u);
     let tap = op.form.tap.then_some(op.tap + i);
     let cluster = layout.links.clusters.get(op.first + i).map_or(0, |c| *c as usize);
-    Reach { ends, cluster, axes, g, tap, side, free, own }
+    Reach { port, onto: None, cluster, tap, side, free, own }
 }
 
 /// Adds a link to the list of this tick and returns its record, in which all but the reach is from an earlier tick.
 #[inline(always)]
 pub(super) fn enter<R: Real>(s: &mut State<R>, mem: usize, by: Reach<R>) -> Option<&mut ActiveContact<R>> {
     let touches = &mut s.links.touches;
-    let Reach { ends, cluster, axes, g, tap, side, free, own } = by;
+    let Reach { port, onto, cluster, tap, side, free, own } = by;
     let region = touches.regions.get_mut(cluster).filter(|region| region.n < region.room)?;
     let t = touches.list.get_mut(region.first + region.n)?;
     region.n += 1;
-    (t.mem, t.ends, t.axes, t.g, t.tap, t.side, t.free, t.own) = (mem, ends, axes, g, tap, side, free, own);
+    (t.mem, t.port, t.onto, t.tap, t.side, t.free, t.own) = (mem, port, onto, tap, side, free, own);
     Some(t)
 }
 
@@ -112,29 +134,40 @@ pub(super) struct Response<'a, R: Real, const MODES: bool> {
     pub(super) tap: &'a mut [R],
 }
 
+/// Calls `visit` with the slots that a link moves: at the first end, at the second end, and the gradient at the second.
+#[inline(always)]
+pub(super) fn places<R: Real>(t: &ActiveContact<R>, mut visit: impl FnMut(usize, usize, R)) {
+    let mut each = |port: &Port<R>| {
+        let [a, b] = port.ends.map(|m| m as usize);
+        for k in 0..port.axes {
+            visit(a + k, b + k, port.g[k]);
+        }
+    };
+    each(&t.port);
+    if let Some(onto) = &t.onto {
+        each(onto);
+    }
+}
+
 /// Sets `q` of each contact to W p.
 pub(super) fn respond<R: Real, const MODES: bool>(list: &mut [ActiveContact<R>], to: &mut Response<R, MODES>) {
     let Response { layout, mobility, push, tap } = to;
-    let places = |t: &ActiveContact<R>| {
-        let ([a, b], n) = (t.ends.map(|m| m as usize), t.axes);
-        (0..n).map(move |k| (a + k, b + k, k))
-    };
     for t in &*list {
-        for (a, b, k) in places(t) {
-            push[a] -= t.g[k] * t.p;
-            push[b] += t.g[k] * t.p;
-        }
+        places(t, |a, b, g| {
+            push[a] -= g * t.p;
+            push[b] += g * t.p;
+        });
     }
     if MODES {
         modes::couple(layout, push, tap);
     }
     for t in &mut *list {
-        t.q = places(t).map(|(a, b, k)| t.g[k] * (mobility[b] * push[b] - mobility[a] * push[a])).sum();
+        let mut q = R::ZERO;
+        places(t, |a, b, g| q += g * (mobility[b] * push[b] - mobility[a] * push[a]));
+        t.q = q;
     }
     for t in &*list {
-        for (a, b, _) in places(t) {
-            (push[a], push[b]) = (R::ZERO, R::ZERO);
-        }
+        places(t, |a, b, _| (push[a], push[b]) = (R::ZERO, R::ZERO));
     }
     if MODES {
         modes::clear(layout, push);

@@ -1,6 +1,6 @@
 //! The pass that solves for all links collected in a tick and applies their pushes.
 
-use super::system::{Response, gathered, respond};
+use super::system::{Response, gathered, places, respond};
 use super::{cluster, quadratised, sweeps};
 use crate::numeric::{Precision, Real};
 use crate::op::Op;
@@ -66,11 +66,10 @@ fn solve_one<R: Real, const MODES: bool, const SWEEPS: bool>(
 }
 
 fn apply<R: Real>(t: &ActiveContact<R>, f: &mut [R], taps: &mut [R]) {
-    for k in 0..t.axes {
-        let [a, b] = t.ends.map(|m| m as usize + k);
-        f[a] += t.g[k] * t.p;
-        f[b] -= t.g[k] * t.p;
-    }
+    places(t, |a, b, g| {
+        f[a] += g * t.p;
+        f[b] -= g * t.p;
+    });
     if let Some(tap) = t.tap {
         taps[tap] = -t.side * t.p;
     }

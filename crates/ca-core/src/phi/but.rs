@@ -65,15 +65,21 @@ static STABLE: Law = gradient::law::<Linear<f64>>(
     Together { line: Some(&SHARED), space: Some(&STABLE3D) },
 );
 static SHARED: Law = cluster::law::<Linear<f64>>(Law::of::<But, 5, 0>("BUT stable, shared"), &STABLE3D);
-static STABLE3D: Law = quadratised::law::<Linear<f64>>(Law::of::<But, 5, 0>("BUT stable3d"));
+/// The law of method `stable3d`, also of quadripoles.
+pub static STABLE3D: Law = quadratised::law::<Linear<f64>>(Law::of::<But, 5, 0>("BUT stable3d"));
 
 pub(super) fn laws<R: Real>() -> [LawEntry<R>; 4] {
     [
         (LAW.code, LawFns::of::<But, 5, 0>()),
         (STABLE.code, gradient::fns::<R, Linear<R>>(LawFns::of::<But, 5, 0>())),
         (SHARED.code, cluster::fns::<R, Linear<R>>(LawFns::of::<But, 5, 0>())),
-        (STABLE3D.code, quadratised::fns::<R, Linear<R>>(LawFns::of::<But, 5, 0>())),
+        (STABLE3D.code, stable3d()),
     ]
+}
+
+/// Returns the functions over `R` of [`STABLE3D`].
+pub fn stable3d<R: Real>() -> LawFns<R> {
+    quadratised::fns::<R, Linear<R>>(LawFns::of::<But, 5, 0>())
 }
 
 /// One-sided spring and damper; coefficients k, z/T, d, sign of the sense, 1 if clipped.

@@ -68,15 +68,21 @@ static STABLE: Law = gradient::law::<Power<f64>>(
     Together { line: Some(&SHARED), space: Some(&STABLE3D) },
 );
 static SHARED: Law = cluster::law::<Power<f64>>(Law::of::<Hrz, 5, 0>("HRZ stable, shared"), &STABLE3D);
-static STABLE3D: Law = quadratised::law::<Power<f64>>(Law::of::<Hrz, 5, 0>("HRZ stable3d"));
+/// The law of method `stable3d`, also of quadripoles.
+pub static STABLE3D: Law = quadratised::law::<Power<f64>>(Law::of::<Hrz, 5, 0>("HRZ stable3d"));
 
 pub(super) fn laws<R: Real>() -> [LawEntry<R>; 4] {
     [
         (LAW.code, LawFns::of::<Hrz, 5, 0>()),
         (STABLE.code, gradient::fns::<R, Power<R>>(LawFns::of::<Hrz, 5, 0>())),
         (SHARED.code, cluster::fns::<R, Power<R>>(LawFns::of::<Hrz, 5, 0>())),
-        (STABLE3D.code, quadratised::fns::<R, Power<R>>(LawFns::of::<Hrz, 5, 0>())),
+        (STABLE3D.code, stable3d()),
     ]
+}
+
+/// Returns the functions over `R` of [`STABLE3D`].
+pub fn stable3d<R: Real>() -> LawFns<R> {
+    quadratised::fns::<R, Power<R>>(LawFns::of::<Hrz, 5, 0>())
 }
 
 /// One-sided power law; coefficients k, 4p, h/T, d, sign of the sense.

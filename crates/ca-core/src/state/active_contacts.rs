@@ -36,6 +36,17 @@ pub(crate) enum Part {
     LeftOut,
 }
 
+/// One pair of ends of a link, and how its penetration depends on them.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Port<R: Real = f64> {
+    /// first slot of each end
+    pub ends: [u32; 2],
+    /// axes of an end: 1 on a line, 3 in space
+    pub axes: usize,
+    /// gradient of the penetration at the second end; at the first it is the negative
+    pub g: [R; 3],
+}
+
 /// One link that acts in this tick. For friction, γ and ψ are 0, and the elongation is a penetration that shrinks.
 #[derive(Clone, Copy, Debug, Default)]
 // in this order: what sweeps read stands in the first cache lines
@@ -47,10 +58,6 @@ pub(crate) struct ActiveContact<R: Real = f64> {
     pub clip: bool,
     /// true if it is opening and still stores energy
     pub open: bool,
-    /// first slot of each end
-    pub ends: [u32; 2],
-    /// axes of an end: 1 on a line, 3 in space
-    pub axes: usize,
     /// push \[N\]; inside `conjugate` the search direction
     pub p: R,
     /// change of penetration over two ticks, first assumed, then found \[m\]
@@ -63,10 +70,12 @@ pub(crate) struct ActiveContact<R: Real = f64> {
     pub from: R,
     /// viscosity \[N per m/tick\]
     pub z: R,
-    /// gradient of the penetration at the second end; at the first it is the negative
-    pub g: [R; 3],
+    /// its ends
+    pub port: Port<R>,
     /// its push, if that is not linear in the coming motion; none for links that use ψ and for friction
     pub curve: Option<&'static Curve<R>>,
+    /// second pair of ends, of a quadripole
+    pub onto: Option<Port<R>>,
     /// coefficients of the law of a curve
     pub coef: [R; COEFS],
     /// residual \[m\]; in sweeps 1/scale of the motion \[1/m\]

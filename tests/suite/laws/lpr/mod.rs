@@ -2,6 +2,7 @@
 
 mod coulomb;
 mod plain;
+mod stable;
 
 use crate::play::{Random, audited, case, list, mat, num, off, scene, within};
 use ca_core::{Level, Scene, State, compute_forces, tick};
