@@ -6,6 +6,7 @@
 
 pub mod bench;
 mod choice;
+mod effort;
 mod methods;
 mod play;
 mod reference;
@@ -36,6 +37,9 @@ use score::Score;
 const ROUNDS: usize = 4;
 const TURN: f64 = 1e7;
 
+/// Run time that is measured once \[ns\].
+const LONG: f64 = 1e8;
+
 /// Highest rate at which a model is compiled \[Hz\].
 const HIGHEST: f64 = 1e7;
 
@@ -45,8 +49,15 @@ const MOST: f64 = 5e7;
 /// Title of the section.
 pub const TITLE: &str = "Error against run time";
 
-/// Longest default duration \[s\].
+/// Longest default duration \[s\], and the shortest for a model that takes long.
 const LONGEST: f64 = 1.0;
+const SHORTEST: f64 = 0.2;
+
+/// Run time of the model as written that shortens the default duration \[s\].
+const LONG_RUN: f64 = 0.08;
+
+/// Approximate run time of the reference, and of all rows, of a model for which they are chosen \[s\].
+pub const BUDGET: f64 = 10.0;
 
 /// Measured candidate.
 pub struct MethodRow {
@@ -86,10 +97,10 @@ pub struct AccuracyOptions<'a> {
     pub probes: &'a [String],
     /// Duration \[s\]; as the model, up to one second, if `None`.
     pub seconds: Option<f64>,
-    /// Multiples of the rate.
-    pub times: &'a [u32],
-    /// Multiple of the rate for the reference.
-    pub reference: u32,
+    /// Multiples of the rate; if `None`, as many of 1, 2, 4 and 8 as take about [`BUDGET`].
+    pub times: Option<&'a [u32]>,
+    /// Multiple of the rate for the reference; if `None`, the largest from 8 to 64 that takes about [`BUDGET`].
+    pub reference: Option<u32>,
     /// Advice in the message for a model in which nothing moves.
     pub remedy: &'static str,
     /// Called regularly with the number of finished steps and of all steps; false stops the measurement.
@@ -120,7 +131,11 @@ pub fn measured(loaded: &Loaded, ask: &mut AccuracyOptions) -> Result<Measured, 
     let probes = ask.probes.to_vec();
     let scene = loaded.compile(&Options { rate: ask.rate, probes: probes.clone(), ..Options::default() })?;
     let rate = scene.rate;
-    let seconds = ask.seconds.unwrap_or_else(|| scene.about.seconds.unwrap_or(LONGEST).min(LONGEST));
+    let share = effort::share_of_real_time(&scene)?;
+    let seconds = ask.seconds.unwrap_or_else(|| {
+        let all = scene.about.seconds.unwrap_or(LONGEST).min(LONGEST);
+        all.min((LONG_RUN / share).max(SHORTEST))
+    });
     let samples = seconds * rate;
     if !(samples > 0.0 && samples * probes.len() as f64 <= MOST) {
         let most = MOST / (rate * probes.len() as f64);
@@ -129,19 +144,17 @@ pub fn measured(loaded: &Loaded, ask: &mut AccuracyOptions) -> Result<Measured, 
         )));
     }
     let frames = samples.round().max(16.0) as usize;
-    let finest = ask.times.iter().copied().max().map_or(ask.reference, |t| t.max(ask.reference));
+    let (times, multiple) = effort::chosen(ask, seconds * share);
+    let finest = times.iter().copied().max().map_or(multiple, |t| t.max(multiple));
     if f64::from(finest) * rate > HIGHEST {
         let most = (HIGHEST / rate).floor();
         let what = format!("{finest} times {rate} Hz is above the limit of {HIGHEST:e} Hz");
         return Err(Failure::Usage(format!("{what}; use at most {most} times the rate")));
     }
-    let mut times = ask.times.to_vec();
-    times.sort_unstable();
-    times.dedup();
     let candidates = candidates(loaded, &probes, rate, &times);
     let mut steps = Steps { done: 0, of: (candidates.all.len() * ROUNDS + 1) as u64, tell: &mut *ask.progress };
     steps.look()?;
-    let reference = reference::reference(loaded, &probes, &scene, (frames, ask.reference), &mut steps)?;
+    let reference = reference::reference(loaded, &probes, &scene, (frames, multiple), &mut steps)?;
     steps.step()?;
     if reference.columns.iter().flatten().all(|v| *v == 0.0) {
         let what = format!("no motion of {} within {seconds} s", load::ticked(probes.iter().map(String::as_str)));
@@ -154,6 +167,11 @@ pub fn measured(loaded: &Loaded, ask: &mut AccuracyOptions) -> Result<Measured, 
     }
     for _ in 1..ROUNDS {
         for (candidate, row) in candidates.all.iter().zip(&mut rows) {
+            // a long run was disturbed no more than a later one would be
+            if row.ns * frames as f64 > LONG {
+                steps.step()?;
+                continue;
+            }
             row.ns = row.ns.min(turn(candidate, frames, &mut steps)?);
             steps.step()?;
         }
@@ -264,14 +282,23 @@ impl Measured {
     pub fn origin(&self) -> String {
         let (known, method) = (self.reference.known, self.reference.method);
         let by = if method == AS_WRITTEN { String::new() } else { format!(" by {method}") };
+        let alone = |text: String| match self.reference.second {
+            Some((second, apart)) if self.reference.agrees => {
+                format!("{text}; {second} agrees to {apart:.0e}")
+            }
+            Some((second, apart)) => {
+                format!("the model{by}, but it is not known: {second} differs from it by {apart:.0e}")
+            }
+            None => format!("{text}, by one method alone"),
+        };
         match self.reference.origin {
             Origin::Modes => format!("the closed form of its modes, accurate to {known:.0e}"),
-            Origin::Rate(n, p) => {
-                format!("the model{by} at {n} times the rate, converging with order {p:.1}, accurate to {known:.0e}")
-            }
-            Origin::Open(n) => {
-                format!("the model{by} at {n} times the rate, which does not converge evenly: accurate to {known:.0e}")
-            }
+            Origin::Rate(n, p) => alone(format!(
+                "the model{by} at {n} times the rate, converging with order {p:.1}, accurate to {known:.0e}"
+            )),
+            Origin::Open(n) => alone(format!(
+                "the model{by} at {n} times the rate, which does not converge evenly: accurate to {known:.0e}"
+            )),
         }
     }
 
@@ -296,12 +323,17 @@ impl Measured {
         ]
     }
 
+    /// Returns the row of the model as it is written.
+    pub fn as_written(&self) -> Option<&MethodRow> {
+        self.rows.iter().find(|r| r.method == AS_WRITTEN && r.times == 1)
+    }
+
     /// Head of the table.
     pub const HEAD: [&'static str; 9] =
         ["method", "error", "spectrum", "cents", "decay dB", "energy", "ns/sample", "x real time", "stability"];
 
-    /// Returns the plot, the table and the remarks on methods.
-    pub fn section(&self) -> Section {
+    /// Returns the plot, with a chosen row marked and named `what`, the table and the remarks on methods.
+    pub fn section(&self, chosen: Option<(&MethodRow, &str)>) -> Section {
         let points = self.rows.iter().map(|r| Point {
             name: r.name(),
             x: r.ns,
@@ -310,6 +342,10 @@ impl Measured {
         });
         let (x, y) = (Axis::log("time of a sample", "ns"), Axis::log("error", ""));
         let plot = Plot::scatter(TITLE, x, y, "no method is better in both", "others", &points.collect::<Vec<_>>());
+        let plot = match chosen {
+            Some((r, what)) => plot.with_chosen(what, [r.ns, r.score.error.max(self.reference.known)]),
+            None => plot,
+        };
         let table = Table::new(&Self::HEAD, self.rows.iter().map(|r| self.cells(r)).collect());
         let how = format!("{:.3} s at {} Hz, against {}.", self.seconds(), self.rate, self.origin());
         let mut blocks = vec![Block::Text(how), Block::Plot(plot), Block::Table(table)];

@@ -41,6 +41,9 @@ const METHODS: [Method; 12] = [
     Method { name: "auto", linear: Some(("auto", None)), word: None },
 ];
 
+/// Method of a second reference: all links explicit, also those that name another method.
+const EXPLICIT: Method = Method { name: "explicit", linear: Some(("ca", None)), word: Some("ca") };
+
 pub struct Candidate {
     pub method: &'static str,
     pub times: u32,
@@ -63,7 +66,7 @@ impl Candidate {
 
 /// Returns the changes to a model for a method, as names and values of `--set`; `None` if no module knows its word.
 fn words_of(loaded: &Loaded, name: &str) -> Option<Vec<(String, String)>> {
-    let method = METHODS.iter().find(|m| m.name == name)?;
+    let method = METHODS.iter().chain([&EXPLICIT]).find(|m| m.name == name)?;
     let mut all = Vec::new();
     if let Some((name, theta)) = method.linear {
         all.push(("model.method".into(), name.into()));
@@ -174,7 +177,7 @@ pub fn candidates(loaded: &Loaded, probes: &[String], rate: f64, times: &[u32]) 
 }
 
 /// Returns whether two scenes run the same passes on the same numbers.
-fn same(a: &Scene, b: &Scene) -> bool {
+pub fn same(a: &Scene, b: &Scene) -> bool {
     let names = |s: &Scene| {
         s.passes.forces.iter().chain(&s.passes.moves).map(ca_core::internal::op::Op::name).collect::<Vec<_>>()
     };

@@ -6,11 +6,14 @@
 //! (A − B)/(2^p − 1), and this step is also the error of the reference. A model that does not converge (chaos, a jump
 //! at every tick) is reported: its reference is the finest run, with the difference of the last two as error.
 //!
+//! A second method computes the model at half of that rate, in the same way. Where both agree within their errors, the
+//! reference is known; otherwise the difference of the two is its error.
+//!
 //! A method of higher order replaces the model as written if its error at an eighth of that rate is smaller and both
 //! agree.
 
 use super::Steps;
-use super::methods::{AS_WRITTEN, with_method};
+use super::methods::{AS_WRITTEN, same, with_method};
 use super::play::{Columns, columns};
 use super::score::apart;
 use ca_compile::Options;
@@ -44,6 +47,10 @@ pub struct Reference {
     pub method: &'static str,
     /// Relative error.
     pub known: f64,
+    /// Another method with its relative distance; none for a closed form, and where no other method differs.
+    pub second: Option<(&'static str, f64)>,
+    /// False if the second method contradicts.
+    pub agrees: bool,
 }
 
 /// Damping below this does not couple modes.
@@ -55,6 +62,12 @@ const BENDS: [&str; 6] = ["BUT", "HRZ", "PLK", "ATT", "LNL", "BOW"];
 /// Methods that leave nothing out and may converge faster than the others.
 const FINE: [&str; 3] = ["newton", "centred", "pefrl"];
 
+/// Methods for the second reference. The first that computes the model in another way, and well enough, is used.
+const OTHERS: [&str; 6] = ["auto", "explicit", "centred", "newton", "secant", "implicit 1/4"];
+
+/// Largest relative error of a second reference.
+const COARSE: f64 = 0.05;
+
 /// Returns the best reference available.
 pub fn reference(
     loaded: &Loaded,
@@ -65,7 +78,9 @@ pub fn reference(
 ) -> Result<Reference, Failure> {
     let of = &super::bodies(plain)[..];
     if let Some(columns) = closed(loaded, probes, plain, frames) {
-        return Ok(Reference { columns, of: of.to_vec(), origin: Origin::Modes, method: AS_WRITTEN, known: 1e-12 });
+        let origin = Origin::Modes;
+        let of = of.to_vec();
+        return Ok(Reference { columns, of, origin, method: AS_WRITTEN, known: 1e-12, second: None, agrees: true });
     }
     let mut by = |loaded: &Loaded, method, times| {
         carried(loaded, method, (probes, of), plain.rate, (frames, times), &mut *steps)
@@ -88,7 +103,31 @@ pub fn reference(
         }
     }
     let (model, method) = best.as_ref().map_or((loaded, AS_WRITTEN), |(variant, method, _)| (variant, method));
-    by(model, method, times)
+    let first = by(model, method, times)?;
+    let options = Options { rate: Some(plain.rate), probes: probes.to_vec(), ..Options::default() };
+    let used = load::compiled(model, &options).0;
+    for other in OTHERS {
+        let Some(variant) = with_method(loaded, other) else { continue };
+        let scene = load::compiled(&variant, &options).0;
+        if scene.is_none_or(|scene| used.as_ref().is_some_and(|used| same(used, &scene))) {
+            continue;
+        }
+        let second = by(&variant, other, (times / 2).max(4))?;
+        if second.known <= COARSE {
+            return Ok(first.beside(other, &second));
+        }
+    }
+    Ok(first)
+}
+
+impl Reference {
+    /// Compares with a second reference by another method.
+    fn beside(self, method: &'static str, second: &Reference) -> Reference {
+        let apart = apart(&second.columns, &self.columns, &self.of);
+        let agrees = apart <= 2.0 * (self.known + second.known);
+        let known = self.known.max(if agrees { apart - 2.0 * second.known } else { apart });
+        Reference { known, second: Some((method, apart)), agrees, ..self }
+    }
 }
 
 /// Plays a model at `times` its rate and extrapolates to infinite rate if it converges like its scheme.
@@ -109,12 +148,21 @@ fn carried(
     let (first, last) = (apart(&coarse, &middle, of), apart(&middle, &fine, of));
     let order = (first / last).log2();
     if !(0.7..=highest(loaded) + 0.5).contains(&order) {
-        return Ok(Reference { columns: fine, of: of.to_vec(), origin: Origin::Open(times), method, known: last });
+        return Ok(Reference {
+            columns: fine,
+            of: of.to_vec(),
+            origin: Origin::Open(times),
+            method,
+            known: last,
+            second: None,
+            agrees: true,
+        });
     }
     let step = 1.0 / (order.exp2() - 1.0);
     let carry = |(f, m): (&Vec<f64>, &Vec<f64>)| f.iter().zip(m).map(|(f, m)| f + (f - m) * step).collect();
     let columns = fine.iter().zip(&middle).map(carry).collect();
-    Ok(Reference { columns, of: of.to_vec(), origin: Origin::Rate(times, order), method, known: last * step })
+    let (of, origin) = (of.to_vec(), Origin::Rate(times, order));
+    Ok(Reference { columns, of, origin, method, known: last * step, second: None, agrees: true })
 }
 
 /// Returns the highest order that the method of a model can have. A higher measured order is chance, since contacts
@@ -190,4 +238,33 @@ fn start(network: &Network, found: &Modes) -> Vec<(f64, f64)> {
         places.zip(shape).zip(of).map(|((p, u), x)| u * tick_dt * tick_dt / p.c * x).sum()
     };
     found.list.iter().map(|m| (along(&network.x, &m.shape), tick_dt * along(&network.v, &m.shape))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn reference(value: f64, known: f64) -> Reference {
+        Reference {
+            columns: vec![vec![value; 10]],
+            of: vec![0],
+            origin: Origin::Rate(64, 2.0),
+            method: AS_WRITTEN,
+            known,
+            second: None,
+            agrees: true,
+        }
+    }
+
+    #[test]
+    fn a_second_method_confirms_or_contradicts() {
+        let same = reference(1.0, 1e-4).beside("auto", &reference(1.0 + 1e-4, 1e-3));
+        assert!(same.agrees && same.known == 1e-4, "{}", same.known);
+        // an error of the first that the second sees counts
+        let off = reference(1.0, 1e-4).beside("auto", &reference(1.0 + 2.1e-4, 1e-5));
+        assert!(off.agrees && (off.known - 1.9e-4).abs() < 1e-9, "{}", off.known);
+        let other = reference(1.0, 1e-4).beside("auto", &reference(1.1, 1e-3));
+        assert!(!other.agrees && (other.known - 0.1).abs() < 1e-9, "{}", other.known);
+        assert!(other.second.is_some_and(|(method, apart)| method == "auto" && (apart - 0.1).abs() < 1e-9));
+    }
 }

@@ -43,8 +43,8 @@ fn a_reference_with_contacts_is_known_as_well_as_is_said() {
         rate: None,
         probes: &["o".into()],
         seconds: Some(0.15),
-        times: &[16],
-        reference: 64,
+        times: Some(&[16]),
+        reference: Some(64),
         remedy: "",
         progress: &mut go_on,
     };

@@ -189,13 +189,13 @@ impl<'a> ModelPage<'a> {
             rate: self.options.rate,
             probes: &probes,
             seconds: Some(options.accuracy),
-            times: &TIMES,
-            reference: REFERENCE,
+            times: Some(&TIMES),
+            reference: Some(REFERENCE),
             remedy: options.remedy,
             progress: &mut |done, of| goes_on(Work::Compared(done, of)),
         };
         match ca_accuracy::measured(self.loaded, &mut ask) {
-            Ok(found) => Ok(Some(found.section())),
+            Ok(found) => Ok(Some(found.section(found.as_written().map(|r| (r, "this model"))))),
             Err(Failure::Failed(why) | Failure::Usage(why)) => {
                 Ok(Some(Section::new(ca_accuracy::TITLE, vec![Block::Text(why)])))
             }

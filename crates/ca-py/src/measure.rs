@@ -165,8 +165,8 @@ pub fn accuracy<'py>(
             rate: asked.rate,
             probes: &probes,
             seconds: asked.seconds,
-            times: &asked.times,
-            reference: asked.reference,
+            times: Some(&asked.times),
+            reference: Some(asked.reference),
             remedy: "play longer with `seconds`, or compare other modules with `probes`",
             progress: &mut |done, of| wanted.goes_on(done, of),
         };

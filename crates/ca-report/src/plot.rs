@@ -205,6 +205,15 @@ impl Plot {
         }
     }
 
+    /// Adds a curve of one of the points of a scatter, which stands out.
+    #[must_use]
+    pub fn with_chosen(mut self, name: &str, [x, y]: [f64; 2]) -> Plot {
+        let is = |m: &Mark| m.x == x && m.y == Some(y);
+        let y = self.marks.iter().map(|m| if is(m) { y } else { f64::NAN }).collect();
+        self.curves.push(Curve { name: name.into(), y, look: Look::Points });
+        self
+    }
+
     /// Returns true if there is nothing to draw.
     pub(crate) fn is_empty(&self) -> bool {
         self.image.is_none() && self.curves.iter().all(|c| c.extent().is_none())
@@ -289,5 +298,7 @@ mod tests {
         assert_eq!(finite(&plot.curves[1]), [true, false, true]);
         let names: Vec<&str> = plot.marks.iter().map(|m| m.text.as_str()).collect();
         assert_eq!(names, ["a", "c", "b"]);
+        let plot = plot.with_chosen("chosen", [1.5, 9.0]);
+        assert_eq!(finite(&plot.curves[2]), [false, true, false]);
     }
 }

@@ -17,7 +17,8 @@ use std::path::{Path, PathBuf};
 /// Plays the model as it is, with every other method of its modules, in single precision, and at multiples of its rate,
 /// and compares the signals at its outputs (before gains and filters) with a reference. The reference is the closed
 /// form of the modes if the model is linear and nothing drives it. Otherwise it is the same model at a far higher rate,
-/// with Richardson extrapolation. The uncertainty of the reference is printed.
+/// with Richardson extrapolation, and a second method must agree with it. Its uncertainty is printed; if the methods
+/// disagree, it is called not known.
 ///
 /// Each row shows the relative RMS error of the signal and of its spectrum, the error of pitch in cents and of decay in
 /// dB, the relative error of energy, and the run time in ns per sample on this machine. Rows on the Pareto front of
@@ -33,15 +34,15 @@ pub struct AccuracyArgs {
     /// the model
     #[command(flatten)]
     pub source: Source,
-    /// Seconds to play (default: `seconds` of the model, at most 1 s)
+    /// Seconds to play (default: `seconds` of the model, at most 1 s; less for a model that takes long)
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub seconds: Option<f64>,
-    /// Multiples of the sound rate to try
-    #[arg(long, value_name = "N,…", value_delimiter = ',', default_value = "1,2,4,8", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    /// Multiples of the sound rate to try (default: 1,2,4,8; fewer for a model that takes long)
+    #[arg(long, value_name = "N,…", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub times: Vec<u32>,
-    /// Multiple of the sound rate for a reference without closed form
-    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(4..=4096))]
-    pub reference: u32,
+    /// Multiple of the sound rate for a reference without closed form (default: 64; less for a model that takes long)
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=4096))]
+    pub reference: Option<u32>,
     /// Compares the signal of this module instead of the outputs, e.g. `low[3]` or `strike`; repeatable
     #[arg(long, value_name = "NAME")]
     pub probe: Vec<String>,
@@ -77,7 +78,8 @@ pub fn run(args: &AccuracyArgs) -> Outcome {
         let what = format!("`{}` has no output to compare", loaded.name);
         return Err(Failure::Failed(format!("{what}; choose a module to compare with `--probe`")));
     }
-    let (rate, seconds, times) = (args.source.rate, args.seconds, &args.times[..]);
+    let times = Some(&args.times[..]).filter(|times| !times.is_empty());
+    let (rate, seconds) = (args.source.rate, args.seconds);
     let mut bar = None;
     let progress = &mut |done, of| {
         bar.get_or_insert_with(|| term::progress(of)).set_position(done);
@@ -198,7 +200,9 @@ impl Page<'_> {
         json!({
             "name": self.name, "rate": f.rate, "seconds": f.seconds(), "rows": rows,
             "reference": { "origin": origin, "times": times, "order": order, "known": f.reference.known,
-                           "method": f.reference.method, "words": f.origin() },
+                           "method": f.reference.method, "agrees": f.reference.agrees,
+                           "second": f.reference.second.map(|s| s.0), "apart": f.reference.second.map(|s| s.1),
+                           "words": f.origin() },
             "refused": f.refused.iter().map(|(m, why)| json!({ "method": m, "why": why })).collect::<Vec<_>>(),
             "warned": f.warned.iter().map(|(m, what)| json!({ "method": m, "what": what })).collect::<Vec<_>>(),
             "recommended": self.best.map(|r| json!({ "method": r.method, "times": r.times })),
@@ -208,7 +212,7 @@ impl Page<'_> {
 
     fn page(&self, loaded: &Loaded) -> Report {
         let mut report = Report::new(&format!("{}: error against run time", self.name), "");
-        report.sections.push(self.found.section());
+        report.sections.push(self.found.section(self.best.map(|r| (r, "chosen"))));
         let source = Block::Source(loaded.model.file.clone(), loaded.model.text.clone());
         report.sections.push(Section::new("The model", vec![source]));
         report

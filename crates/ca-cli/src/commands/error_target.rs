@@ -68,8 +68,15 @@ fn measure(loaded: &Loaded, rate: Option<f64>, error: f64, quiet: bool) -> Resul
         true
     };
     let remedy = "leave out `--error`";
-    let mut ask =
-        AccuracyOptions { rate, probes: &probes, seconds: None, times: &TIMES, reference: REFERENCE, remedy, progress };
+    let mut ask = AccuracyOptions {
+        rate,
+        probes: &probes,
+        seconds: None,
+        times: Some(&TIMES),
+        reference: Some(REFERENCE),
+        remedy,
+        progress,
+    };
     let choice = choose(loaded, error, &mut ask);
     if let Some(bar) = bar {
         bar.finish_and_clear();

@@ -67,6 +67,10 @@ fn another_model_is_its_own_reference() {
     // the method of order 4, where the margin shows its smaller uncertainty
     let (method, order, known) = reference(&found);
     assert!(method == "pefrl" && (order - 4.0).abs() < 0.1, "{found:#}");
+    // another method agrees with it
+    let second = &found["reference"];
+    assert!(second["agrees"] == true && second["second"] == "auto", "{found:#}");
+    assert!(second["apart"].as_f64().is_some_and(|apart| apart < 1e-4), "{found:#}");
     assert!(known < 1e-6 * error(&found, "as written", 1), "{found:#}");
     let near = measured(&text, &["--seconds", "0.02", "--times", "1,2,4", "--reference", "16"]);
     let (method, order, known) = reference(&near);
