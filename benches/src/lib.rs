@@ -10,6 +10,7 @@ mod grains;
 pub mod instruments;
 pub mod latency;
 pub mod peers;
+pub mod proven;
 pub mod rattle;
 mod table;
 

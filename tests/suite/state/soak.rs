@@ -296,6 +296,9 @@ fn ledgers_balance(text: &str, scene: &Scene, ticks: u64) {
             released = b.h;
         }
     }
+    if s.links.touches.unsolved > 0 {
+        println!("{} of {ticks} steps met the bound on iterations, and made no energy", s.links.touches.unsolved);
+    }
 }
 
 /// Rounding of the ledger over a million ticks, relative to its peak.

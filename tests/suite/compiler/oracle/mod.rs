@@ -67,6 +67,9 @@ fn plain(text: &str) -> Model {
         }
         assert!(m.set(&format!("{name}.dc"), "0"));
     }
+    if m.meta.iter().any(|e| e.key == "format") {
+        assert!(m.set("model.method", "ca"));
+    }
     // solved contacts are tested elsewhere: here they use the explicit method
     let solved: Vec<String> = m.items.iter().filter(|i| method(i) == Some("stable")).map(|i| i.name.clone()).collect();
     for name in solved {
