@@ -181,7 +181,8 @@ fn what_blows_is_reported_with_the_command_that_shows_why() {
     sandbox.ca(&["check", "struck.ca.toml", "--set", "strike.k=1e15 N/m"]).says(&["W117", "`strike`"]);
     // the slope of a power law is taken at a depth; for an absurd stiffness that depth is too small for any blow
     let hard = |k: &str| {
-        let r = sandbox.ca(&["check", "hammered_string", "--set", k, "--json"]).is(0).json();
+        let r =
+            sandbox.ca(&["check", "hammered_string", "--set", "model.method=ca", "--set", k, "--json"]).is(0).json();
         let depth = &r["summary"]["stability"]["depth"];
         assert_eq!(depth["contact"], "strike", "{r:#}");
         depth["m"].as_f64().unwrap()
@@ -189,7 +190,8 @@ fn what_blows_is_reported_with_the_command_that_shows_why() {
     let ratio = hard("strike.k=1e30") / hard("strike.k=4e12");
     assert!((ratio / (4e12_f64 / 1e30).sqrt() - 1.0).abs() < 1e-9, "{ratio}");
     let words = "stiffens with depth: slope·T²/m is 1 at ";
-    sandbox.ca(&["check", "hammered_string"]).says(&["`strike` ", words]);
-    sandbox.ca(&["report", "hammered_string", "-o", "string.html"]).is(0);
+    let explicit = ["hammered_string", "--set", "model.method=ca"];
+    sandbox.ca(&[&["check"], &explicit[..]].concat()).says(&["`strike` ", words]);
+    sandbox.ca(&[&["report"], &explicit[..], &["-o", "string.html"]].concat()).is(0);
     assert!(std::fs::read_to_string(sandbox.path("string.html")).unwrap().contains(words));
 }
