@@ -410,3 +410,17 @@ fn a_point_that_wanders_is_judged_at_every_node() {
     assert_eq!(level(2.0, "where"), Level::NotProven);
     assert_eq!((level(0.3, "0.5"), level(0.3, "where")), (Level::Proven, Level::Proven));
 }
+
+/// A law that hardens and presses at load is not proven where rounding decides its energy, on both sides of the limit.
+#[test]
+fn a_hardening_contact_pressed_at_load_is_judged_by_its_slope() {
+    for (k, level) in [(1e15, Level::Proven), (1e23, Level::RuleOfThumb)] {
+        let text = format!(
+            "[model]\nformat = 2\n[MAS]\nb = {{ m = \"1 g\" }}\nc = {{ m = \"1 g\" }}\n[SOL]\nw = {{ x = \"-1 cm\" }}\n[HRZ]\n\
+             l0 = {{ between = [\"b\", \"w\"], k = {k:?} }}\nl1 = {{ between = [\"c\", \"b\"], k = 3e3 }}\n[SOX]\no = {{ from = \"b\" }}\n"
+        );
+        let c = scene(&text);
+        assert_eq!(c.certificate.level, level, "k = {k:e}: {:?}", c.certificate);
+        assert_eq!(c.findings.list.iter().any(|d| d.code == "W119"), level != Level::Proven, "{text}");
+    }
+}

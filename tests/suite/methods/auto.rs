@@ -134,4 +134,18 @@ fn a_small_set_of_pairs_is_conserved() {
     for text in [text(12, 1), text(40, 2)] {
         assert!(laws(&compiled(&text)).contains(&"BUT"), "{text}");
     }
+    let left = notes(&compiled(&text(40, 2)));
+    assert!(left[0].contains("a set of 780 pairs"), "{left:?}");
+}
+
+/// A contact across two worlds at a modal mass stays explicit and is named.
+#[test]
+fn a_contact_across_two_worlds_at_a_modal_mass_stays_explicit() {
+    let text = "[model]\nformat = 2\n[w]\nmethod = \"modal\"\n[w.STRING]\nst = { n = 9, m = 1e-3, f = 200 }\n[air]\ndim = 3\n\
+                [air.SOL]\nnail = {}\n[air.MAS]\nball = { m = \"5 g\", x = [\"12 mm\", \"16 mm\", 0], v = [-0.6, -0.8, 0] }\n\
+                [SOL]\nwall = {}\n[LPR_BUT]\nedge = { between = [\"air.nail\", \"air.ball\"], onto = [\"wall\", \"w.st[4]\"], \
+                k = \"20 kN/m\", d = \"10 mm\" }\n[SOX]\no = { from = \"w.st[2]\" }\n";
+    let c = compiled(text);
+    assert!(laws(&c).contains(&"LPR_BUT"), "{:?}", laws(&c));
+    assert!(notes(&c)[0].contains("acts on two worlds"), "{:?}", notes(&c));
 }

@@ -4,12 +4,12 @@ use crate::certify::accumulate::{Accumulated, Sums};
 use crate::certify::cause::{any, faster, span};
 use crate::certify::max_elongation::{Cause, MaxElongation};
 use crate::findings::{round_down, round_up};
-use crate::net::{End, LiaNode, Pruned};
+use crate::net::{End, LiaNode, Pruned, elongation};
 use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::{String, ToString};
 use ca_core::internal::method::friction::STEEPEST;
-use ca_core::internal::op::SolveStage;
+use ca_core::internal::op::{SolveStage, loaded};
 use ca_core::internal::scene::growth::Growth;
 use ca_core::{Bound, Certificate, Type, Unit};
 use ca_model::diag::{Diag, Diags};
@@ -235,10 +235,22 @@ pub fn creeps(net: &Pruned, l: &LiaNode) -> bool {
 /// (`methods::potential`, `methods::shared`): the rounding of positions makes at most 1e-14 kT²/m of the peak.
 const STIFFEST: f64 = 1e9;
 
-/// Returns kT²/m of a contact or non-linear spring for which rounding decides the energy of its method.
+/// Returns kT²/m of a contact or non-linear spring for which rounding decides the energy of its method. A law that
+/// hardens counts with its slope at load.
 pub fn rounds(net: &Pruned, sums: &Accumulated, l: &LiaNode, b: &Bound) -> Option<f64> {
-    let solved = (b.contact || !b.linear) && !l.law.stage.is_explicit();
-    Some(b.k * mobility(net, l, &sums.mats)).filter(|a| solved && *a > STIFFEST)
+    if l.law.stage.is_explicit() || !b.contact && b.linear {
+        return None;
+    }
+    let k = if b.hardens || b.varying > 0.0 || b.power.0 > 0.0 { b.k.max(slope_at_load(net, l)) } else { b.k };
+    Some(k * mobility(net, l, &sums.mats)).filter(|a| *a > STIFFEST)
+}
+
+/// Returns the slope of a law at load \[N/m\], or 0 if its elongation is not known.
+fn slope_at_load(net: &Pruned, l: &LiaNode) -> f64 {
+    let Some(e) = elongation::at_load(net, l) else { return 0.0 };
+    let coefs = loaded(l.law, &net.values(l.item, &l.values), net.tick_dt);
+    let [k, _] = (l.law.at_load.steepest)(&coefs, &net.tables, [e, e]);
+    if k.is_finite() { k } else { 0.0 }
 }
 
 /// Reports methods beyond their limits: a contact too stiff for its energy to be exact, set-valued friction that creeps,

@@ -7,6 +7,7 @@
 use crate::connect::wiring::Wiring;
 use crate::net::{End, LiaNode, Measure};
 use crate::options::Options;
+use crate::passes::auto::MOST_PAIRS;
 use alloc::collections::BTreeSet;
 use alloc::string::String;
 use alloc::sync::Arc;
@@ -19,9 +20,6 @@ use ca_model::{Model, Value};
 
 /// Smallest number of pairs per member. Below it single links are cheaper: three grains, or one mass against many.
 const FEWEST: f64 = 1.5;
-
-/// Largest number of pairs that `auto` makes single links, so that their energy is conserved.
-const MOST_BY_AUTO: f64 = 512.0;
 
 /// Returns the names that outputs and probes refer to.
 pub fn output_names(model: &Model, options: &Options) -> BTreeSet<String> {
@@ -54,7 +52,7 @@ impl Wiring<'_> {
         let plain = law.contact && law.mem == 0 && arg("method").is_none_or(|m| m == 0.0);
         if !plain
             || !enough
-            || by_auto && pairs <= MOST_BY_AUTO
+            || by_auto && pairs <= MOST_PAIRS as f64
             || self.output_names.contains(&*name)
             || ["along", "onto", "soften", "l0"].into_iter().any(written)
         {

@@ -19,6 +19,9 @@ use ca_model::diag::{Diag, Diags};
 /// Methods that keep the energy of a link, in the order in which a kind is asked for them.
 const CONSISTENT: [&str; 2] = ["stable", "newton"];
 
+/// Largest number of pairs of a set that become single links, so that their energy is conserved.
+pub const MOST_PAIRS: usize = 512;
+
 /// Largest number of networks; then all links stay explicit.
 const TRIES: usize = 8;
 
@@ -65,6 +68,10 @@ pub fn choose(model: &Model, net: &mut Wired, left: &Left) {
     for i in 0..net.lias.len() {
         let l = &net.lias[i];
         let Some((at, word)) = method_of(model, net, l).filter(|_| !left.items.contains_key(&l.item)) else { continue };
+        if let Some(why) = without(net, l) {
+            chosen.insert(l.item, why);
+            continue;
+        }
         let known = last.as_ref().filter(|[old, _]| Arc::ptr_eq(old, &l.values));
         let values = known.map_or_else(
             || {
@@ -88,12 +95,23 @@ fn method_of(model: &Model, net: &Wired, l: &LiaNode) -> Option<(usize, usize)> 
     let word = CONSISTENT.iter().find_map(|c| words.iter().position(|w| w == c))?;
     let item = &net.items[l.item as usize];
     let written = model.items[item.model].args.iter().any(|e| e.key == "method");
-    // sets of pairs and groups at the gesture rate lack such a method
-    if written || l.sets.is_some() || net.medium_of(item.group).method != Method::Auto {
+    // groups at the gesture rate lack such a method
+    if written || net.medium_of(item.group).method != Method::Auto {
         return None;
     }
     let slow = |m: u32| net.medium_of(net.mats[m as usize].group).slow;
     (!l.ends.into_iter().any(|e| net.under(e).into_iter().any(slow))).then_some((at, word))
+}
+
+/// Returns why a link has no such method, although its kind has one.
+fn without(net: &Wired, l: &LiaNode) -> Option<String> {
+    if let Some([first, second]) = l.sets.as_deref() {
+        let pairs = if second.is_empty() { first.len() * (first.len() - 1) / 2 } else { first.len() * second.len() };
+        return Some(format!("it is a set of {pairs} pairs; up to {MOST_PAIRS} become single links"));
+    }
+    let modal = |m: u32| net.medium_of(net.mats[m as usize].group).method == Method::Modal;
+    let at_modes = l.onto.is_some() && l.all_ends().any(|e| net.under(e).into_iter().any(modal));
+    at_modes.then(|| "it acts on two worlds, and a mass of one has `method = \"modal\"`".into())
 }
 
 /// The links that passes refuse: an error for a method that its author wrote, a reason for `auto`.
