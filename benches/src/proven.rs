@@ -6,6 +6,7 @@ use ca_compile::{Options, compile};
 use ca_core::{Level, Scene};
 use ca_io::perform::Performance;
 use ca_model::Model;
+use std::fmt::Write as _;
 use std::time::Instant;
 
 /// Times of a model; the fastest counts.
@@ -79,7 +80,8 @@ pub fn page(rows: &[Proven]) -> String {
         let ratio = |r: &Proven| r.ways[1].share / r.ways[0].share;
         ratio(a).total_cmp(&ratio(b))
     });
-    text += &format!(
+    let _ = write!(
+        text,
         "Of {} models, {} are proven with explicit links, {} as they are, and {} by `auto`. As they are, they take {:.2} × the time \
          of the explicit links (median), and at most {:.1} × ({}).\n\n",
         rows.len(),

@@ -1,4 +1,4 @@
-//! How long a measurement may take: duration, rates and reference of a model for which none are given.
+//! Limits the run time of a measurement: chooses duration, rates and reference if the caller names none.
 
 use super::{AccuracyOptions, BUDGET};
 use ca_core::Scene;
@@ -9,11 +9,11 @@ use std::time::Instant;
 /// Ticks by which the run time is estimated.
 const TICKS: u64 = 1000;
 
-/// Multiples of the rate, and run time of all methods at all of them over that of the model as written.
+/// Multiples of the rate, and run time of all methods at all rates, in runs of the model as written.
 const TIMES: [u32; 4] = [1, 2, 4, 8];
 const METHODS: f64 = 16.0;
 
-/// Multiples of the rate for the reference, and run time of both references over that of one run.
+/// Multiples of the rate for the reference, and run time of both references, in runs at that rate.
 const REFERENCES: [u32; 4] = [64, 32, 16, 8];
 const RUNS: f64 = 6.0;
 

@@ -6,7 +6,7 @@
 //! (A − B)/(2^p − 1), and this step is also the error of the reference. A model that does not converge (chaos, a jump
 //! at every tick) is reported: its reference is the finest run, with the difference of the last two as error.
 //!
-//! A second method computes the model at half of that rate, in the same way. Where both agree within their errors, the
+//! A second method computes the model at half of that rate, in the same way. If both agree within their errors, the
 //! reference is known; otherwise the difference of the two is its error.
 //!
 //! A method of higher order replaces the model as written if its error at an eighth of that rate is smaller and both

@@ -1,7 +1,7 @@
 //! Parameters of LPR kinds, made at compile time from the parameters of their law, and the end of their page.
 //!
 //! Parameters, docs and alternatives are copied from the law, so they cannot differ. `along` is removed, since each
-//! port measures in the dimensions of its world. So is `method`: contacts and LPR_BOW have one of their own. `onto` follows, since a
+//! port measures in the dimensions of its world. So is `method`: contacts and LPR_BOW have a shorter one. `onto` follows, since a
 //! law knows its parameters by number. They are not in [`crate::kinds`], because the law of LPR_BOW looks up its
 //! parameters and a kind contains its law.
 

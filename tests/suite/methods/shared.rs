@@ -139,7 +139,7 @@ fn sweeps_find_the_solution_of_newtons_method() {
     }
 }
 
-/// Links that share no mass are clusters of their own: each plays the bits that it plays alone. The two stacks stand on
+/// Links that share no mass form separate clusters, and each plays the same bits as alone. The two stacks stand on
 /// one fixed point. Takes of arithmetic 7 are solved as one cluster.
 #[test]
 fn each_cluster_plays_as_if_alone() {

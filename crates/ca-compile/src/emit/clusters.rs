@@ -1,7 +1,7 @@
 //! Clusters: the links solved together that share masses, directly or through others.
 //!
 //! The pushes of one cluster do not move the masses of another, so each is solved by itself, and ends as soon as it has
-//! converged. Links share no mass through a fixed end or a port, since these have no mobility.
+//! converged. A fixed end or a port joins no clusters, since it has no mobility.
 
 use crate::net::disjoint::Sets;
 use alloc::collections::BTreeMap;
@@ -27,7 +27,7 @@ pub fn clusters(passes: &[Op], arrays: &LinkArrays, mobility: &[f64]) -> Vec<u32
             next += 1;
             new
         };
-        // a link whose ends do not move is a cluster of its own
+        // a link whose ends do not move is a cluster
         of[*link] = match slots.first() {
             Some(slot) => *numbers.entry(sets.root(*slot)).or_insert_with(number),
             None => number(),

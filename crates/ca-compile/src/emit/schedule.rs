@@ -370,7 +370,7 @@ fn loaded(net: &Pruned, layout: &Layout, x: &[f64], v: &[f64], coef: &[f64], (li
         near: layout.links.pair_sets.iter().map(|c| VerletList::new(c.members.len(), c.rows, c.columns)).collect(),
         cells: alloc::vec![Cell::default(); layout.places.moving_points.len()],
         implicit: alloc::vec![0.0; layout.implicit.as_ref().map_or(0, |a| 2 * a.places.len())],
-        touches: ActiveContacts::of(layout),
+        touches: ActiveContacts::in_clusters(&layout.links.clusters, layout.counts.n_touch, layout.counts.n_mat),
     };
     s.ports = PortState {
         last_input: input.clone(),

@@ -103,7 +103,7 @@ fn method_of(model: &Model, net: &Wired, l: &LiaNode) -> Option<(usize, usize)> 
     (!l.ends.into_iter().any(|e| net.under(e).into_iter().any(slow))).then_some((at, word))
 }
 
-/// Returns why a link has no such method, although its kind has one.
+/// Returns why such a method cannot be used for a link, although its kind knows it.
 fn without(net: &Wired, l: &LiaNode) -> Option<String> {
     if let Some([first, second]) = l.sets.as_deref() {
         let pairs = if second.is_empty() { first.len() * (first.len() - 1) / 2 } else { first.len() * second.len() };

@@ -56,17 +56,15 @@ pub const fn fns<R: Real, S: Spring<R>>(spring: LawFns<R>) -> LawFns<R> {
 
 fn kernel<R: Real, S: Spring<R>>(form: Form) -> Kernel<R> {
     match (form.measure, form.onto) {
-        (MeasureKind::Line, None) => gather::<R, S, Line, Line>,
-        (MeasureKind::Along, None) => gather::<R, S, Along, Line>,
-        (MeasureKind::Radial, None) => gather::<R, S, Radial, Line>,
-        // quadripoles; the compiler puts a port in space first
-        (MeasureKind::Line, Some(_)) => gather::<R, S, Line, Line>,
-        (_, Some(MeasureKind::Radial)) => gather::<R, S, Radial, Radial>,
-        (_, Some(_)) => gather::<R, S, Radial, Line>,
+        (MeasureKind::Line, _) => gather::<R, S, Line, Line>,
+        (MeasureKind::Along, _) => gather::<R, S, Along, Line>,
+        // of a quadripole, the compiler puts a port in space first
+        (MeasureKind::Radial, Some(MeasureKind::Radial)) => gather::<R, S, Radial, Radial>,
+        (MeasureKind::Radial, _) => gather::<R, S, Radial, Line>,
     }
 }
 
-/// Collects the contacts of `op`, whose ends are measured by `G`, and those of a second port by `H`.
+/// Collects the contacts of `op`. `G` measures their ends, and `H` the second pair of ends of a quadripole.
 fn gather<R: Real, S: Spring<R>, G: Measure, H: Measure>(op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     for i in 0..op.n {
         let contact = Contact::<R, S>::read(s, op.coef, op.n, i);

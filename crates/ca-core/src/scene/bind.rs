@@ -279,7 +279,7 @@ fn state<R: Real>(s: &State, layout: &Layout<R>) -> State<R> {
             cells: s.links.cells.iter().map(|c| Cell { n: c.n, node: c.node, weight: c.weight.map(R::of) }).collect(),
             near: layout.links.pair_sets.iter().map(|c| VerletList::new(c.members.len(), c.rows, c.columns)).collect(),
             implicit: reals(&s.links.implicit),
-            touches: ActiveContacts::of(layout),
+            touches: ActiveContacts::in_clusters(&layout.links.clusters, layout.counts.n_touch, layout.counts.n_mat),
         },
         input: s.input.clone(),
         ports: PortState {

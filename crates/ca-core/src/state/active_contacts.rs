@@ -4,7 +4,6 @@
 //! of one are used together. Capacity for all is allocated at load.
 
 use crate::numeric::{Real, Table};
-use crate::op::layout::{Counts, Layout};
 use alloc::vec::Vec;
 
 /// Push of a contact as a curve over the motion of the coming tick (`method/cluster.rs`).
@@ -140,11 +139,11 @@ impl<R: Real> PartialEq for ActiveContacts<R> {
 }
 
 impl<R: Real> ActiveContacts<R> {
-    /// Allocates for the links of a layout that are solved together.
-    pub fn of(layout: &Layout<R>) -> ActiveContacts<R> {
-        let Counts { n_touch, n_mat, .. } = layout.counts;
-        let clusters = || layout.links.clusters.iter().filter(|c| **c != u32::MAX).map(|c| *c as usize);
-        let Some(last) = clusters().max() else { return ActiveContacts::new(n_touch, n_mat) };
+    /// Allocates for `contacts` links among `places` slots. `of` holds the cluster of each link, `u32::MAX` for links that
+    /// are not solved together, or is empty for one cluster.
+    pub fn in_clusters(of: &[u32], contacts: usize, places: usize) -> ActiveContacts<R> {
+        let clusters = || of.iter().filter(|c| **c != u32::MAX).map(|c| *c as usize);
+        let Some(last) = clusters().max() else { return ActiveContacts::new(contacts, places) };
         let mut regions = alloc::vec![Region::default(); last + 1];
         for cluster in clusters() {
             regions[cluster].room += 1;
@@ -154,7 +153,7 @@ impl<R: Real> ActiveContacts<R> {
             region.first = first;
             first += region.room;
         }
-        ActiveContacts { regions, ..ActiveContacts::new(n_touch, n_mat) }
+        ActiveContacts { regions, ..ActiveContacts::new(contacts, places) }
     }
 
     /// Allocates for one cluster of `contacts` links among `places` slots.

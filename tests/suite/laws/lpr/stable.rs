@@ -4,7 +4,7 @@ use crate::methods::stable::{made, ran};
 use crate::play::{audited, mat, scene};
 use ca_core::{Level, tick};
 
-/// A ball in space between two others, each of which knocks on a cell; the cells also share a contact on a line.
+/// A ball in space between two others. The ball knocks on a cell with each of them; the cells also share a contact.
 fn chime(k: f64, more: &str) -> String {
     format!(
         "[air]\ndim = 3\n[air.MAS]\nball = {{ m = 0.012, v = [0.4, 0.03, -0.02] }}\nleft = {{ m = 0.04, x = [0.04, 0.001, 0] }}\n\

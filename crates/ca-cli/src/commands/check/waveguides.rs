@@ -11,7 +11,7 @@ use std::io::Write;
 struct Filter {
     /// Name of the junction that the waves leave and reach.
     junction: String,
-    /// Whole samples of the delay, without those of its filter.
+    /// Whole samples of the delay, without its filter.
     samples: usize,
     loss: Loss,
 }

@@ -211,7 +211,7 @@ fn flat(record: StateRecord, layout: &Layout) -> Result<State, Wrong> {
             cells: record.cells.into_owned(),
             near: layout.links.pair_sets.iter().map(|c| VerletList::new(c.members.len(), c.rows, c.columns)).collect(),
             implicit: record.implicit.into_owned(),
-            touches: ActiveContacts::of(layout),
+            touches: ActiveContacts::in_clusters(&layout.links.clusters, layout.counts.n_touch, layout.counts.n_mat),
         },
         input: record.input.into_owned(),
         ports: PortState {
