@@ -67,19 +67,16 @@ fn run_time(scene: &Scene, seconds: f64) -> f64 {
 /// Head of the page.
 pub const HEAD: &str = "# What is proven, and what it costs\n\nMade by `UPDATE=1 cargo bench -p ca-benches --bench proven`: do not edit.\n\n\
     Verdict and run time of each bundled model under its own gesture, for one second: with explicit links \
-    (`method = \"ca\"`), as it is, and with the energy-consistent methods that `method = \"auto\"` chooses. **%** is the \
+    (`method = \"ca\"`), as it is, and with the methods that `method = \"auto\"` chooses. **%** is the \
     run time in percent of real time on one core. **×** is the run time of `auto` over that of the explicit links.\n\n";
 
 /// Returns the page.
 pub fn page(rows: &[Proven]) -> String {
     let mut text = format!("{HEAD}The machine: {}.\n\n", machine());
     let proven = |k: usize| rows.iter().filter(|r| r.ways[k].level == Level::Proven).count();
-    let mut ratios: Vec<f64> = rows.iter().map(|r| r.ways[1].share / r.ways[0].share).collect();
-    ratios.sort_by(f64::total_cmp);
-    let worst = rows.iter().max_by(|a, b| {
-        let ratio = |r: &Proven| r.ways[1].share / r.ways[0].share;
-        ratio(a).total_cmp(&ratio(b))
-    });
+    let mut ratios: Vec<(f64, &str)> = rows.iter().map(|r| (r.ways[1].share / r.ways[0].share, &*r.name)).collect();
+    ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (most, worst) = ratios.last().copied().unwrap_or((f64::NAN, ""));
     let _ = write!(
         text,
         "Of {} models, {} are proven with explicit links, {} as they are, and {} by `auto`. As they are, they take {:.2} × the time \
@@ -88,9 +85,9 @@ pub fn page(rows: &[Proven]) -> String {
         proven(0),
         proven(1),
         proven(2),
-        ratios[ratios.len() / 2],
-        ratios.last().copied().unwrap_or(f64::NAN),
-        worst.map_or("", |r| &r.name),
+        ratios[ratios.len() / 2].0,
+        most,
+        worst,
     );
     text += &head(&["model", "explicit", "%", "as it is", "%", "`auto`", "%", "×"]);
     for Proven { name, ways } in rows {

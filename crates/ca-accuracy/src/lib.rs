@@ -29,8 +29,8 @@ use ca_report::{Axis, Block, Plot, Point, Section, Table};
 pub use choice::{Choice, choose};
 pub use methods::changes;
 use methods::{AS_WRITTEN, Candidate, candidates};
-pub use reference::Origin;
 use reference::Reference;
+pub use reference::{Origin, Second};
 use score::Score;
 
 /// Rounds of timing, and least time per candidate and round \[ns\]. The fastest counts: the others were disturbed.
@@ -48,13 +48,6 @@ const MOST: f64 = 5e7;
 
 /// Title of the section.
 pub const TITLE: &str = "Error against run time";
-
-/// Longest default duration \[s\], and the shortest for a model that takes long.
-const LONGEST: f64 = 1.0;
-const SHORTEST: f64 = 0.2;
-
-/// Run time of the model as written that shortens the default duration \[s\].
-const LONG_RUN: f64 = 0.08;
 
 /// Approximate run time of the reference, and of all rows, of a model for which they are chosen \[s\].
 pub const BUDGET: f64 = 10.0;
@@ -131,11 +124,7 @@ pub fn measured(loaded: &Loaded, ask: &mut AccuracyOptions) -> Result<Measured, 
     let probes = ask.probes.to_vec();
     let scene = loaded.compile(&Options { rate: ask.rate, probes: probes.clone(), ..Options::default() })?;
     let rate = scene.rate;
-    let share = effort::share_of_real_time(&scene)?;
-    let seconds = ask.seconds.unwrap_or_else(|| {
-        let all = scene.about.seconds.unwrap_or(LONGEST).min(LONGEST);
-        all.min((LONG_RUN / share).max(SHORTEST))
-    });
+    let (seconds, times, multiple) = effort::chosen(ask, &scene)?;
     let samples = seconds * rate;
     if !(samples > 0.0 && samples * probes.len() as f64 <= MOST) {
         let most = MOST / (rate * probes.len() as f64);
@@ -144,7 +133,6 @@ pub fn measured(loaded: &Loaded, ask: &mut AccuracyOptions) -> Result<Measured, 
         )));
     }
     let frames = samples.round().max(16.0) as usize;
-    let (times, multiple) = effort::chosen(ask, seconds * share);
     let finest = times.iter().copied().max().map_or(multiple, |t| t.max(multiple));
     if f64::from(finest) * rate > HIGHEST {
         let most = (HIGHEST / rate).floor();
@@ -167,7 +155,6 @@ pub fn measured(loaded: &Loaded, ask: &mut AccuracyOptions) -> Result<Measured, 
     }
     for _ in 1..ROUNDS {
         for (candidate, row) in candidates.all.iter().zip(&mut rows) {
-            // a long run was disturbed no more than a later one would be
             if row.ns * frames as f64 > LONG {
                 steps.step()?;
                 continue;
@@ -283,11 +270,9 @@ impl Measured {
         let (known, method) = (self.reference.known, self.reference.method);
         let by = if method == AS_WRITTEN { String::new() } else { format!(" by {method}") };
         let alone = |text: String| match self.reference.second {
-            Some((second, apart)) if self.reference.agrees => {
-                format!("{text}; {second} agrees to {apart:.0e}")
-            }
-            Some((second, apart)) => {
-                format!("the model{by}, but it is not known: {second} differs from it by {apart:.0e}")
+            Some(Second { method, apart, agrees: true }) => format!("{text}; {method} agrees to {apart:.0e}"),
+            Some(Second { method, apart, .. }) => {
+                format!("the model{by}, but it is not known: {method} differs from it by {apart:.0e}")
             }
             None => format!("{text}, by one method alone"),
         };

@@ -47,9 +47,18 @@ pub struct Reference {
     pub method: &'static str,
     /// Relative error.
     pub known: f64,
-    /// Another method with its relative distance; none for a closed form, and where no other method differs.
-    pub second: Option<(&'static str, f64)>,
-    /// False if the second method contradicts.
+    /// Comparison with a second method; none for a closed form, and if no other method is good enough.
+    pub second: Option<Second>,
+}
+
+/// A second reference beside the first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Second {
+    /// Its method.
+    pub method: &'static str,
+    /// Its relative distance from the first.
+    pub apart: f64,
+    /// True if the distance is within the errors of both.
     pub agrees: bool,
 }
 
@@ -80,7 +89,7 @@ pub fn reference(
     if let Some(columns) = closed(loaded, probes, plain, frames) {
         let origin = Origin::Modes;
         let of = of.to_vec();
-        return Ok(Reference { columns, of, origin, method: AS_WRITTEN, known: 1e-12, second: None, agrees: true });
+        return Ok(Reference { columns, of, origin, method: AS_WRITTEN, known: 1e-12, second: None });
     }
     let mut by = |loaded: &Loaded, method, times| {
         carried(loaded, method, (probes, of), plain.rate, (frames, times), &mut *steps)
@@ -126,7 +135,7 @@ impl Reference {
         let apart = apart(&second.columns, &self.columns, &self.of);
         let agrees = apart <= 2.0 * (self.known + second.known);
         let known = self.known.max(if agrees { apart - 2.0 * second.known } else { apart });
-        Reference { known, second: Some((method, apart)), agrees, ..self }
+        Reference { known, second: Some(Second { method, apart, agrees }), ..self }
     }
 }
 
@@ -155,14 +164,13 @@ fn carried(
             method,
             known: last,
             second: None,
-            agrees: true,
         });
     }
     let step = 1.0 / (order.exp2() - 1.0);
     let carry = |(f, m): (&Vec<f64>, &Vec<f64>)| f.iter().zip(m).map(|(f, m)| f + (f - m) * step).collect();
     let columns = fine.iter().zip(&middle).map(carry).collect();
     let (of, origin) = (of.to_vec(), Origin::Rate(times, order));
-    Ok(Reference { columns, of, origin, method, known: last * step, second: None, agrees: true })
+    Ok(Reference { columns, of, origin, method, known: last * step, second: None })
 }
 
 /// Returns the highest order that the method of a model can have. A higher measured order is chance, since contacts
@@ -252,19 +260,19 @@ mod tests {
             method: AS_WRITTEN,
             known,
             second: None,
-            agrees: true,
         }
     }
 
     #[test]
     fn a_second_method_confirms_or_contradicts() {
         let same = reference(1.0, 1e-4).beside("auto", &reference(1.0 + 1e-4, 1e-3));
-        assert!(same.agrees && same.known == 1e-4, "{}", same.known);
+        let agrees = |r: &Reference| r.second.is_some_and(|second| second.agrees);
+        assert!(agrees(&same) && same.known == 1e-4, "{}", same.known);
         // an error of the first that the second sees counts
         let off = reference(1.0, 1e-4).beside("auto", &reference(1.0 + 2.1e-4, 1e-5));
-        assert!(off.agrees && (off.known - 1.9e-4).abs() < 1e-9, "{}", off.known);
+        assert!(agrees(&off) && (off.known - 1.9e-4).abs() < 1e-9, "{}", off.known);
         let other = reference(1.0, 1e-4).beside("auto", &reference(1.1, 1e-3));
-        assert!(!other.agrees && (other.known - 0.1).abs() < 1e-9, "{}", other.known);
-        assert!(other.second.is_some_and(|(method, apart)| method == "auto" && (apart - 0.1).abs() < 1e-9));
+        assert!(!agrees(&other) && (other.known - 0.1).abs() < 1e-9, "{}", other.known);
+        assert!(other.second.is_some_and(|s| s.method == "auto" && (s.apart - 0.1).abs() < 1e-9));
     }
 }

@@ -69,12 +69,12 @@ fn network_with(
     params::report_unused(&net, &mut diags);
     coupling::couple(&mut net, &options.couplings);
     implicit::choose(&mut net);
-    auto::choose(model, &mut net, left);
+    auto::choose(model, &mut net, left, options);
     specialise::specialise(model, &mut net, &mut diags);
     let mut net = prune::prune(model, net, options, &mut diags);
-    solve_order::choose(model, &mut net, options.arithmetic, &mut diags);
+    solve_order::choose(model, &mut net, options, &mut diags);
     implicit::check(model, &mut net, &mut diags);
-    waves::settle(model, &mut net, options.arithmetic, &mut diags);
+    waves::settle(model, &mut net, options, &mut diags);
     pefrl::check(model, &net, options, &mut diags);
     reach::mark(&mut net);
     if options.precision == Precision::Single {

@@ -70,3 +70,10 @@ pub struct Options {
     /// [`ca_core::ARITHMETIC`] version to compile for, taken from an older take; `None` means the present version.
     pub arithmetic: Option<u32>,
 }
+
+impl Options {
+    /// Returns whether the compiler works as from this arithmetic version on.
+    pub(crate) fn is_since(&self, arithmetic: u32) -> bool {
+        self.arithmetic.is_none_or(|a| a >= arithmetic)
+    }
+}

@@ -179,6 +179,23 @@ fn each_cluster_plays_as_if_alone() {
     assert!(other, "the bits of arithmetic 7 differ");
 }
 
+/// Energy gathered in 10 s by the rounding of positions: of masses that drift, and of a mass between two contacts that
+/// leave no gap. docs/numerics.md §3.3 has these figures.
+#[test]
+fn rounding_of_positions_is_gathered() {
+    let drift = "[MAS]\na = { m = 0.01, v = 1 }\nb = { m = 0.01, v = 1.1 }\n[CUB]\n\
+                 l = { between = [\"a\", \"b\"], k = 1e6, k3 = 1, method = \"stable\" }\n[SOX]\no = { from = \"a\" }\n";
+    let held = "[MAS]\na = { m = 0.01, v = 1 }\n[SOL]\nf = { x = -0.01 }\ng = { x = -0.01 }\n[BUT]\n\
+                l1 = { between = [\"f\", \"a\"], k = 1e7, method = \"stable\" }\n\
+                l2 = { between = [\"a\", \"g\"], k = 1e7, method = \"stable\" }\n[SOX]\no = { from = \"a\" }\n";
+    for (text, figure) in [(drift, 1.7e-10), (held, 1.3e-9)] {
+        let scene = audited(text);
+        assert_eq!(scene.certificate.level, Level::Proven);
+        let made = made(&played(&scene, 10.0));
+        assert!((0.5 * figure..2.0 * figure).contains(&made), "{made:e}\n{text}");
+    }
+}
+
 const PULSES: &str = "[gesture]\nh = { pulse = \"3 mm\", every = 0.2, rise = 0.006, hold = 0.01, fall = 0.02, offset = \"-2 mm\", to = 2 }\n";
 
 /// The energy given by a moving port is stored or lost: a contact by both methods, friction by Newton's method, and an

@@ -200,8 +200,8 @@ impl Page<'_> {
         json!({
             "name": self.name, "rate": f.rate, "seconds": f.seconds(), "rows": rows,
             "reference": { "origin": origin, "times": times, "order": order, "known": f.reference.known,
-                           "method": f.reference.method, "agrees": f.reference.agrees,
-                           "second": f.reference.second.map(|s| s.0), "apart": f.reference.second.map(|s| s.1),
+                           "method": f.reference.method, "agrees": f.reference.second.map(|s| s.agrees),
+                           "second": f.reference.second.map(|s| s.method), "apart": f.reference.second.map(|s| s.apart),
                            "words": f.origin() },
             "refused": f.refused.iter().map(|(m, why)| json!({ "method": m, "why": why })).collect::<Vec<_>>(),
             "warned": f.warned.iter().map(|(m, what)| json!({ "method": m, "what": what })).collect::<Vec<_>>(),

@@ -1,7 +1,8 @@
 //! Sets: a contact between all pairs of two sets of masses in space as one module.
 //!
 //! The law must measure distances, without memory and without force at a distance. There must be enough pairs, and no
-//! output may read a single pair, since forces are not stored per pair. Otherwise each pair becomes a module. With
+//! output may read a single pair, since forces are not stored per pair. `auto` makes single links of few pairs. Otherwise
+//! each pair becomes a module. With
 //! [`KernelClass::Reference`](crate::KernelClass) it always does, as the plain form to compare with.
 
 use crate::connect::wiring::Wiring;
@@ -31,7 +32,7 @@ pub fn output_names(model: &Model, options: &Options) -> BTreeSet<String> {
 
 impl Wiring<'_> {
     /// Adds item `id` as one module between all pairs of `a` and `b`, if possible.
-    pub(super) fn set(&mut self, id: u32, law: &'static Law, a: &[End], b: &[End]) -> bool {
+    pub(super) fn set(&mut self, id: u32, law: &'static Law, (a, b): (&[End], &[End]), options: &Options) -> bool {
         let item = &self.net.items[id as usize];
         let (name, kind) = (item.name.clone(), item.kind);
         let arg = |key: &str| kind.param(key).and_then(|i| item.args[i].num());
@@ -46,7 +47,7 @@ impl Wiring<'_> {
         let (n, m) = (first.len() as f64, second.len() as f64);
         let (pairs, members) = if itself { (0.5 * n * (n - 1.0), n) } else { (n * m, n + m) };
         let enough = pairs >= FEWEST * members;
-        let by_auto = self.net.medium_of(item.group).method == Method::Auto;
+        let by_auto = options.is_since(8) && self.net.medium_of(item.group).method == Method::Auto;
         let written = |key: &str| self.entry(id, key).is_some();
         // Other methods need memory per pair. A module joined to itself is left to the pairs, which report it.
         let plain = law.contact && law.mem == 0 && arg("method").is_none_or(|m| m == 0.0);

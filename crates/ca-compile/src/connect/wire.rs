@@ -39,7 +39,7 @@ pub fn wire(model: &Model, net: Resolved, options: &Options, diags: &mut Diags) 
     w.net.lias.reserve_exact(links);
     for id in 0..w.net.items.len() {
         if let Role::Lia(_) = w.net.items[id].kind.role {
-            w.link(id as u32, options.kernel);
+            w.link(id as u32, options);
             // The values are in the slots from now on, unless some follow a parameter.
             let item = &mut w.net.items[id];
             if item.follows.is_empty() {
@@ -115,7 +115,7 @@ impl<'a> Wiring<'a> {
         self.diags.push(d.help(format!("use fewer: a model can have up to {LARGEST} masses and links")));
     }
 
-    fn link(&mut self, id: u32, class: KernelClass) {
+    fn link(&mut self, id: u32, options: &Options) {
         let (name, kind) = (self.net.items[id as usize].name.clone(), self.net.items[id as usize].kind);
         let Role::Lia(law) = kind.role else { return };
         let Some(e) = self.entry(id, "between") else { return };
@@ -150,7 +150,7 @@ impl<'a> Wiring<'a> {
         // A set with itself makes all pairs: one to one would join each member to itself.
         let all = Pairs::of(arg("pairs")) == Pairs::All || (a.len() > 1 && a == b);
         let (l0, soften) = (arg("l0"), arg("soften").unwrap_or(0.0));
-        if all && class != KernelClass::Reference && self.set(id, law, &a, &b) {
+        if all && options.kernel != KernelClass::Reference && self.set(id, law, (&a, &b), options) {
             return;
         }
         let count = match (all, a == b) {

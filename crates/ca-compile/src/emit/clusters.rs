@@ -1,7 +1,7 @@
 //! Clusters: the links solved together that share masses, directly or through others.
 //!
 //! The pushes of one cluster do not move the masses of another, so each is solved by itself, and ends as soon as it has
-//! converged. A fixed end or a port joins no clusters, since it has no mobility.
+//! converged. A fixed end or a port does not join clusters, since its mobility is 0.
 
 use crate::net::disjoint::Sets;
 use alloc::collections::BTreeMap;

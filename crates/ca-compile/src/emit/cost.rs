@@ -212,7 +212,7 @@ fn passes(scene: &Scene, asked: impl Fn(&Op) -> bool) -> f64 {
 fn links(scene: &Scene, op: &Op) -> Option<f64> {
     let (law, form, n) = (op.law?, op.form, op.n);
     let code = law.code.strip_prefix("LPR_").unwrap_or(law.code);
-    if let Some((_, price)) = STABLE.iter().find(|s| s.0 == code) {
+    if let Some((_, price)) = STABLE.iter().find(|s| s.0 == law.code) {
         return Some(price.at(n, 0));
     }
     let (one_by_one, in_a_row) = match LAWS.iter().find(|l| l.0 == code) {

@@ -81,7 +81,7 @@ pub fn schedule(
     let Masses { x, v, rest } = masses;
     let n_mat = x.len();
     let (enx, tgr) = (ports(&builder, PortRole::Enx), ports(&builder, PortRole::Tgr));
-    let late = enx.iter().chain(&tgr).filter(|p| p.implicit && options.arithmetic.is_none_or(|a| a >= 6));
+    let late = enx.iter().chain(&tgr).filter(|p| p.implicit && options.is_since(6));
     let ahead: Vec<u32> = late.map(|p| p.mat).collect();
     let pushes = |on_line: bool| net.pushes.iter().filter(move |p| net.pushes_line(p) == on_line);
     let pushed = |p: &Push| Some(Enf { input: p.input, mat: builder.alive(p.end, p.axis)? });
@@ -195,11 +195,11 @@ pub fn schedule(
         vectors: Vectors::detect(),
     };
     layout.links.rows = rows(&links.forces, &layout.links.ends, &layout.links.reach, &layout.places.rest);
-    if options.arithmetic.is_none_or(|a| a >= 8) && layout.places.modal_couplings.is_empty() {
+    if options.is_since(8) && layout.places.modal_couplings.is_empty() {
         layout.links.clusters = clusters(&links.forces, &layout.links, &coef[2 * n_mat..3 * n_mat]);
     }
     let mut reads = pass_list::reads(&layout, live_places.len(), aimed);
-    let sweeps = options.arithmetic.is_none_or(|a| a >= 7);
+    let sweeps = options.is_since(7);
     let mut forces = pass_list::forces(&layout, links.forces, links.late, weight, in_space, sweeps);
     if let Some((_, group, _)) = &slow {
         gesture_rate::passes(group, &mut reads, &mut forces);
@@ -227,7 +227,7 @@ pub fn schedule(
         () if implicit::is_fourth(net) => Order::Fourth,
         () => Order::Second,
     };
-    let begin = Start { order, sticks: options.arithmetic.is_none_or(|a| a >= 5) };
+    let begin = Start { order, sticks: options.is_since(5) };
     let mut loaded = loaded(net, &layout, &x, &v, &coef, (live_places, whole));
     let order_of_document = written.orders(loaded.coef.len());
     set_order(&mut loaded, order_of_document);

@@ -6,6 +6,7 @@
 
 use crate::findings::no_method;
 use crate::net::{Chosen, LiaNode, NetItem, Wired};
+use crate::options::Options;
 use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::String;
@@ -59,7 +60,7 @@ impl Left {
 }
 
 /// Gives links the energy-consistent method of their kind.
-pub fn choose(model: &Model, net: &mut Wired, left: &Left) {
+pub fn choose(model: &Model, net: &mut Wired, left: &Left, options: &Options) {
     if left.all || !net.media.iter().any(|m| m.method == Method::Auto) {
         return;
     }
@@ -68,6 +69,10 @@ pub fn choose(model: &Model, net: &mut Wired, left: &Left) {
     for i in 0..net.lias.len() {
         let l = &net.lias[i];
         let Some((at, word)) = method_of(model, net, l).filter(|_| !left.items.contains_key(&l.item)) else { continue };
+        // takes from before have explicit sets and quadripoles
+        if !options.is_since(8) && (l.sets.is_some() || l.onto.is_some()) {
+            continue;
+        }
         if let Some(why) = without(net, l) {
             chosen.insert(l.item, why);
             continue;

@@ -6,6 +6,7 @@
 
 use crate::net::worst::{worst_bounds, worst_mats};
 use crate::net::{End, LiaNode, Measure, Pruned};
+use crate::options::Options;
 use crate::passes::auto::Refusals;
 use alloc::collections::BTreeMap;
 use alloc::format;
@@ -20,7 +21,7 @@ use ca_model::diag::Diags;
 const STIFFEST: f64 = 1e3;
 
 /// Sets the law for links that must be solved together. Refuses such links at moving points, which move several masses.
-pub fn choose(model: &Model, net: &mut Pruned, arithmetic: Option<u32>, diags: &mut Diags) {
+pub fn choose(model: &Model, net: &mut Pruned, options: &Options, diags: &mut Diags) {
     let mut count: Vec<[u32; 3]> = alloc::vec![[0; 3]; net.mats.len()];
     let mut refusals = Refusals::begin(model, net);
     for l in net.lias.iter().filter(|l| !l.law.stage.is_explicit()) {
@@ -51,7 +52,7 @@ pub fn choose(model: &Model, net: &mut Pruned, arithmetic: Option<u32>, diags: &
     refuse_shared(net, &shared, &mut refusals, diags);
     // Friction at shared masses is solved with the method of §3.4, whose system is linear like its own.
     let rubs = |(l, shared): (&LiaNode, &bool)| *shared && !l.law.contact && !on_lines_alone(l);
-    let curves = arithmetic.is_none_or(|a| a >= 6) && !net.lias.iter().zip(&shared).any(rubs);
+    let curves = options.is_since(6) && !net.lias.iter().zip(&shared).any(rubs);
     together(net, &shared, |l| curves && !matches!(l.measure, Measure::Radial));
     refusals.end(net);
 }

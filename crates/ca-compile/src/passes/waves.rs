@@ -8,6 +8,7 @@ use crate::findings::round_up;
 use crate::lower::resolve::does_not_fit;
 use crate::net::worst::worst_bounds;
 use crate::net::{End, Pruned};
+use crate::options::Options;
 use alloc::format;
 use alloc::vec::Vec;
 use ca_core::Unit;
@@ -21,8 +22,8 @@ use core::f64::consts::PI;
 const LOW_CORNER: f64 = 0.25;
 
 /// Sets the masses of the junctions that stay, and tunes the waveguides.
-pub fn settle(model: &Model, net: &mut Pruned, arithmetic: Option<u32>, diags: &mut Diags) {
-    let high = if arithmetic.is_none_or(|a| a >= 8) { HighDecay::Pole } else { HighDecay::Gain };
+pub fn settle(model: &Model, net: &mut Pruned, options: &Options, diags: &mut Diags) {
+    let high = if options.is_since(8) { HighDecay::Pole } else { HighDecay::Gain };
     let mut lines = core::mem::take(&mut net.lines);
     lines.retain(|l| net.alive[l.first as usize]);
     if !lines.is_empty() {

@@ -59,8 +59,8 @@ pub(super) fn swept<R: Real, const MODES: bool>(all: &mut [ActiveContact<R>], to
 /// Solves one link against the present pushes of all others. With `first`, or for a contact that waits, it
 /// also computes the scale of the motion.
 ///
-/// Returns the magnitude of the change of s relative to that scale, or infinity for a stiff link or a quadripole. During the sweeps
-/// `to.push` holds the displacements \[m\] that all pushes cause.
+/// Returns the magnitude of the change of s relative to that scale, or infinity for a stiff link or a quadripole. During
+/// the sweeps `to.push` holds the displacements \[m\] that all pushes cause.
 #[inline(always)]
 fn visit<R: Real, const MODES: bool>(t: &mut ActiveContact<R>, to: &mut Response<R, MODES>, first: bool) -> R {
     if t.onto.is_some() {

@@ -44,6 +44,7 @@ fn g01_the_pole_is_at_the_pitch() {
         assert_eq!((delay, losses.len()), (whole as usize, 2), "{f0} Hz");
         within("G01 allpass", (losses[1].c - allpass).abs(), 1e-5);
         within("G01 gain at the pitch", off(gain(&losses, f0), gain(&theirs, f0)), 1e-5);
+        // `t60_high` is of the pole, which loses in the allpass too
         within("G01 gain at 5 kHz", off(gain(&losses, 5000.0), gain(&theirs, 5000.0)), 1e-4);
         within("G01 pitch of the reference", cents(f_pole, f0).abs(), num(c, "tolerance/f_cents"));
         // decay of the reference's own pole, which differs slightly from the gain at the pitch
@@ -76,7 +77,8 @@ fn junctions_cost_no_pitch() {
     }
 }
 
-/// A partial at `f_high` has the second decay if the junctions are light, also if most of the loss is there.
+/// A partial at `f_high` has the second decay if the junctions are light, also if most of the loss is there; the error
+/// is at most m/(zT) for a junction of mass m.
 /// The first compilation gives the frequency of the partial, which the second decay moves by less than its width.
 #[test]
 fn a_partial_at_the_second_frequency_has_the_second_decay() {
@@ -84,6 +86,8 @@ fn a_partial_at_the_second_frequency_has_the_second_decay() {
         (440.0, 4.0, [5280.0, 0.6], "0.3", 1e-13),
         (220.0, 3.0, [5000.0, 0.5], "[0.13, 0.6]", 1e-13),
         (880.0, 1.5, [3500.0, 0.2], "0.21", 1e-13),
+        (440.0, 4.0, [5280.0, 0.6], "0.3", 1e-9),
+        (880.0, 1.5, [3500.0, 0.2], "0.21", 1e-8),
     ] {
         let asked = |f_high: f64| {
             let text =
@@ -100,7 +104,7 @@ fn a_partial_at_the_second_frequency_has_the_second_decay() {
         within("pitch", off(first.0, f), 1e-10);
         within("T60", off(first.1, t60), 1e-6);
         within("frequency of the partial", off(second.0, f_high), 1e-9);
-        within("T60 of the partial", off(second.1, high), 1e-6);
+        within("T60 of the partial", off(second.1, high), 1e-6 + m * 48e3 / 0.7);
     }
 }
 
@@ -108,6 +112,7 @@ fn a_partial_at_the_second_frequency_has_the_second_decay() {
 #[test]
 fn it_decays_as_asked_at_both_frequencies() {
     let scene = scene(&string("f = 440, t60 = 4, t60_high = 0.6, f_high = 5280, z = 1, at = 0.3, m = 1e-9", ""));
+    // the decay is of the pole, not of the gain at a real frequency
     within("gain of a round trip", off(gain(&loop_of(&scene).0, 5280.0), 10f64.powf(-3.0 / (440.0 * 0.6))), 1e-3);
     let all = poles(&scene);
     let (f, t) = pole(&all, scene.rate, 5280.0);
