@@ -144,7 +144,7 @@ fn radius(scene: &Scene) -> f64 {
 
 /// Returns true if a push becomes a thousand times faster within ten million ticks, as with a radius of 1 + 1e-6. Free
 /// motion does not become faster.
-fn grows(scene: &Scene) -> bool {
+pub fn grows(scene: &Scene) -> bool {
     let mut s = scene.state();
     let moving: Vec<usize> = (0..scene.counts.n_mat).filter(|i| s.coef[2 * scene.counts.n_mat + i] > 0.0).collect();
     let mut rng = Random(7);

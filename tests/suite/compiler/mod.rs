@@ -1,6 +1,6 @@
 //! The compiler: passes, certificate, both sides of every limit, modes, and the oracle, a plain interpreter.
 
-mod certificate;
+pub mod certificate;
 mod compile_fuzz;
 mod contact_depth;
 mod fused;

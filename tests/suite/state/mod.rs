@@ -6,3 +6,4 @@ mod snapshot;
 mod soak;
 mod soak_space;
 mod swap;
+mod unstable;

@@ -68,13 +68,13 @@ fn viscosity() -> impl Strategy<Value = f64> {
 
 /// A network on a line: its masses, its links, and its share of the stability limit.
 #[derive(Clone, Debug)]
-struct Line {
+pub struct Line {
     bodies: Vec<(Body, f64, f64, f64)>,
     ties: Vec<(Tie, Index, Index, f64, f64)>,
     near: f64,
 }
 
-fn line() -> impl Strategy<Value = Line> {
+pub fn line() -> impl Strategy<Value = Line> {
     let body = (
         select(vec![Body::Mass, Body::Cell, Body::Junction, Body::String, Body::Port]),
         decades(3.0),
@@ -124,7 +124,7 @@ impl Line {
     }
 
     /// The model at one tick a second, with stiffness and viscosity times `scale`.
-    fn text(&self, scale: f64) -> String {
+    pub fn text(&self, scale: f64) -> String {
         let codes = [
             "SOL",
             "MAS",

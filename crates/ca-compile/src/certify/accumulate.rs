@@ -2,7 +2,7 @@
 //! one with heavier masses ([`crate::net::Resolved::limit_ratio`]): sums compared with 4 use `scaled_mobility`. Rules
 //! about a single contact use T²/m itself.
 
-use crate::certify::max_elongation::{MaxElongation, max_elongations};
+use crate::certify::max_elongation::{MaxElongation, is_open, max_elongations};
 use crate::certify::negative::Negative;
 use crate::net::worst::{WorstMat, worst_bounds, worst_mats};
 use crate::net::{End, LiaNode, Pruned};
@@ -12,8 +12,10 @@ use ca_core::Bound;
 /// Sums at one MAT of h = T²k + 2Tz, over T² \[N/m\].
 #[derive(Clone, Copy, Default)]
 pub struct Sums {
-    /// Links that are always present, with the slopes that they always have.
+    /// Explicit links that are always present, with the slopes that they always have.
     pub certain: f64,
+    /// True if a solved link may hold the mass: no sum of explicit links then shows that it is unstable.
+    pub held: bool,
     /// Part of `certain` by viscosity.
     pub viscous: f64,
     /// All links that may be present.
@@ -88,6 +90,9 @@ pub fn accumulate(net: &Pruned) -> Accumulated {
     let negative = links.iter().any(|b| b.k < 0.0);
     for (l, b) in net.lias.iter().zip(&links) {
         link(net, l, b, &mut mats);
+        if !l.law.stage.is_explicit() && !(b.contact && is_open(net, l)) {
+            l.all_ends().flat_map(|e| net.under(e)).for_each(|m| mats[m as usize].held = true);
+        }
         // A contact covers nothing, since it may be open.
         if let ([End::Mat(i), End::Mat(j)], true) = (l.ends, negative && !b.contact) {
             springs.add(i, j, b.k);
@@ -114,6 +119,9 @@ fn link(net: &Pruned, l: &LiaNode, b: &Bound, mats: &mut [Sums]) {
         s.all += if b.lift > 0.0 { h.max(0.0) } else { h };
         s.disc += h + others * h.abs();
         if matches!(end, End::Mat(_)) {
+            // The forces of a quadripole at several of its ends may cancel, or add up.
+            let times = l.all_ends().filter(|e| *e == end).count() as f64;
+            let sure = if times > 1.0 { (times * sure).min(0.0) } else { sure };
             s.certain += sure;
             s.viscous += viscous;
             s.most = s.most.max(sure);

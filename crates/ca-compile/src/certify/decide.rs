@@ -30,7 +30,7 @@ pub fn decide(net: &Pruned, sums: &Accumulated, bounds: &Bounds, effort: Effort)
     let open = bounds.lower < 4.0 && bounds.upper >= 4.0 && bounds.covered;
     let open = open && effort != Effort::Bounds;
     let exact = if open || few || effort == Effort::Largest { Exact::new(net, &sums.mats, &sums.links) } else { None };
-    let verdict = exact.as_ref().filter(|_| open).map_or(FactorVerdict::Open, |e| e.verdict(net, &sums.links));
+    let verdict = exact.as_ref().filter(|_| open).map_or(FactorVerdict::Open, |e| e.verdict(net, sums));
     // Waves may stabilise a scene that is unstable by the matrix, which does not contain them.
     let verdict =
         if verdict == FactorVerdict::Unstable && !net.lines.is_empty() { FactorVerdict::Open } else { verdict };

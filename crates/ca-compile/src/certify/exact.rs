@@ -6,7 +6,7 @@
 
 use super::bound::explicit;
 use crate::analysis::{Factor, Linear, MovingLink, StabilityMatrix};
-use crate::certify::accumulate::Sums;
+use crate::certify::accumulate::{Accumulated, Sums};
 use crate::certify::cause::{any, faster, span};
 use crate::findings::round_down;
 use crate::net::linear::{Numbers, Points, Pull, dofs, links, rows};
@@ -53,12 +53,12 @@ impl Exact {
 
     /// Returns whether the scene is stable for all positions of points and the steepest slopes, or unstable with the
     /// linear links alone and points at their positions at load.
-    pub fn verdict(&self, net: &Pruned, bounds: &[Bound]) -> FactorVerdict {
+    pub fn verdict(&self, net: &Pruned, sums: &Accumulated) -> FactorVerdict {
         if self.is_stable() {
             return FactorVerdict::Stable;
         }
         let above = |p: StabilityMatrix| p.below(4.0 * (1.0 + ROUNDING)).is_none();
-        if StabilityMatrix::new(&self.certain(net, bounds), |_| 1.0).is_some_and(above) {
+        if StabilityMatrix::new(&self.certain(net, sums), |_| 1.0).is_some_and(above) {
             FactorVerdict::Unstable
         } else {
             FactorVerdict::Open
@@ -77,12 +77,13 @@ impl Exact {
         used < 1.0 - ROUNDING
     }
 
-    /// Returns the linear links, with points at their positions at load.
-    fn certain(&self, net: &Pruned, bounds: &[Bound]) -> Linear {
+    /// Returns the linear links, with points at their positions at load. Masses that solved links may hold stand still.
+    fn certain(&self, net: &Pruned, sums: &Accumulated) -> Linear {
         let mut linear = Linear::default();
         linear.dofs.clone_from(&self.linear.dofs);
+        linear.dofs.iter_mut().filter(|d| sums.mats[d.mat as usize].held).for_each(|d| d.c = 0.0);
         let counts = |l: &LiaNode, b: &Bound| b.linear && l.law.stage.is_explicit();
-        let bounds: Vec<Bound> = bounds.iter().map(explicit).collect();
+        let bounds: Vec<Bound> = sums.links.iter().map(explicit).collect();
         links(net, &bounds, &self.numbers, Points::AtLoad, &mut linear, counts);
         linear
     }
@@ -128,9 +129,9 @@ impl Exact {
     }
 
     /// Returns the warning for a network that is unstable as a whole, with numbers that fix it.
-    pub fn blame(&self, model: &Model, net: &Pruned, bounds: &[Bound], mat: usize, cert: &Certificate) -> Diag {
+    pub fn blame(&self, model: &Model, net: &Pruned, sums: &Accumulated, mat: usize, cert: &Certificate) -> Diag {
         let m = &net.mats[mat];
-        let linear = self.certain(net, bounds);
+        let (linear, bounds) = (self.certain(net, sums), &sums.links);
         let largest = StabilityMatrix::new(&linear, |_| 1.0)
             .map_or(4.0, |p| p.largest(cert.lower, cert.bound, MESSAGE_TOLERANCE).1);
         let title = format!(

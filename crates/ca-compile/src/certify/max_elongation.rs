@@ -121,6 +121,13 @@ impl<'n> Link<'n> {
     }
 }
 
+/// Returns whether a contact is known to have a gap at load.
+pub fn is_open(net: &Pruned, l: &LiaNode) -> bool {
+    let Some(e) = elongation::at_load(net, l).filter(|_| !net.is_live(l.item)) else { return false };
+    let (idle, beyond) = (l.law.fns.idle)(&Link::new(net, l).coefs);
+    if idle.is_finite() { e > idle } else { e < beyond }
+}
+
 /// Returns the stroke of the ports at a link \[m\], if all that move have built-in gestures.
 fn stroke(net: &Pruned, l: &LiaNode) -> Option<f64> {
     let mut all = None;

@@ -1,6 +1,6 @@
 //! Replacement of `exact` for builds without the feature `analysis`: the cheap bounds alone decide.
 
-use crate::certify::accumulate::Sums;
+use crate::certify::accumulate::{Accumulated, Sums};
 use crate::net::{LiaNode, Pruned};
 use ca_core::internal::scene::certificate::FactorVerdict;
 use ca_core::{Bound, Certificate};
@@ -19,7 +19,7 @@ impl Exact {
         None
     }
     /// Never called.
-    pub fn verdict(&self, _: &Pruned, _: &[Bound]) -> FactorVerdict {
+    pub fn verdict(&self, _: &Pruned, _: &Accumulated) -> FactorVerdict {
         match *self {}
     }
     /// Never called.
@@ -35,7 +35,7 @@ impl Exact {
         match *self {}
     }
     /// Never called.
-    pub fn blame(&self, _: &Model, _: &Pruned, _: &[Bound], _: usize, _: &Certificate) -> Diag {
+    pub fn blame(&self, _: &Model, _: &Pruned, _: &Accumulated, _: usize, _: &Certificate) -> Diag {
         match *self {}
     }
 }

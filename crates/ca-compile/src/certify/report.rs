@@ -46,7 +46,7 @@ pub fn report(
     let blamed = bounds.cause.filter(|_| bounds.lower >= 4.0).or(bounds.worst);
     match (cert.level, blamed) {
         (Level::Unstable, Some(i)) => diags.push(match exact {
-            Some(e) if decided.verdict == FactorVerdict::Unstable => e.blame(model, net, &sums.links, i, &cert),
+            Some(e) if decided.verdict == FactorVerdict::Unstable => e.blame(model, net, sums, i, &cert),
             _ => unstable(model, net, sums, i),
         }),
         (Level::NotProven, _) => diags.push(not_proven(model, net, sums, bounds, &cert)),
