@@ -34,12 +34,14 @@ fn hands_without_a_device_allocate_nothing() {
         let finger = scene.input("finger").expect("a port") as u32;
         let mut inputs: Vec<ManualInput> = Vec::new();
         for n in 0..4 {
-            inputs.extend([input(ManualEvent::Grab(12 + n)), ManualInput::Pull([1e-3, f64::NAN, f64::INFINITY])]);
+            inputs.extend([input(ManualEvent::Grab(1, 11 - n)), input(ManualEvent::Grab(0, 12 + n))]);
+            inputs.extend([0, 1].map(|finger| ManualInput::Pull(finger, [1e-3, f64::NAN, f64::INFINITY])));
             inputs.push(ManualInput::Play(Box::new(OwnGesture::new(&scene).expect("it has one"))));
             inputs.extend([
                 ManualInput::Port(finger, -5e-4, GLIDE),
-                ManualInput::Pull([-2e-3, 0.0, 0.0]),
-                ManualInput::Release,
+                ManualInput::Pull(1, [-2e-3, 0.0, 0.0]),
+                ManualInput::Release(1),
+                ManualInput::Release(0),
                 ManualInput::Stop,
             ]);
         }
@@ -48,7 +50,7 @@ fn hands_without_a_device_allocate_nothing() {
         let mut e = Engine::new(scene.clone(), Vec::new(), Options::default());
         let counted = calls(|| {
             for n in 0..3000 {
-                if n % 100 == 0 {
+                if n % 70 == 0 {
                     if let Some(input) = inputs.pop() {
                         retired.extend(e.command(EngineCommand::Manual(input)));
                     }

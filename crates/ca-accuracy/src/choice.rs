@@ -27,14 +27,17 @@ pub struct Choice {
 
 impl Measured {
     /// Returns the cheapest row of double precision with at most this error whose stability is proven, or else the
-    /// cheapest that is not unstable. `None` if no row has such an error, or if the reference is not known as well.
+    /// cheapest whose linear part is. `None` if there is none, or if the reference is not known as well.
     pub fn choose(&self, error: f64) -> Option<&MethodRow> {
         if self.reference.known > error {
             return None;
         }
-        let rows = || self.rows.iter().filter(|r| r.method != SINGLE && r.score.error <= error);
-        let cheapest = |most: Level| rows().filter(|r| r.level <= most).min_by(|a, b| a.ns.total_cmp(&b.ns));
-        cheapest(Level::Proven).or_else(|| cheapest(Level::NotProven))
+        self.cheapest(error, Level::Proven).or_else(|| self.cheapest(error, Level::Linearised))
+    }
+
+    fn cheapest(&self, error: f64, most: Level) -> Option<&MethodRow> {
+        let rows = self.rows.iter().filter(|r| r.method != SINGLE && r.score.error <= error && r.level <= most);
+        rows.min_by(|a, b| a.ns.total_cmp(&b.ns))
     }
 }
 
@@ -50,11 +53,14 @@ pub fn choose(loaded: &Loaded, error: f64, ask: &mut AccuracyOptions) -> Result<
         let known = found.reference.known;
         let why = match best {
             _ if known > error => format!("the reference is accurate only to {known:.1e}"),
+            Some(r) if r.score.error <= error => {
+                format!("{} has an error of {:.1e}, but is {}", r.name(), r.score.error, r.level)
+            }
             Some(r) => format!("the best is {}, with an error of {:.1e}", r.name(), r.score.error),
             None => "nothing was measured".into(),
         };
         return Err(Failure::Failed(format!(
-            "no method has an error of at most {error:e}: {why}; allow a larger error"
+            "no method that is proven has an error of at most {error:e}: {why}; allow a larger error"
         )));
     };
     let changes = changes(loaded, row.method, row.times).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! A pointer that pulls on one mass of a playing scene, without a device.
+//! A pointer that pulls on one mass of a playing scene, without a device. Several fingers have a pointer each.
 //!
 //! A virtual coupling (Colgate et al. 1995), a spring κ and a damper ν, joins the pointer and the mass. It is not a
 //! pass of the scene: the update of a MAT is linear in its force, x_{n+1} = … + C·F, so C·F is added after the passes
@@ -8,7 +8,8 @@
 //! eigenvalue, whose limit is 4, is at most [`Certificate::bound`] + κ + 2ν (Weyl's inequality); after a factorisation
 //! [`Certificate::headroom`] is the margin. The coupling takes at most half of the margin. With a share q of it the ends of
 //! a contact or friction are at most 1/(1 − q) times as mobile, so q also keeps them within the rules of the
-//! certificate. The mass follows the pointer at 1000 Hz at most, critically damped. κ and ν are stored without unit, so
+//! certificate. Further fingers share what the first one leaves: the second takes half of it, the third a quarter, and so
+//! on, so that together they stay below the margin. The mass follows the pointer at 1000 Hz at most, critically damped. κ and ν are stored without unit, so
 //! that the coupling weakens when a live parameter makes the mass lighter.
 //!
 //! The pointer moves in a straight line to its last reported position, since a mouse reports 60 to 120 times a second.
@@ -28,7 +29,9 @@ const GLIDE: f64 = 1.0 / 60.0;
 const REACH: f64 = 0.01;
 /// Largest elongation of the coupling's spring, relative to the reach.
 const STRETCH: f64 = 0.01;
-/// Largest share of the margin that the coupling takes.
+/// Largest number of pointers at a time.
+pub const FINGERS: usize = 10;
+/// Largest share of the margin that the first coupling takes.
 const SHARE: f64 = 0.5;
 /// Limits of the certificate's rules: contact ratio and friction slope (docs/numerics.md §3.2, §3.5).
 const CONTACT: f64 = 1.0;
@@ -79,6 +82,7 @@ impl core::error::Error for Refused {}
 /// A pointer that can hold one mass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pointer {
+    finger: u8,
     /// index of the MAT in the scene
     mass: usize,
     /// first slot in the state, and number of axes
@@ -104,11 +108,12 @@ pub struct Pointer {
 }
 
 impl Pointer {
-    /// Makes a pointer for MAT number `mass` of [`Scene::symbols`]. It has no effect until [`Pointer::hold`].
+    /// Makes the pointer of a finger (0 to [`FINGERS`] − 1) for MAT number `mass` of [`Scene::symbols`]. It has no effect
+    /// until [`Pointer::hold`]. Each finger has one pointer at a time, and each mass too.
     ///
     /// # Errors
     /// If the mass cannot be held, with the reason.
-    pub fn new(scene: &Scene, mass: usize) -> Result<Pointer, Refused> {
+    pub fn new(scene: &Scene, mass: usize, finger: u8) -> Result<Pointer, Refused> {
         let symbol = scene.symbols.get(mass).filter(|_| mass < scene.mats()).ok_or(Refused::Unknown)?;
         let Location::Mat(place) = symbol.location else { return Err(Refused::Unknown) };
         let name = || alloc::format!("{}", symbol.name);
@@ -143,11 +148,12 @@ impl Pointer {
         if scene.passes.moves.iter().any(|op| op.name() == "kick") {
             return Err(Refused::Scheme("the method `pefrl`"));
         }
-        let (spring, damper) = coupling(available(&scene.certificate), scene.rates.sample_dt);
-        if spring == 0.0 {
+        let (spring, damper) = coupling(available(&scene.certificate, finger), scene.rates.sample_dt);
+        if spring == 0.0 || usize::from(finger) >= FINGERS {
             return Err(Refused::Margin(name()));
         }
         Ok(Pointer {
+            finger,
             mass,
             place: first,
             axes,
@@ -163,6 +169,11 @@ impl Pointer {
             add: [0.0; 3],
             before: [0.0; 3],
         })
+    }
+
+    /// Returns the number of the finger.
+    pub fn finger(&self) -> u8 {
+        self.finger
     }
 
     /// Returns the index of the MAT.
@@ -229,14 +240,16 @@ impl Pointer {
     }
 }
 
-/// Returns the margin of the certificate that is available for κ + 2ν.
-fn available(c: &Certificate) -> f64 {
+/// Returns the margin of the certificate that is available for κ + 2ν of a finger.
+fn available(c: &Certificate, finger: u8) -> f64 {
     let linear = match (c.level, c.headroom) {
         (Level::Unstable, _) => 0.0,
         (_, Some(headroom)) => headroom,
         _ => 4.0 - c.largest.map_or(c.bound, |l| l.1),
     };
-    let share = (1.0 - c.rules.contact / CONTACT).min(1.0 - c.rules.friction / FRICTION).min(SHARE);
+    let all = (1.0 - c.rules.contact / CONTACT).min(1.0 - c.rules.friction / FRICTION).min(1.0);
+    let first = all.min(SHARE);
+    let share = if finger == 0 { first } else { (all - first) / f64::from(1u32 << finger.min(16)) };
     share * linear
 }
 

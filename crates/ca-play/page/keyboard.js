@@ -47,6 +47,11 @@ export class Keyboard {
     this.draw();
   }
 
+  // the note of playable key number n, from the lowest key on the screen
+  nth(n) {
+    return [...this.playable || []].filter(note => note >= this.from)[n];
+  }
+
   shift(by) {
     this.allOff();
     this.from = Math.max(this.range[0], Math.min(this.from + by, Math.max(this.range[0], this.range[1] - MOST + 1)));

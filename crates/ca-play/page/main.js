@@ -14,6 +14,7 @@ import { Energy } from "./energy.js";
 import { Parameters, ports, element } from "./controls.js";
 import { Status } from "./status.js";
 import { View } from "./view.js";
+import { Gamepads } from "./gamepad.js";
 import { Keyboard } from "./keyboard.js";
 import { Presets } from "./presets.js";
 import { EngineConnection } from "./browser/connection.js";
@@ -49,7 +50,7 @@ const handlers = {
   status(name, detail) {
     status.link(name, detail);
     if (name === "heavy") return;
-    if (name !== "open") pointer.release(false);
+    if (name !== "open") pointer.releaseAll(false);
     if (name === "open") sound.asked = false;
     pointer.enabled = name === "open";
   },
@@ -87,6 +88,7 @@ const keyboard = new Keyboard(find, {
   send: bytes => connection.send({ type: "midi", bytes }),
   say: (text, bad) => status.say(text, bad),
 });
+const gamepads = new Gamepads(keyboard, { send: bytes => connection.send({ type: "midi", bytes }), say: text => status.say(text, false) });
 const presets = new Presets(find, { values: () => parameters.values(), set: values => parameters.set(values) });
 const meters = new Meters(find("scope"), find("spectrum"), find("level"), find("decibels"), find("scopeScale"));
 const energy = new Energy(find("energy"), find("energyScale"));
@@ -99,10 +101,10 @@ const pointer = new Pointer({
   pair: () => pair || motion.still,
   send: m => connection.send(m),
   ask: m => connection.ask(m),
-  held(mass) {
-    picture.held = mass;
-    if (motion) motion.frozen = mass >= 0;
-    find("stage").classList.toggle("holding", mass >= 0);
+  held(masses) {
+    picture.held = masses;
+    if (motion) motion.frozen = masses.length > 0;
+    find("stage").classList.toggle("holding", masses.length > 0);
     find("hint").classList.add("gone");
   },
   hover: (mass, x, y) => view.hover(mass, x, y, connection),
@@ -117,7 +119,7 @@ function load(message) {
   motion = new Motion(scene);
   if (old && Math.abs(old.extent / scene.extent - 1) < 0.3) motion.carry(before);
   pair = motion.still;
-  pointer.release(false);
+  pointer.releaseAll(false);
   picture.load(scene);
   pointer.show(-1);
   // an edited model keeps the view of the user, unless its size differs
@@ -237,7 +239,7 @@ addEventListener("keydown", event => {
   else if (event.key === "m") sound.mute();
   else if (event.key === "0") reset();
   else if (event.key === "r") play();
-  else if (event.key === "Escape") { pointer.release(); pointer.show(-1); }
+  else if (event.key === "Escape") { pointer.releaseAll(); pointer.show(-1); }
   else return;
   event.preventDefault();
 });
@@ -263,6 +265,7 @@ function frame(at) {
   pair = motion.at(now);
   motion.exaggerate(now);
   pointer.frame();
+  gamepads.frame();
   picture.draw(camera, pair, motion);
   view.frame(pointer, pair, now);
   meters.draw(at);

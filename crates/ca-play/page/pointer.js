@@ -1,20 +1,25 @@
-// Pointer interaction: the mass under the pointer, the held mass, its target position, and the camera. A press near a
-// mass holds it, a tap plucks it, and a press elsewhere turns the picture. The pull is relative to the point where the
-// mass was taken, so that taking it does not move it. Drags are sent at most 120 times per second, but the last
-// position always is. Every end of a press releases the mass: up, cancel, blur, a lost connection, or another scene.
+// Pointer interaction: the mass under the pointer, the held masses, their target positions, and the camera. A press near
+// a mass holds it, a tap plucks it, and a press elsewhere turns the picture. Each finger holds a mass of its own. The pull
+// is relative to the point where the mass was taken, so that taking it does not move it. Drags are sent at most 120 times
+// per second for each finger, but the last position always is. Every end of a press releases the mass: up, cancel, blur,
+// a lost connection, or another scene.
 
 const REACH = { mouse: 20, pen: 22, touch: 32 };
+// time between two drags of a finger [ms], for at most four fingers; more fingers share these messages
 const LEAST = 1000 / 120;
+// as many as the engine has
+const FINGERS = 10;
 
 export class Pointer {
-  // world: canvas, camera, scene(), pair(), send(message), ask(message) -> promise, held(mass), hover(mass, x, y), refuse(text, x, y)
+  // world: canvas, camera, scene(), pair(), send(message), ask(message) -> promise, held(masses), hover(mass, x, y), refuse(text, x, y)
   /**
    * @param {Record<string, any> & Pick<import("./messages.js").Messages, "send"|"ask">} world
    */
   constructor(world) {
     this.world = world;
     this.downs = new Map();
-    this.grip = null;
+    // by the number of the pointer; -1 is the keyboard
+    this.grips = new Map();
     this.hover = -1;
     this.spot = null;
     this.enabled = true;
@@ -22,14 +27,14 @@ export class Pointer {
     const c = world.canvas;
     c.addEventListener("pointerdown", e => this.down(e));
     c.addEventListener("pointermove", e => this.move(e));
-    if ("onpointerrawupdate" in window) c.addEventListener("pointerrawupdate", e => { if (this.grip && this.grip.pointer === e.pointerId) this.move(e); });
+    if ("onpointerrawupdate" in window) c.addEventListener("pointerrawupdate", e => { if (this.grips.has(e.pointerId)) this.move(e); });
     for (const name of ["pointerup", "pointercancel", "lostpointercapture"]) c.addEventListener(name, e => this.up(e));
     c.addEventListener("pointerleave", e => { if (!this.downs.has(e.pointerId)) { this.spot = null; this.show(-1); } });
     c.addEventListener("wheel", e => this.wheel(e), { passive: false });
     c.addEventListener("contextmenu", e => e.preventDefault());
     c.addEventListener("keydown", e => this.key(e));
-    addEventListener("blur", () => this.release());
-    document.addEventListener("visibilitychange", () => { if (document.hidden) this.release(); });
+    addEventListener("blur", () => this.releaseAll());
+    document.addEventListener("visibilitychange", () => { if (document.hidden) this.releaseAll(); });
   }
 
   at(e) {
@@ -67,17 +72,27 @@ export class Pointer {
     e.preventDefault();
     if (e.pointerType === "mouse" && e.button === 1 || e.shiftKey) { hold.kind = "pan"; return; }
     if (e.button === 2) return;
-    if (this.grip) {
-      // two fingers pressed together turn and zoom, even if the first one met a mass
-      const g = this.grip, both = e.pointerType === "touch" && performance.now() - g.began < 250 && Math.hypot(g.x - g.startX, g.y - g.startY) < 12;
-      if (both) this.release();
+    // a tapped mass is still being plucked
+    if (this.grips.has(e.pointerId)) { hold.kind = "idle"; return; }
+    const turns = this.downs.size > 1 && !this.grips.size;
+    const mass = this.enabled && !turns && this.grips.size < FINGERS ? this.pick(x, y, REACH[e.pointerType] || 20) : -1;
+    if (mass >= 0 && ![...this.grips.values()].some(g => g.mass === mass)) this.take(mass, e.pointerId, x, y);
+    else if (this.grips.size) {
+      // two fingers pressed together turn and zoom, if the second one does not meet a mass
+      const only = e.pointerType === "touch" && this.grips.size === 1 && [...this.grips.values()].find(g => performance.now() - g.began < 250 && Math.hypot(g.x - g.startX, g.y - g.startY) < 12);
+      if (only) this.release(only);
       else hold.kind = "idle";
-      return;
-    }
-    if (this.downs.size > 1) return;
-    const mass = this.enabled ? this.pick(x, y, REACH[e.pointerType] || 20) : -1;
-    if (mass >= 0) this.take(mass, e.pointerId, x, y);
-    else if (e.pointerType === "touch") this.show(-1);
+    } else if (e.pointerType === "touch") this.show(-1);
+  }
+
+  held() {
+    this.world.held([...this.grips.values()].map(g => g.mass));
+  }
+
+  // the smallest number of a finger that does not hold a mass
+  finger() {
+    const taken = new Set([...this.grips.values()].map(g => g.finger));
+    return [...Array(FINGERS).keys()].find(f => !taken.has(f));
   }
 
   take(mass, pointer, x, y) {
@@ -87,7 +102,7 @@ export class Pointer {
     camera.project(p, 0, p, 3);
     const space = !!scene.space[mass], o = scene.offset[mass];
     const now = k => pair.a[o + k] + (pair.b[o + k] - pair.a[o + k]) * pair.mix;
-    const grip = { mass, pointer, x, y, startX: x, startY: y, space, depth: p[5], generation: scene.generation, began: performance.now(), sent: null, last: -Infinity, timer: 0 };
+    const grip = { mass, pointer, finger: this.finger(), x, y, startX: x, startY: y, space, depth: p[5], generation: scene.generation, began: performance.now(), sent: null, last: -Infinity, timer: 0 };
     if (space) {
       grip.from = [now(0), now(1), now(2)];
       grip.anchor = camera.unproject(x, y, p[5]);
@@ -96,28 +111,25 @@ export class Pointer {
       const drawn = scene.near(now(0) * scene.line);
       grip.from = [drawn / scene.line];
     }
-    this.grip = grip;
-    this.world.held(mass);
+    this.grips.set(pointer, grip);
+    this.held();
     this.show(-1);
-    this.world.ask({ type: "grab", mass }).then(reply => {
-      if (this.grip !== grip) return;
+    this.world.ask({ type: "grab", mass, finger: grip.finger }).then(reply => {
+      if (this.grips.get(pointer) !== grip) return;
       if (reply.ok === false) {
         // without an answer, the server may still hold the mass
-        if (reply.lost) this.world.send({ type: "release" });
-        clearTimeout(grip.timer);
-        this.grip = null;
-        this.world.held(-1);
+        this.release(grip, !!reply.lost);
         const hold = this.downs.get(pointer);
         if (hold) hold.kind = "idle";
         if (!reply.lost) this.world.refuse(reply.text || "This mass cannot be held.", grip.x, grip.y);
       }
     });
-    this.pull(true);
+    this.pull(grip, true);
   }
 
   // displacement from rest requested by the pointer [m]
-  wanted() {
-    const g = this.grip, scene = this.world.scene(), { camera } = this.world;
+  wanted(g) {
+    const scene = this.world.scene(), { camera } = this.world;
     if (g.space) {
       const here = camera.unproject(g.x, g.y, g.depth), f = scene.true || 1;
       return [0, 1, 2].map(k => g.from[k] + (here[k] - g.anchor[k]) / f);
@@ -133,20 +145,18 @@ export class Pointer {
     return [g.from[0] + drawn / scene.line];
   }
 
-  pull(force = false) {
-    const g = this.grip;
-    if (!g) return;
-    const now = performance.now();
-    if (!force && now - g.last < LEAST) {
-      if (!g.timer) g.timer = setTimeout(() => { g.timer = 0; if (this.grip === g) this.pull(); }, LEAST - (now - g.last));
+  pull(g, force = false) {
+    const now = performance.now(), least = LEAST * Math.max(1, this.grips.size / 4);
+    if (!force && now - g.last < least) {
+      if (!g.timer) g.timer = setTimeout(() => { g.timer = 0; if (this.grips.get(g.pointer) === g) this.pull(g); }, least - (now - g.last));
       return;
     }
-    const by = this.wanted();
+    const by = this.wanted(g);
     if (!by.every(Number.isFinite)) return;
     if (g.sent && by.every((v, k) => v === g.sent[k])) return;
     g.last = now;
     g.sent = by;
-    this.world.send({ type: "drag", by });
+    this.world.send({ type: "drag", finger: g.finger, by });
   }
 
   move(e) {
@@ -156,15 +166,15 @@ export class Pointer {
       return;
     }
     const dx = x - hold.x, dy = y - hold.y;
-    if (this.grip && this.grip.pointer === e.pointerId) {
-      hold.x = x; hold.y = y;
-      this.grip.x = x; this.grip.y = y;
-      this.pull();
+    const grip = this.grips.get(e.pointerId);
+    if (grip) {
+      hold.x = grip.x = x; hold.y = grip.y = y;
+      this.pull(grip);
       return;
     }
     const turning = [...this.downs.values()].filter(h => h.kind !== "idle");
     if (hold.kind === "idle" || (dx === 0 && dy === 0)) return;
-    if (turning.length >= 2 && !this.grip) {
+    if (turning.length >= 2 && !this.grips.size) {
       const other = turning.find(h => h !== hold);
       const before = Math.hypot(hold.x - other.x, hold.y - other.y), after = Math.hypot(x - other.x, y - other.y);
       if (before > 10 && after > 10) camera.zoom(before / after, (x + other.x) / 2, (y + other.y) / 2);
@@ -178,11 +188,11 @@ export class Pointer {
 
   up(e) {
     const known = this.downs.delete(e.pointerId);
-    const g = this.grip;
-    if (g && g.pointer === e.pointerId) {
+    const g = this.grips.get(e.pointerId);
+    if (g) {
       const tap = e.type === "pointerup" && performance.now() - g.began < 250 && Math.hypot(g.x - g.startX, g.y - g.startY) < 5;
       if (tap) this.pluck(g, 26, 70, e.pointerType === "touch");
-      else if (!g.tapped) this.release();
+      else if (!g.tapped) this.release(g);
     }
     else if (known && e.type === "pointerup" && !this.turned && e.pointerType === "touch") {
       const [x, y] = this.at(e);
@@ -190,13 +200,16 @@ export class Pointer {
     }
   }
 
-  release(say = true) {
-    const g = this.grip;
-    if (!g) return;
+  // releases the mass of one grip
+  release(g, say = true) {
     clearTimeout(g.timer);
-    this.grip = null;
-    if (say) this.world.send({ type: "release" });
-    this.world.held(-1);
+    this.grips.delete(g.pointer);
+    if (say) this.world.send({ type: "release", finger: g.finger });
+    this.held();
+  }
+
+  releaseAll(say = true) {
+    for (const g of [...this.grips.values()]) this.release(g, say);
   }
 
   wheel(e) {
@@ -230,22 +243,22 @@ export class Pointer {
   }
 
   pluckMass(mass) {
-    if (this.grip) return;
+    if (this.grips.size) return;
     const scene = this.world.scene(), p = new Float64Array(6);
     scene.place(mass, this.world.pair(), p, 0);
     this.world.camera.project(p, 0, p, 3);
     this.take(mass, -1, p[3], p[4]);
-    this.pluck(this.grip, 50, 140);
+    this.pluck(this.grips.get(-1), 50, 140);
   }
 
   // pulls a held mass up by `pixels` and releases it after `time` [ms]
   pluck(grip, pixels, time, tell = false) {
     grip.tapped = true;
     grip.y -= pixels;
-    this.pull(true);
+    this.pull(grip, true);
     setTimeout(() => {
-      if (this.grip !== grip) return;
-      this.release();
+      if (this.grips.get(grip.pointer) !== grip) return;
+      this.release(grip);
       // a finger cannot hover, so a tap shows the name of the mass
       if (tell) this.show(grip.mass, grip.x, grip.y);
     }, time);
@@ -258,12 +271,12 @@ export class Pointer {
 
   // once per frame: finds the mass under the pointer, and updates a pull after camera motion
   frame() {
-    if (this.grip) {
+    for (const g of [...this.grips.values()]) {
       const scene = this.world.scene();
-      if (!scene || this.grip.generation !== scene.generation) this.release(false);
-      else this.pull();
-      return;
+      if (!scene || g.generation !== scene.generation) this.release(g, false);
+      else this.pull(g);
     }
+    if (this.grips.size) return;
     if (this.spot && this.downs.size === 0) {
       const [x, y, kind] = this.spot;
       const mass = this.enabled ? this.pick(x, y, REACH[kind] || 20) : -1;

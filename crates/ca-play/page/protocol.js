@@ -71,23 +71,26 @@ export {};
  */
 
 /**
- * Holds a mass where it is. Only one page at a time can hold a mass.
+ * Holds a mass where it is, with a finger. All pages together have ten fingers, and each mass has at most one.
  * @typedef {object} GrabRequest
  * @property {"grab"} type
  * @property {number} mass number of the mass in the drawing
+ * @property {number} finger number of the finger on this page; 0 if it is left out
  */
 
 /**
- * Pulls the mass that this page holds.
+ * Pulls the mass that a finger of this page holds.
  * @typedef {object} DragRequest
  * @property {"drag"} type
+ * @property {number} finger number of the finger on this page; 0 if it is left out
  * @property {Array<number>} by displacement from rest [m]: `[u]`, or `[x, y, z]` in space
  */
 
 /**
- * Releases the mass that this page holds.
+ * Releases the mass that a finger of this page holds.
  * @typedef {object} ReleaseRequest
  * @property {"release"} type
+ * @property {number} finger number of the finger on this page; all fingers if it is left out
  */
 
 /**
@@ -221,7 +224,8 @@ export {};
  * @property {number} clipped samples at the peak limit
  * @property {boolean} diverged whether the model diverged: its values are out of range
  * @property {boolean} playing whether the gesture of the model plays
- * @property {number} pointer number of the mass that a pointer holds, in the drawing; −1 without one
+ * @property {number} pointer the first of `held`; −1 without one
+ * @property {Array<number>} held numbers of the masses that fingers hold, in the drawing
  * @property {Array<DeviceState>} devices devices
  * @property {Object<string, number>} params values of the live parameters, by name (SI)
  * @property {number} clients number of open pages

@@ -152,19 +152,34 @@ export class View {
     this.refusal = setTimeout(() => { box.hidden = true; }, 2600);
   }
 
+  // the line from a held mass to the pointer, with both ends
+  pull() {
+    const make = (name, r) => {
+      const made = document.createElementNS("http://www.w3.org/2000/svg", name);
+      if (r) made.setAttribute("r", r);
+      return made;
+    };
+    const pull = make("g");
+    pull.append(make("line"), make("circle", 3), make("circle", 9));
+    return pull;
+  }
+
   // updates what follows the motion, once per frame
   frame(pointer, pair, now) {
     const { camera, motion, picture } = this.world, scene = this.world.scene(), find = this.find, p = this.p || (this.p = new Float64Array(6));
-    const grip = pointer.grip, overlay = find("overlay");
-    overlay.classList.toggle("on", !!grip);
-    if (grip) {
+    const overlay = find("overlay");
+    overlay.classList.toggle("on", pointer.grips.size > 0);
+    for (const pull of overlay.children) pull.classList.add("off");
+    for (const grip of pointer.grips.values()) {
       scene.place(grip.mass, pair, p, 0);
       camera.project(p, 0, p, 3);
-      const line = find("rubber");
-      line.setAttribute("x1", p[3].toFixed(1)); line.setAttribute("y1", p[4].toFixed(1));
-      line.setAttribute("x2", grip.x.toFixed(1)); line.setAttribute("y2", grip.y.toFixed(1));
-      find("tip0").setAttribute("cx", p[3].toFixed(1)); find("tip0").setAttribute("cy", p[4].toFixed(1));
-      find("tip1").setAttribute("cx", grip.x.toFixed(1)); find("tip1").setAttribute("cy", grip.y.toFixed(1));
+      while (overlay.children.length <= grip.finger) overlay.append(this.pull());
+      const pull = overlay.children[grip.finger];
+      const [line, held, finger] = pull.children, [x1, y1, x2, y2] = [p[3], p[4], grip.x, grip.y].map(v => v.toFixed(1));
+      pull.classList.remove("off");
+      for (const [name, value] of Object.entries({ x1, y1, x2, y2 })) line.setAttribute(name, value);
+      held.setAttribute("cx", x1); held.setAttribute("cy", y1);
+      finger.setAttribute("cx", x2); finger.setAttribute("cy", y2);
     }
     if (this.told !== null && this.told < scene.n) this.follow(pair, p);
     if (now - (this.slow || 0) < 0.2) return;

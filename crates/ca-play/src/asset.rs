@@ -31,6 +31,7 @@ const ASSETS: &[Asset] = assets![
     "controls.js" "text/javascript; charset=utf-8",
     "energy.js" "text/javascript; charset=utf-8",
     "picture/film.js" "text/javascript; charset=utf-8",
+    "gamepad.js" "text/javascript; charset=utf-8",
     "picture/gl.js" "text/javascript; charset=utf-8",
     "keyboard.js" "text/javascript; charset=utf-8",
     "main.js" "text/javascript; charset=utf-8",

@@ -16,7 +16,7 @@ use tungstenite::{Bytes, Error, Message, Utf8Bytes, WebSocket};
 
 /// Longest message of a client \[bytes\].
 const LONGEST: usize = 1 << 16;
-/// Limit on messages from a client per second; dragging with the pointer sends 120.
+/// Limit on messages from a client per second; dragging sends 480.
 const MOST: f64 = 1000.0;
 /// Limit on bytes from a client per second. It also covers empty frames, which do not count as messages.
 const BYTES: f64 = (1 << 20) as f64;

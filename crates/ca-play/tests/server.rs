@@ -98,7 +98,7 @@ fn a_page_is_greeted_asks_and_is_answered() {
         asked.extend(page.requests());
         !asked.is_empty()
     });
-    let grab = NumberedRequest { id: Some(json!(7)), request: Ok(Request::Grab { mass: Some(3) }) };
+    let grab = NumberedRequest { id: Some(json!(7)), request: Ok(Request::Grab { mass: Some(3), finger: None }) };
     assert_eq!(asked[0].request, Some(grab));
     let reply = protocol::Message::Reply { id: json!(7), ok: true, text: "held".into(), picked: None };
     page.feed().send(asked[0].client, &reply);
@@ -223,7 +223,9 @@ fn who_answers_no_ping_lets_go() {
     while !released.contains(&0) && Instant::now() < end {
         // reading answers pings
         let _ = alive.read();
-        let all = page.requests().filter(|a| a.request.as_ref().is_some_and(|r| r.request == Ok(Request::Release)));
+        let all = page
+            .requests()
+            .filter(|a| a.request.as_ref().is_some_and(|r| r.request == Ok(Request::Release { finger: None })));
         released.extend(all.map(|a| a.client));
     }
     assert!(released.contains(&0), "the first client holds what it held: {released:?}");

@@ -12,6 +12,7 @@
 mod answer;
 mod edit;
 mod energy;
+mod fingers;
 mod greeting;
 mod host;
 mod instrument;

@@ -1,10 +1,11 @@
 //! Requests of pages, and the state that pages share.
 //!
-//! A page sends the same requests as `ca set` and `ca disarm`, and gets the same answers. One page at a time holds a
-//! mass; the mass is released when that page closes. A page arms forces only if the command line allows it.
+//! A page sends the same requests as `ca set` and `ca disarm`, and gets the same answers. The masses that a page holds are
+//! released when it closes. A page arms forces only if the command line allows it.
 
 use crate::answer::answer;
 use crate::edit::Edit;
+use crate::fingers::Fingers;
 use crate::greeting::greeting;
 use crate::host::{CompiledVersion, Files, Language, VersionCompiler};
 use crate::midi::Midi;
@@ -61,8 +62,7 @@ pub struct Session {
     stats: Stats,
     /// Host of the sound output, or the page.
     sound: String,
-    /// Page that holds a mass.
-    holder: Option<u64>,
+    fingers: Fingers,
     /// Version of the model that plays.
     generation: u32,
     next_drawing: NextDrawing,
@@ -92,7 +92,7 @@ impl Session {
             scene,
             stats: sink.stats(),
             sound: "page".into(),
-            holder: None,
+            fingers: Fingers::default(),
             generation: 1,
             next_drawing: sink.next_drawing(),
             next: None,
@@ -155,11 +155,10 @@ impl Session {
         leave
     }
 
-    /// Releases the mass held by a page that was closed.
+    /// Releases the masses held by a page that was closed.
     pub fn left(&mut self, recorder: &mut Recorder, client: u64) {
-        if self.holder == Some(client) {
-            self.holder = None;
-            if let Err(why) = recorder.release() {
+        for finger in self.fingers.release(client, None) {
+            if let Err(why) = recorder.release(finger) {
                 self.pages.send_all(&Message::Said { bad: true, text: why.to_string() });
             }
         }
@@ -177,7 +176,7 @@ impl Session {
     fn version(&mut self, recorder: &mut Recorder, midi: &mut Midi, setups: &[Setup]) {
         if let Some((scene, drawing)) = self.next.take() {
             midi.version(&scene);
-            (self.scene, self.drawing, self.holder) = (scene, drawing, None);
+            (self.scene, self.drawing, self.fingers) = (scene, drawing, Fingers::default());
             let stability = self.language.stability(&self.scene);
             self.pages.greet(&greeting(&self.scene, &self.drawing, &self.name, self.generation, stability));
             if core::mem::take(&mut self.plays) && !self.scene.about.gestures.is_empty() {
@@ -221,25 +220,22 @@ impl Session {
             if reply.ok { Ok((reply.text, None)) } else { Err(reply.text.into()) }
         };
         match request {
-            PageAsks::Grab { mass } => {
-                if self.holder.is_some_and(|h| h != client) {
-                    return Err("another page holds a mass; wait until it is released".into());
-                }
-                recorder.grab(self.mass(*mass)?.1)?;
-                self.holder = Some(client);
+            PageAsks::Grab { mass, finger } => {
+                let (own, mass) = ((client, finger.unwrap_or(0)), self.mass(*mass)?.1);
+                let finger = self.fingers.free(own, mass)?;
+                recorder.grab(finger, mass)?;
+                self.fingers.hold(finger, own, mass);
                 done("held")
             }
-            PageAsks::Drag { by } => {
-                if self.holder != Some(client) {
-                    return Err("this page does not hold a mass; grab one first".into());
-                }
-                recorder.drag(vector(by.as_deref())?)?;
+            PageAsks::Drag { by, finger } => {
+                let finger = self.fingers.of((client, finger.unwrap_or(0)));
+                let finger = finger.ok_or("this finger does not hold a mass; grab one first")?;
+                recorder.drag(finger, vector(by.as_deref())?)?;
                 done("pulled")
             }
-            PageAsks::Release => {
-                if self.holder == Some(client) {
-                    self.holder = None;
-                    recorder.release()?;
+            PageAsks::Release { finger } => {
+                for finger in self.fingers.release(client, *finger) {
+                    recorder.release(finger)?;
                 }
                 done("released")
             }
@@ -333,6 +329,7 @@ impl Session {
             cause: cause.name().into(),
         };
         let bound = |(channel, number, name): (u8, u8, &str)| Bound { channel, number, name: name.into() };
+        let held: Vec<u64> = recorder.held().filter_map(|m| self.drawing.drawn_mass(m)).map(|m| m as u64).collect();
         let outputs = recorder.outputs();
         let outputs = Choices { choices: outputs.choices.clone(), wanted: outputs.wanted.clone(), busy: outputs.busy };
         Message::State {
@@ -344,7 +341,8 @@ impl Session {
             clipped: shared.clipped.load(Relaxed),
             diverged: shared.diverged.load(Relaxed),
             playing: recorder.playing(),
-            pointer: recorder.held().and_then(|m| self.drawing.drawn_mass(m)).map_or(-1, |m| m as i64),
+            pointer: held.first().map_or(-1, |m| *m as i64),
+            held,
             devices: recorder.devices().map(|(name, mode, cause, _)| device(name, mode, cause)).collect(),
             params: recorder.controls().params().iter().map(|p| (p.name.clone(), p.value)).collect(),
             clients: self.pages.count() as u64,

@@ -103,6 +103,7 @@ fn messages_are_the_same_bytes_as_ever() {
         diverged: false,
         playing: true,
         pointer: -1,
+        held: vec![],
         devices: vec![DeviceState { name: "key".into(), mode: "ON".into(), cause: "NONE".into() }],
         params: [("k".to_string(), 8000.0)].into(),
         clients: 1,
@@ -125,7 +126,7 @@ fn messages_are_the_same_bytes_as_ever() {
         ),
         (
             state,
-            r#"{"arms":false,"bound":[{"channel":1,"name":"k","number":74}],"clients":1,"clipped":3,"devices":[{"cause":"NONE","mode":"ON","name":"key"}],"diverged":false,"keeps":true,"late":1,"latency":2.5,"learning":null,"load":null,"lost":2,"outputs":{"busy":false,"choices":["page"],"wanted":"page"},"params":{"k":8000.0},"playing":true,"pointer":-1,"recording":null,"seconds":0.01,"sound":"page","tick":480,"type":"state","underruns":0}"#,
+            r#"{"arms":false,"bound":[{"channel":1,"name":"k","number":74}],"clients":1,"clipped":3,"devices":[{"cause":"NONE","mode":"ON","name":"key"}],"diverged":false,"held":[],"keeps":true,"late":1,"latency":2.5,"learning":null,"load":null,"lost":2,"outputs":{"busy":false,"choices":["page"],"wanted":"page"},"params":{"k":8000.0},"playing":true,"pointer":-1,"recording":null,"seconds":0.01,"sound":"page","tick":480,"type":"state","underruns":0}"#,
         ),
         (
             Message::Energy { seconds: 0.5, motion: vec![1e-9, 0.0] },
@@ -147,11 +148,11 @@ fn requests_are_read_as_ever() {
     for (text, want) in [
         (r#"{"type":"sound","on":true}"#, Request::Sound { on: true }),
         (r#"{"type":"sound","on":1}"#, Request::Sound { on: false }),
-        (r#"{"type":"grab","mass":3,"more":[]}"#, Request::Grab { mass: Some(3) }),
-        (r#"{"type":"grab","mass":-3}"#, Request::Grab { mass: None }),
-        (r#"{"type":"drag","by":[1,0.5,0]}"#, Request::Drag { by: Some(vec![1.0, 0.5, 0.0]) }),
-        (r#"{"type":"drag","by":[null]}"#, Request::Drag { by: None }),
-        (r#"{"type":"release","id":1}"#, Request::Release),
+        (r#"{"type":"grab","mass":3,"more":[]}"#, Request::Grab { mass: Some(3), finger: None }),
+        (r#"{"type":"grab","mass":-3,"finger":2}"#, Request::Grab { mass: None, finger: Some(2) }),
+        (r#"{"type":"drag","by":[1,0.5,0]}"#, Request::Drag { finger: None, by: Some(vec![1.0, 0.5, 0.0]) }),
+        (r#"{"type":"drag","by":[null],"finger":256}"#, Request::Drag { finger: None, by: None }),
+        (r#"{"type":"release","id":1}"#, Request::Release { finger: None }),
         (r#"{"type":"gesture"}"#, Request::Gesture { play: false }),
         (r#"{"type":"port","name":"push","value":"x"}"#, Request::Port { name: Some("push".into()), value: None }),
         (r#"{"type":"change","name":7,"value":"5 s"}"#, Request::Change { name: String::new(), value: "5 s".into() }),
@@ -181,8 +182,8 @@ proptest! {
         bytes in prop::collection::vec(any::<u8>(), 0..8),
     ) {
         for request in [
-            Request::Grab { mass: Some(mass) },
-            Request::Drag { by: Some(by) },
+            Request::Grab { mass: Some(mass), finger: None },
+            Request::Drag { finger: None, by: Some(by) },
             Request::Record { on },
             Request::Change { name: text.clone(), value: text.clone() },
             Request::Learn { name: Some(Some(text)) },

@@ -166,12 +166,14 @@ fn a_session_plays_and_answers_without_threads() {
     assert_eq!(ask(&mut i, &pages, json!({"type": "grab", "mass": drawn})), (true, "held".into()));
     assert_eq!(ask(&mut i, &pages, json!({"type": "drag", "by": [1e-3]})).1, "pulled");
     i.play(1000);
-    assert_eq!(pages.last("state")["pointer"], drawn);
+    assert_eq!(pages.last("state")["held"], json!([drawn]));
+    let other = ask(&mut i, &pages, json!({"type": "grab", "mass": drawn, "finger": 1}));
+    assert!(!other.0 && other.1.contains("holds this mass"), "{}", other.1);
     i.left(2);
     i.left(1);
     i.play(1000);
     let state = pages.last("state");
-    assert_eq!((&state["pointer"], &state["diverged"]), (&json!(-1), &json!(false)));
+    assert_eq!((&state["held"], &state["diverged"]), (&json!([]), &json!(false)));
     assert!(pages.last("energy")["motion"][0].as_f64().unwrap() > 0.0);
     let sent = pages.0.borrow();
     assert!(sent.pictures > 10 && sent.sound.chunks(4).any(|s| s != [0; 4]));

@@ -29,6 +29,32 @@ export interface Checked {
   links: number;
 }
 
+export interface Mode {
+  /** in continuous time [Hz] */
+  free_hz: number;
+  /** as the scheme plays it at this rate [Hz]; 0 if it does not oscillate */
+  heard_hz: number;
+  /** from `free_hz` to `heard_hz` */
+  cents: number;
+  /** time to decay by 60 dB [s]; null if it does not decay */
+  t60_s: number | null;
+  grows: boolean;
+  /** values at the ports, by name [1/√kg] */
+  ports: Record<string, number>;
+}
+
+export interface Modes {
+  /** sound rate [Hz] */
+  rate: number;
+  /** lowest first */
+  modes: Mode[];
+  /** links that are not linear and so not included */
+  left_out: { name: string; law: string }[];
+}
+
+/** Computes the modes of the linear part of a model. The promise is refused with the errors of the model. */
+export function modes(text: string, options?: Omit<Options, "seconds">): Promise<Modes>;
+
 /** Plays a model with its own gesture. The promise is refused with the errors of the model, in words. */
 export function render(text: string, options?: Options): Promise<Rendered>;
 

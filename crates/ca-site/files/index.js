@@ -23,6 +23,11 @@ export async function render(text, { seconds, file = "model.ca.toml", files = {}
   return { wav: all.bytes, rate: all.rate, channels: all.channels, frames: all.frames };
 }
 
+export async function modes(text, { file = "model.ca.toml", files = {}, changes = {} } = {}) {
+  const { ok, bytes, ...all } = await made({ type: "modes", file, text, files, changes: Object.entries(changes) });
+  return all;
+}
+
 export async function check(text, { file = "model.ca.toml", files = {}, changes = {} } = {}) {
   const all = await made({ type: "check", file, text, files, changes: Object.entries(changes) });
   return { text: all.text, findings: all.findings, stability: all.stability, masses: all.masses, links: all.links };

@@ -121,6 +121,8 @@ fn an_instrument_of_the_gallery_is_played_pulled_edited_and_shared() {
     tab.js("document.getElementById('saveText').click()");
     until(&mut tab, "the text is saved", "window.saved['hammered_string.ca.toml']?.byteLength > 1000");
     assert_eq!(tab.js("getComputedStyle(document.getElementById('stop')).display"), "none", "nothing to end");
+    tab.js("document.getElementById('modes').click()");
+    until(&mut tab, "the modes are shown", "document.querySelectorAll('#modesBox tr').length > 20");
     // shared: the link carries the edited text
     edit(&mut tab, "110 Hz", "123 Hz");
     tab.js("Object.defineProperty(navigator, 'clipboard', {value: {writeText: async t => { window.copied = t; }}}); document.getElementById('share').click()");

@@ -3,12 +3,14 @@
 //! A page asks by a JSON object and receives one, in some cases with bytes behind it: a plan, or a WAV file.
 
 use crate::engine::Facts;
-use ca_compile::Options;
+use ca_compile::{Options, analysis};
 use ca_core::Scene;
 use ca_core::internal::kind::cloud::Unread;
 use ca_io::level_and_fade::fade_end;
 use ca_io::sound::wav_bytes;
+use ca_lab::catalog;
 use ca_lab::facts::certificate::stability;
+use ca_lab::facts::modes::value;
 use ca_lab::{Failure, load};
 use ca_model::diag::{Diags, Severity};
 use ca_model::{Model, render};
@@ -41,6 +43,8 @@ enum Ask {
     Compile(Source),
     /// Reports the findings about a model, and its stability.
     Check(Source),
+    /// Computes the modes of the linear part of a model.
+    Modes(Source),
     /// Plays a model with its own gesture. The answer has a WAV file as bytes.
     Render {
         #[serde(flatten)]
@@ -60,6 +64,7 @@ pub fn answer(request: &[u8], bytes: &[u8]) -> (Value, Vec<u8>) {
     let done = match serde_json::from_slice(request) {
         Ok(Ask::Compile(source)) => compile(&source),
         Ok(Ask::Check(source)) => check(&source),
+        Ok(Ask::Modes(source)) => modes(&source),
         Ok(Ask::Render { source, seconds }) => sound(&source, seconds),
         Ok(Ask::Wav { file, rate, channels }) => wav(&file, rate, channels, bytes),
         Err(why) => Err(json!({"text": format!("the request cannot be read: {why}")})),
@@ -102,6 +107,20 @@ fn check(source: &Source) -> Answer {
         "links": scene.lias(),
     });
     Ok((object, Vec::new()))
+}
+
+fn modes(source: &Source) -> Answer {
+    let refused = |text: &str| json!({"text": text});
+    let (loaded, _) = compiled(source)?;
+    let network = ca_compile::linear(&loaded.model, &catalog(), &Options::default());
+    let network = network.map_err(|diags| refused(&render::text(&diags, &loaded.model, false)))?;
+    if network.linear.dofs.is_empty() {
+        return Err(refused("nothing in the linear part of this model moves"));
+    }
+    let found = analysis::modes::modes(&network);
+    let many = format!("more than {} places move, which is too many for a table of modes", analysis::modes::LARGEST);
+    let found = found.ok_or_else(|| refused(&many))?;
+    Ok((value(&loaded.name, &network, &found), Vec::new()))
 }
 
 fn sound(source: &Source, seconds: Option<f64>) -> Answer {

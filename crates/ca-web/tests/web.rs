@@ -170,6 +170,22 @@ fn errors_are_those_of_the_command() {
     assert!(object["masses"].as_u64().unwrap() > 30 && object["stability"].as_str().unwrap().contains("margin"));
 }
 
+#[test]
+fn modes_are_those_of_the_model() {
+    let (object, _) = ask(&json!({"type": "modes", "text": STRING}));
+    let heard: Vec<f64> = object["modes"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|m| m["heard_hz"].as_f64().unwrap())
+        .filter(|f| *f > 0.0)
+        .collect();
+    // the bob on its spring, √(2000 N/m ÷ 10 g)/2π = 71.18 Hz, then the string
+    assert!((heard[0] - 71.18).abs() < 0.1 && (heard[1] - 110.0).abs() < 1e-3, "{:?}", &heard[..2]);
+    assert_eq!(heard.len(), 31);
+    assert_eq!(ask(&json!({"type": "modes", "text": "[SOL]\nwall = {}\n"})).0["ok"], false);
+}
+
 /// A render in a page has the bytes of the file that `ca render` writes.
 #[test]
 fn a_render_is_the_file_of_the_command() {

@@ -113,6 +113,11 @@ fn a_hertz_contact_is_judged_at_its_depth() {
     let is = s.certificate.rules.contact;
     assert!(is >= least * (1.0 - 1e-9) && is <= most, "{is}, {least} … {most}");
     assert!(found(&s, "W117", "energy at load"), "{:?}", s.findings.list);
+    // the advised softer contact is pressed deeper, and stays below the limit all the same
+    let help = s.findings.list.iter().find(|d| d.code == "W117").and_then(|d| d.help.as_deref()).unwrap_or_default();
+    let share: f64 = help.split("at most ").nth(1).and_then(|t| t.split(' ').next()?.parse().ok()).expect("a share");
+    let softer = scene(&text(-1.0).replace("k = 1e10", &format!("k = {:e}", 1e8 * share)));
+    assert!(softer.certificate.rules.closed < 4.0, "{help}");
     let s = scene(&text(-1e-5));
     assert!(s.certificate.rules.closed < 1.0 && s.findings.list.is_empty(), "{:?}", s.certificate);
 }

@@ -4,7 +4,7 @@
 use super::guard::{Rig, bare};
 use crate::play::{Random, audited, mat, scene, with};
 use ca_compile::{Options, compile};
-use ca_core::pointer::{Pointer, Refused};
+use ca_core::pointer::{FINGERS, Pointer, Refused};
 use ca_core::{Level, Scene, State, compute_forces, integrate};
 use ca_haptic::engine::{Engine, EngineCommand, GLIDE, ManualEvent, ManualInput, Options as EngineOptions, OwnGesture};
 use ca_model::read;
@@ -42,7 +42,7 @@ fn tick(scene: &Scene, s: &mut State, pointer: &mut Pointer) {
 #[test]
 fn a_mass_alone_follows_in_closed_form() {
     let scene = scene("[MAS]\nm = { m = \"3 g\" }\n[SOX]\nout = { from = \"m\" }\n");
-    let (mut s, mut pointer) = (scene.state(), Pointer::new(&scene, 0).unwrap());
+    let (mut s, mut pointer) = (scene.state(), Pointer::new(&scene, 0, 0).unwrap());
     pointer.hold(&s);
     pointer.pull([5e-3, 0.0, 0.0]);
     let glide = (scene.rate / 60.0) as u64;
@@ -81,7 +81,7 @@ fn who_holds_at_rest_changes_no_bit_and_who_lets_go_is_gone() {
     for text in [STRING, MESH, CLOTH] {
         let scene = scene(text);
         let (mut alone, mut held) = (scene.state(), scene.state());
-        let mut pointer = Pointer::new(&scene, scene.mats() / 2).unwrap();
+        let mut pointer = Pointer::new(&scene, scene.mats() / 2, 0).unwrap();
         pointer.hold(&held);
         for n in 0..500 {
             ca_core::tick(&scene, &mut alone);
@@ -99,7 +99,7 @@ fn who_holds_at_rest_changes_no_bit_and_who_lets_go_is_gone() {
 fn what_a_pointer_gives_stands_in_the_ledger() {
     for text in [STRING, MESH, CLOTH] {
         let scene = audited(text);
-        let (mut s, mut pointer) = (scene.state(), Pointer::new(&scene, scene.mats() / 2).unwrap());
+        let (mut s, mut pointer) = (scene.state(), Pointer::new(&scene, scene.mats() / 2, 0).unwrap());
         let mut random = Random(7);
         pointer.hold(&s);
         for n in 0..6000 {
@@ -119,6 +119,44 @@ fn what_a_pointer_gives_stands_in_the_ledger() {
     }
 }
 
+/// Ten fingers pull neighbours of a string at 0.99 of its limit: each weaker than the one before, and all that they give
+/// is in the ledger.
+#[test]
+fn ten_fingers_together_stay_below_the_limit() {
+    let k = 0.99 * 1e-3 * 48_000.0 * 48_000.0;
+    let text = format!(
+        "[STRING]\ns = {{ n = 20, k = {k}, m = 1e-3, ends = \"fixed\" }}\n[SOX]\nout = {{ from = \"s[3]\" }}\n"
+    );
+    let scene = audited(&text);
+    assert_eq!(scene.certificate.level, Level::Proven);
+    let mut s = scene.state();
+    let at = |f: u8| {
+        let place = mat(&scene, &format!("s[{}]", 4 + f)) as u32;
+        scene.symbols.places().iter().position(|p| *p == place).expect("a mass of the string")
+    };
+    let mut all: Vec<Pointer> = (0..FINGERS as u8).map(|f| Pointer::new(&scene, at(f), f).unwrap()).collect();
+    let firmness: Vec<f64> = all.iter().map(|p| p.coupling(&scene, &s)[0]).collect();
+    assert!(firmness.windows(2).all(|two| two[1] < two[0]), "{firmness:?}");
+    let mut random = Random(3);
+    for n in 0..40_000 {
+        for p in &mut all {
+            if n == 0 {
+                p.hold(&s);
+            } else if n % 500 == 0 && n < 20_000 {
+                p.pull([1e-3 * random.uniform(), 0.0, 0.0]);
+            }
+        }
+        compute_forces(&scene, &mut s);
+        all.iter_mut().for_each(|p| p.prepare(&s));
+        integrate(&scene, &mut s);
+        all.iter_mut().for_each(|p| p.apply(&mut s));
+    }
+    let balance = s.ledger.as_deref().unwrap().balance();
+    assert!(balance.residual.abs() <= 1e-9 * balance.peak, "{balance:?}");
+    // held at their places, all comes to rest
+    assert!(s.d.iter().all(|d| d.abs() < 1e-9), "{:?}", s.d);
+}
+
 #[test]
 fn what_cannot_be_held_says_why() {
     let scene = scene(
@@ -127,19 +165,19 @@ fn what_cannot_be_held_says_why() {
     );
     let refused = |name: &str| {
         let place = mat(&scene, name) as u32;
-        Pointer::new(&scene, scene.symbols.places().iter().position(|p| *p == place).unwrap()).err()
+        Pointer::new(&scene, scene.symbols.places().iter().position(|p| *p == place).unwrap(), 0).err()
     };
     assert_eq!(refused("wall"), Some(Refused::Fixed("wall".into())));
     assert_eq!(refused("push"), Some(Refused::Port("push".into())));
     assert_eq!(refused("m"), None);
-    assert_eq!(Pointer::new(&scene, 3).err(), Some(Refused::Unknown));
+    assert_eq!(Pointer::new(&scene, 3, 0).err(), Some(Refused::Unknown));
     let stiff = |k: f64| {
         let text = format!(
             "[SOL]\nw = {{}}\n[MAS]\nm = {{ m = 1 }}\n[RES]\na = {{ between = [\"w\", \"m\"], k = {k} }}\n[SOX]\nout = {{ from = \"m\" }}\n"
         );
         let scene = crate::play::scene(&text);
         let at = scene.symbols.places().iter().position(|p| *p == mat(&scene, "m") as u32).unwrap();
-        Pointer::new(&scene, at).map(|p| p.coupling(&scene, &scene.state())[0])
+        Pointer::new(&scene, at, 0).map(|p| p.coupling(&scene, &scene.state())[0])
     };
     // κ = kT²/m: nothing is left at 4, and the coupling takes half of the rest
     let limit = 4.0 * 48_000.0 * 48_000.0;
@@ -167,18 +205,23 @@ fn no_hand_makes_a_bundled_model_diverge() {
         let mut held = 0;
         // equal parts may put every step at the same unholdable place; then other steps are tried
         let step = (scene.mats() / if bundled(&name) { of_bundled } else { of_others }).max(1);
-        let by = |step: usize| -> Vec<_> {
+        let by = |step: usize| -> Vec<usize> {
             let all = (0..scene.mats()).step_by(step);
-            all.filter_map(|mass| Some((mass, ManualEvent::Grab(mass as u32).to_input(&scene)?))).collect()
+            all.filter(|mass| Pointer::new(&scene, *mass, 0).is_ok()).collect()
         };
         let mut grabs = by(step);
         if grabs.is_empty() {
             grabs = by(step | 1);
         }
-        for (mass, grab) in grabs {
+        for mass in grabs {
             held += 1;
             let mut engine = Engine::new(scene.clone(), Vec::new(), EngineOptions::default());
-            engine.command(EngineCommand::Manual(grab));
+            // a second finger holds the next mass, if that can be held
+            for finger in 0..2 {
+                if let Some(grab) = ManualEvent::Grab(finger, mass as u32 + u32::from(finger)).to_input(&scene) {
+                    engine.command(EngineCommand::Manual(grab));
+                }
+            }
             let frame = |engine: &mut Engine| {
                 let _ = engine.answer().count();
                 engine.finish();
@@ -189,11 +232,11 @@ fn no_hand_makes_a_bundled_model_diverge() {
                         if r.uniform() < -0.4 { wild[(r.uniform().abs() * 6.0) as usize % 6] } else { r.uniform() }
                     };
                     let to = [any(&mut random), any(&mut random), any(&mut random)];
-                    engine.command(EngineCommand::Manual(ManualInput::Pull(to)));
+                    engine.command(EngineCommand::Manual(ManualInput::Pull((n / 50 % 2) as u8, to)));
                 }
                 frame(&mut engine);
             }
-            engine.command(EngineCommand::Manual(ManualInput::Release));
+            (0..2).for_each(|finger| drop(engine.command(EngineCommand::Manual(ManualInput::Release(finger)))));
             for _ in 0..300 {
                 frame(&mut engine);
             }

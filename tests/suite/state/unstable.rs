@@ -47,3 +47,17 @@ fn a_damper_on_a_light_mass_is_held_by_a_solved_spring() {
     assert_eq!((held.certificate.level, free.certificate.level), (Level::NotProven, Level::Unstable));
     assert!(!grows(&held) && grows(&free));
 }
+
+/// A live spring that is too stiff only at its largest value is not called unstable.
+#[test]
+fn a_live_spring_is_unstable_only_if_it_is_so_at_every_value() {
+    let text = |live: bool| {
+        let value = if live { 1e7 } else { 2e7 };
+        format!(
+            "[param]\nk = {{ value = {value:e}, min = 1e6, max = 2e7, live = {live} }}\n[SOL]\ng = {{}}\n[MAS]\n\
+             a = {{ m = 2e-3, v = 1 }}\n[RES]\nr = {{ between = [\"g\", \"a\"], k = \"k\" }}\n[SOX]\no = {{ from = \"a\" }}\n"
+        )
+    };
+    let [live, fixed] = [true, false].map(|live| scene(&text(live)).certificate.level);
+    assert_eq!((live, fixed), (Level::NotProven, Level::Unstable));
+}

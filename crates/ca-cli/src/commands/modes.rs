@@ -12,9 +12,9 @@ use ca_compile::analysis::{Mode, Modes, Network, modes};
 use ca_io::atomic_file::AtomicFile;
 use ca_lab::catalog;
 use ca_lab::facts::border::ticks;
+use ca_lab::facts::modes::{rate, value};
 use ca_model::quantity::Plain;
 use clap::Args;
-use serde_json::{Value as Json, json};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -107,11 +107,6 @@ fn levels(found: &Modes, port: &[(u32, f64)]) -> Vec<f64> {
     at.iter().map(|v| if *v > 0.0 && top > 0.0 { 20.0 * (v / top).log10() } else { f64::NEG_INFINITY }).collect()
 }
 
-/// Sound rate \[Hz\].
-fn rate(network: &Network) -> f64 {
-    1.0 / (network.tick_dt * f64::from(network.oversample))
-}
-
 fn text(name: &str, network: &Network, found: &Modes, most: usize) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     let swings = found.list.iter().filter(|m| m.heard > 0.0).count();
@@ -179,30 +174,6 @@ fn seconds(m: &Mode) -> String {
         t if t.is_finite() => format!("{:.4}", Plain(t)),
         _ => "for ever".into(),
     }
-}
-
-fn value(name: &str, network: &Network, found: &Modes) -> Json {
-    let finite = |v: f64| if v.is_finite() { json!(v) } else { Json::Null };
-    let list: Vec<Json> = found
-        .list
-        .iter()
-        .map(|m| {
-            let ports: serde_json::Map<String, Json> =
-                network.ports.iter().map(|p| (p.name.clone(), json!(m.at(&p.at)))).collect();
-            json!({
-                "free_hz": m.f, "heard_hz": m.heard, "cents": m.cents(), "t60_s": finite(m.t60),
-                "t60_free_s": finite(m.t60_free), "a": m.a, "b": m.b, "grows": m.grows, "coupled": m.coupled, "ports": ports,
-            })
-        })
-        .collect();
-    let ports: Vec<Json> = network.ports.iter().map(|p| json!({ "name": p.name, "role": p.role })).collect();
-    let left_out: Vec<Json> =
-        network.left_out.iter().map(|(name, code)| json!({ "name": name, "law": code })).collect();
-    json!({
-        "name": name, "rate": rate(network), "oversample": network.oversample, "places": network.names, "ports": ports,
-        "left_out": left_out, "unheard": network.unheard,
-        "approximate": found.approximate, "force_outputs": network.force_outputs, "modes": list,
-    })
 }
 
 /// Writes the mode shapes with a row per place and a column per mode \[1/√kg\].

@@ -68,11 +68,17 @@ mod in_real_time {
         }
         // as far as the string allows
         until("the mass follows", || page.look()[mass as usize] > 1e-4);
-        until("it is said who is held", || page.next("state")["pointer"] == mass);
+        until("it is said who is held", || page.next("state")["held"] == json!([mass]));
+        let second = named(&mut page, "bob");
+        page.done(&json!({"type": "grab", "mass": second, "finger": 1}));
+        page.done(&json!({"type": "drag", "by": [-1e-3], "finger": 1}));
+        until("the mass of the second finger follows", || page.look()[second as usize] < -1e-4);
+        page.done(&json!({"type": "release", "finger": 1}));
+        until("the first finger still holds", || page.next("state")["held"] == json!([mass]));
         page.done(&json!({"type": "release"}));
         let rung = page.hear(0.2);
         assert!(peak(&rung) > 0.01, "a string that was let go sounds: {}", peak(&rung));
-        until("nobody is held", || page.next("state")["pointer"] == -1);
+        until("nobody is held", || page.next("state")["held"] == json!([]));
 
         page.done(&json!({"type": "set", "values": {"k": "900 N/m"}}));
         until("the parameter is shown", || page.next("state")["params"]["k"] == 900.0);
@@ -102,7 +108,7 @@ mod in_real_time {
         let second = page.ask(&json!({"type": "grab", "mass": mass}));
         assert!(second["text"].as_str().unwrap().contains("another page"), "{second}");
         drop(other);
-        until("it is let go", || page.next("state")["pointer"] == -1);
+        until("it is let go", || page.next("state")["held"] == json!([]));
         page.done(&json!({"type": "stop"}));
         host.ended();
         let replayed = host.ca(&["replay", "take.mcap", "--verify", "--energy", "--json"]);
@@ -243,6 +249,16 @@ mod in_real_time {
     #[test]
     fn only_keys_that_sound_are_keys() {
         page_controls::only_keys_that_sound_are_keys();
+    }
+
+    #[test]
+    fn a_game_controller_plays() {
+        page_controls::a_game_controller_plays();
+    }
+
+    #[test]
+    fn two_fingers_hold_two_masses() {
+        page_controls::two_fingers_hold_two_masses();
     }
 
     #[test]

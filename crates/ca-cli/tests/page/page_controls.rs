@@ -65,6 +65,58 @@ pub fn only_keys_that_sound_are_keys() {
     end(host);
 }
 
+/// The buttons of a game controller are keys, and its sticks MIDI controllers.
+pub fn a_game_controller_plays() {
+    let host = Host::play(crate::STRING, &["--seconds", "600"]);
+    let Some(mut tab) = Tab::open(&host.address) else { return };
+    until("it is drawn", || tab.js("+document.documentElement.dataset.frames > 5") == true);
+    let mut page = host.page();
+    page.next("scene");
+    tab.js("(() => { window.pad = { index: 0, connected: true, axes: [0, 0, 0, 0], \
+         buttons: Array.from({ length: 16 }, () => ({ pressed: false, value: 0 })) }; \
+         navigator.getGamepads = () => [window.pad]; })()");
+    let frames = "new Promise(r => requestAnimationFrame(() => requestAnimationFrame(() => r(true))))";
+    until("it was read once", || tab.js(frames) == true);
+    page.done(&json!({"type": "sound", "on": true}));
+    tab.js("(() => { window.pad.buttons[1].pressed = true; })()");
+    until("the second key is down", || tab.js("+document.querySelector('#keyboard .down')?.dataset.note") == 61);
+    until("it sounds", || peak(&page.hear(0.05)) > 1e-3);
+    tab.js("(() => { window.pad.buttons[1].pressed = false; })()");
+    until("the key is up", || tab.js("document.querySelector('#keyboard .down') === null") == true);
+    tab.js("document.querySelector('#params .learn').click()");
+    until("it waits", || !page.next("state")["learning"].is_null());
+    tab.js("(() => { window.pad.axes[2] = 1; })()");
+    until("the stick is bound", || page.next("state")["bound"][0]["number"] == 18);
+    end(host);
+}
+
+/// Each finger holds a mass of its own.
+pub fn two_fingers_hold_two_masses() {
+    let host = Host::play(crate::STRING, &["--seconds", "600"]);
+    let Some(mut tab) = Tab::open(&host.address) else { return };
+    until("it is drawn", || tab.js("+document.documentElement.dataset.frames > 5") == true);
+    let mut watch = host.page();
+    watch.next("scene");
+    let [x, y] = tab.near().expect("some mass is near the middle");
+    let touch = |tab: &mut Tab, kind: &str, fingers: &[(f64, u32)]| {
+        let points: Vec<Value> =
+            fingers.iter().map(|(dx, id)| json!({"x": x + dx, "y": y - 0.2 * dx, "id": id})).collect();
+        tab.emulate("Input.dispatchTouchEvent", &json!({"type": kind, "touchPoints": points}));
+    };
+    let held = |watch: &mut crate::host::Client| watch.next("state")["held"].as_array().map_or(0, Vec::len);
+    touch(&mut tab, "touchStart", &[(0.0, 1)]);
+    until("one is held", || held(&mut watch) == 1);
+    touch(&mut tab, "touchStart", &[(0.0, 1), (90.0, 2)]);
+    until("two are held", || held(&mut watch) == 2);
+    assert_eq!(tab.js("document.querySelectorAll('#overlay g:not(.off)').length"), 2);
+    touch(&mut tab, "touchEnd", &[(90.0, 2)]);
+    until("one is let go", || held(&mut watch) == 1);
+    touch(&mut tab, "touchEnd", &[]);
+    until("both are let go", || held(&mut watch) == 0);
+    assert_eq!(tab.errors(), Vec::<String>::new());
+    end(host);
+}
+
 /// One button turns the sound on and plays; afterwards its label is "Play again". In a narrow window, buttons keep
 /// their size.
 pub fn one_button_plays() {

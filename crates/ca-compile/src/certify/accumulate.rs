@@ -14,8 +14,9 @@ use ca_core::Bound;
 pub struct Sums {
     /// Explicit links that are always present, with the slopes that they always have.
     pub certain: f64,
-    /// True if a solved link may hold the mass: no sum of explicit links then shows that it is unstable.
-    pub held: bool,
+    /// True if a solved link may hold the mass, or a live parameter changes it or its links: no sum of links then shows
+    /// that it is unstable.
+    pub unsure: bool,
     /// Part of `certain` by viscosity.
     pub viscous: f64,
     /// All links that may be present.
@@ -85,13 +86,14 @@ pub fn accumulate(net: &Pruned) -> Accumulated {
         }
     }
     let mut mats: Vec<Sums> = worst.into_iter().zip(&net.alive).map(sums).collect();
+    net.mats.iter().zip(&mut mats).for_each(|(m, sums)| sums.unsure = net.is_live(m.item));
     let mut springs = Negative::default();
     // Only negative springs need others that cover them.
     let negative = links.iter().any(|b| b.k < 0.0);
     for (l, b) in net.lias.iter().zip(&links) {
         link(net, l, b, &mut mats);
-        if !l.law.stage.is_explicit() && !(b.contact && is_open(net, l)) {
-            l.all_ends().flat_map(|e| net.under(e)).for_each(|m| mats[m as usize].held = true);
+        if net.is_live(l.item) || !l.law.stage.is_explicit() && !(b.contact && is_open(net, l)) {
+            l.all_ends().flat_map(|e| net.under(e)).for_each(|m| mats[m as usize].unsure = true);
         }
         // A contact covers nothing, since it may be open.
         if let ([End::Mat(i), End::Mat(j)], true) = (l.ends, negative && !b.contact) {

@@ -23,7 +23,7 @@ pub fn bound(net: &Pruned, sums: &Accumulated) -> Bounds {
     let (mut lower, mut cause) = (0.0, None);
     for (i, s) in sums.mats.iter().enumerate() {
         // The damper of a junction represents leaving waves, and returning waves may cancel it.
-        if s.held {
+        if s.unsure {
             continue;
         }
         let leaves = if net.lines.iter().any(|l| l.junctions().contains(&(i as u32))) { 2.0 * s.z } else { 0.0 };

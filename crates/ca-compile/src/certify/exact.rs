@@ -77,11 +77,11 @@ impl Exact {
         used < 1.0 - ROUNDING
     }
 
-    /// Returns the linear links, with points at their positions at load. Masses that solved links may hold stand still.
+    /// Returns the linear links, with points at their positions at load. Masses of which it is not sure stand still.
     fn certain(&self, net: &Pruned, sums: &Accumulated) -> Linear {
         let mut linear = Linear::default();
         linear.dofs.clone_from(&self.linear.dofs);
-        linear.dofs.iter_mut().filter(|d| sums.mats[d.mat as usize].held).for_each(|d| d.c = 0.0);
+        linear.dofs.iter_mut().filter(|d| sums.mats[d.mat as usize].unsure).for_each(|d| d.c = 0.0);
         let counts = |l: &LiaNode, b: &Bound| b.linear && l.law.stage.is_explicit();
         let bounds: Vec<Bound> = sums.links.iter().map(explicit).collect();
         links(net, &bounds, &self.numbers, Points::AtLoad, &mut linear, counts);

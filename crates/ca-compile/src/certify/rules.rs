@@ -11,7 +11,7 @@ use alloc::string::{String, ToString};
 use ca_core::internal::method::friction::STEEPEST;
 use ca_core::internal::op::{SolveStage, loaded};
 use ca_core::internal::scene::growth::Growth;
-use ca_core::{Bound, Certificate, Type, Unit};
+use ca_core::{Bound, Certificate, Level, Type, Unit};
 use ca_model::diag::{Diag, Diags};
 use ca_model::quantity::rounded;
 use ca_model::{Model, quantity};
@@ -66,7 +66,8 @@ pub fn contacts(
         cert.rules.closed = cert.rules.closed.max(closed);
         if closed >= 4.0 && reported.insert(l.item) {
             diags.push(
-                unstable_contact(net, l, [k, z, c], reached.as_ref()).at(span(model, net, l.item), "unstable contact"),
+                unstable_contact(net, l, ([k, z, c], p), reached.as_ref(), cert.level < Level::NotProven)
+                    .at(span(model, net, l.item), "unstable contact"),
             );
         }
         if q * c > 0.0 {
@@ -83,11 +84,8 @@ pub fn contacts(
             let word = if a > 2.0 { "adds energy at most impacts" } else { "may add energy at an impact" };
             let title =
                 format!("contact `{}` {word}: kT²/m is {:.3}{}", l.name, quantity::Plain(a), at(reached.as_ref()));
-            let (lo, hi) = (0.12 * a, 1.9 - a);
-            let z = |b: f64| quantity::show(round_down(b / (c / net.tick_dt)), Unit::VISCOSITY);
-            let viscous = format!("viscosity `z` between {} and {}", z(lo), z(hi));
             let softer = format!("a smaller `k`, heavier masses, a higher {} rate", net.clock());
-            let ways = any(&[stable(l), &softer, if hi > lo { &viscous } else { "" }]);
+            let ways = any(&[stable(l), &softer]);
             let help = format!("use {ways}; an impact may add energy at any `k`; {}", Growth::near(a));
             diags.push(Diag::warning("W104", title).at(span(model, net, l.item), "stiff contact").help(help));
         }
@@ -119,8 +117,16 @@ pub fn at(reached: Option<&MaxElongation>) -> String {
     }
 }
 
-/// Returns the warning for a contact that is unstable while it presses, with slopes `k`, `z` and mobility `c`.
-fn unstable_contact(net: &Pruned, l: &LiaNode, [k, z, c]: [f64; 3], reached: Option<&MaxElongation>) -> Diag {
+/// Returns the warning for a contact that is unstable while it presses, with slopes `k`, `z` and mobility `c`, and the power `p`
+/// of its law or 0. Only `exact`
+/// slopes and mobility give numbers that mend it: links that are too stiff themselves make the masses more mobile.
+fn unstable_contact(
+    net: &Pruned,
+    l: &LiaNode,
+    ([k, z, c], p): ([f64; 3], f64),
+    reached: Option<&MaxElongation>,
+    exact: bool,
+) -> Diag {
     let closed = (k + 2.0 * z) * c;
     let title = format!(
         "contact `{}` {} unstable while it presses: T²k/m + 2Tz/m is {:.3}{}, the limit is 4",
@@ -130,8 +136,14 @@ fn unstable_contact(net: &Pruned, l: &LiaNode, [k, z, c]: [f64; 3], reached: Opt
         at(reached)
     );
     let (headroom, dt) = (4.0 / c, net.tick_dt);
-    let fix = if reached.is_some() {
-        format!("make it at most {} % as stiff", quantity::Plain(round_down(400.0 / closed)))
+    let fix = if !exact {
+        String::from("soften it")
+    } else if reached.is_some() {
+        // A softer contact is pressed deeper: at one energy the slope of αᵖ is as k^(2/(p + 1)), of its viscosity as
+        // k^(1/(p + 1)).
+        let share =
+            if p > 0.0 { libm::pow(4.0 / closed, (p + 1.0) * if z > 0.0 { 1.0 } else { 0.5 }) } else { 4.0 / closed };
+        format!("make it at most {} % as stiff", quantity::Plain(round_down(100.0 * share)))
     } else if k < headroom && z > 0.0 {
         format!("keep `z` below {}", quantity::show(round_down(0.5 * (headroom - k) * dt), Unit::VISCOSITY))
     } else if z == 0.0 {
@@ -146,12 +158,8 @@ fn unstable_contact(net: &Pruned, l: &LiaNode, [k, z, c]: [f64; 3], reached: Opt
         "" => String::new(),
         method => format!("use {method}"),
     };
-    Diag::warning("W117", title).help(any(&[
-        &method,
-        &fix,
-        "use heavier masses",
-        &faster(net, closed, Some(2.0 * z * c)),
-    ]))
+    let rate = if exact { faster(net, closed, Some(2.0 * z * c)) } else { String::new() };
+    Diag::warning("W117", title).help(any(&[&method, &fix, "use heavier masses", &rate]))
 }
 
 /// Applies the rule for friction along a curve, such as a bow (docs/numerics.md §3.5): above slope·T/m = 1.5 a sticking
@@ -176,7 +184,10 @@ pub fn frictions(
                 l.name,
                 quantity::Plain(steep)
             );
-            let less = quantity::Plain(round_up(steep / 1.5));
+            // A linear part that is not stable hides how mobile the ends are.
+            let less = round_up(steep / 1.5);
+            let less =
+                if cert.level < Level::NotProven { format!("{} times ", quantity::Plain(less)) } else { String::new() };
             let method = if steep < STEEPEST { "newton" } else { "secant" };
             let other = match methods_of(l) {
                 words if words.contains(&method) => format!("`method = \"{method}\"`, or "),
@@ -184,8 +195,7 @@ pub fn frictions(
                 _ => String::new(),
             };
             let help = format!(
-                "use {other}a {less} times smaller force, a {less} times larger sticking speed, heavier masses, or a \
-                 higher {} rate",
+                "use {other}a {less}smaller force, a {less}larger sticking speed, heavier masses, or a higher {} rate",
                 net.clock()
             );
             diags.push(Diag::warning("W113", title).at(span(model, net, l.item), "steep friction").help(help));
@@ -235,14 +245,20 @@ pub fn creeps(net: &Pruned, l: &LiaNode) -> bool {
 /// (`methods::potential`, `methods::shared`): the rounding of positions makes at most 1e-14 kT²/m of the peak.
 const STIFFEST: f64 = 1e9;
 
-/// Returns kT²/m of a contact or non-linear spring for which rounding decides the energy of its method. A law that
-/// hardens counts with its slope at load.
-pub fn rounds(net: &Pruned, sums: &Accumulated, l: &LiaNode, b: &Bound) -> Option<f64> {
+/// zT/m of a contact up to which the same holds.
+const MOST_VISCOUS: f64 = 1e3;
+
+/// Returns kT²/m of a contact or non-linear spring, or zT/m of a contact, for which rounding decides the energy of its
+/// method, with its name and limit. A law that hardens counts with its slope at load.
+pub fn rounds(net: &Pruned, sums: &Accumulated, l: &LiaNode, b: &Bound) -> Option<(f64, &'static str, f64)> {
     if l.law.stage.is_explicit() || !b.contact && b.linear {
         return None;
     }
     let k = if b.hardens || b.varying > 0.0 || b.power.0 > 0.0 { b.k.max(slope_at_load(net, l)) } else { b.k };
-    Some(k * mobility(net, l, &sums.mats)).filter(|a| *a > STIFFEST)
+    let c = mobility(net, l, &sums.mats);
+    let viscous = if b.contact { b.z * c } else { 0.0 };
+    let all = [(k * c, "kT²/m", STIFFEST), (viscous, "zT/m", MOST_VISCOUS)];
+    all.into_iter().find(|(a, _, most)| a > most)
 }
 
 /// Returns the slope of a law at load \[N/m\], or 0 if its elongation is not known.
@@ -259,16 +275,18 @@ pub fn methods(model: &Model, net: &Pruned, sums: &Accumulated, decides: &mut De
     let mut reported = BTreeSet::new();
     for (l, b) in net.lias.iter().zip(&sums.links).filter(|(l, _)| !l.law.stage.is_explicit()) {
         let together = matches!(l.law.stage, SolveStage::Coupled(_));
-        let d = if let Some(a) = rounds(net, sums, l, b) {
-            decides.take(l, a / STIFFEST);
+        let d = if let Some((a, what, most)) = rounds(net, sums, l, b) {
+            decides.take(l, a / most);
             let title = format!(
-                "`{}` may add energy by rounding: kT²/m is {:.3}, the limit is 1e9",
+                "`{}` may add energy by rounding: {what} is {:.3}, the limit is {most:e}",
                 l.name,
                 quantity::Plain(a)
             );
-            Diag::warning("W119", title)
-                .at(span(model, net, l.item), "stiffer than its method is exact")
-                .help(format!("use a smaller `k`, heavier masses or a higher {} rate", net.clock()))
+            Diag::warning("W119", title).at(span(model, net, l.item), "stiffer than its method is exact").help(format!(
+                "use a smaller `{}`, heavier masses or a higher {} rate",
+                &what[..1],
+                net.clock()
+            ))
         } else if creeps(net, l) {
             decides.take(l, 0.0);
             Diag::warning("W118", format!("`{}` creeps where it should stick", l.name))

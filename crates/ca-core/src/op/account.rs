@@ -177,18 +177,32 @@ pub struct Sums<R: Real = f64> {
     pub error: R::Outer,
 }
 
-/// Enters an account. `tick` is true if a tick has passed, and false if only the stored energy has changed.
+/// What was before the tick that is entered.
+#[derive(Clone, Copy)]
+pub struct Before<'a, R: Real> {
+    /// positions at the tick; none if no tick has passed, and only the stored energy has changed
+    pub x: Option<&'a [R]>,
+    /// motion into the tick
+    pub d: &'a [R],
+}
+
+impl<'a, R: Real> Before<'a, R> {
+    /// Returns the present state, in which no tick has passed.
+    pub fn now(s: &'a State<R>) -> Before<'a, R> {
+        Before { x: None, d: &s.d }
+    }
+}
+
+/// Enters an account.
 pub struct Enter<'a, R: Real> {
     /// arrays that the passes read
     pub layout: &'a Layout<R>,
     /// the state after the tick
     pub s: &'a State<R>,
-    /// motion into the tick
-    pub d0: &'a [R],
+    /// what was before the tick
+    pub before: Before<'a, R>,
     /// links to enter
     pub account: &'a Account<R>,
-    /// whether to enter heat and work too
-    pub tick: bool,
     /// destination
     pub entries: Entries<'a, R>,
     /// working memory
@@ -199,7 +213,8 @@ impl<R: Real> WithSimd for Enter<'_, R> {
     type Output = Sums<R>;
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> Sums<R> {
-        let Enter { layout, s, d0, account, tick, entries, scratch } = self;
+        let Enter { layout, s, before: was, account, entries, scratch } = self;
+        let tick = was.x.is_some();
         let (mut sums, mut from) = (Sums::default(), 0);
         let LedgerScratch { e, moved, out, .. } = scratch;
         let [mut stored_all, mut lost]: [Lanes<R::Outer>; 2] = [Lanes::<R::Outer>::default(); 2];
@@ -216,9 +231,9 @@ impl<R: Real> WithSimd for Enter<'_, R> {
             let links = Links { layout, s, account, from, n };
             match (account.fns.energies.block, row) {
                 // a linear law needs no more than the elongations
-                (Some(block), Some(ends)) if account.linear => block(&links, Elongations::Row(ends, d0), out),
+                (Some(block), Some(ends)) if account.linear => block(&links, Elongations::Row(ends, was.d), out),
                 (block, _) => {
-                    elongations(&links, d0, e, moved);
+                    elongations(&links, was, e, moved);
                     match block {
                         Some(block) => block(&links, Elongations::Measured(e), out),
                         None => one_by_one(&links, e, out),
@@ -266,10 +281,10 @@ fn one_by_one<R: Real>(links: &Links<R>, e: &[Block<R>; 3], [stored, lost]: &mut
 
 /// Computes elongations before, at and after the tick, and the motion of the ends along the force over both intervals.
 #[inline(always)]
-fn elongations<R: Real>(links: &Links<R>, d0: &[R], e: &mut [Block<R>; 3], moved: &mut Block<R>) {
+fn elongations<R: Real>(links: &Links<R>, was: Before<R>, e: &mut [Block<R>; 3], moved: &mut Block<R>) {
     let Links { layout, s, account: a, from, n } = *links;
     if a.ports.measure != MeasureKind::Line || a.ports.onto.is_some() {
-        return measured(links, d0, e, moved);
+        return measured(links, was, e, moved);
     }
     let (e0, n) = (&layout.links.e0[a.first + from..][..n], n.min(BLOCK));
     let [before, at, after] = e.each_mut().map(|e| &mut e[..n]);
@@ -279,7 +294,7 @@ fn elongations<R: Real>(links: &Links<R>, d0: &[R], e: &mut [Block<R>; 3], moved
         let [p, q] = ends[i].map(|m| m as usize);
         after[i] = x[q] - x[p] + e0[i];
         at[i] = after[i] - (d[q] - d[p]);
-        before[i] = at[i] - (d0[q] - d0[p]);
+        before[i] = at[i] - (was.d[q] - was.d[p]);
     }
     if !a.linear {
         for i in 0..n {
@@ -289,7 +304,7 @@ fn elongations<R: Real>(links: &Links<R>, d0: &[R], e: &mut [Block<R>; 3], moved
 }
 
 #[inline(always)]
-fn measured<R: Real>(links: &Links<R>, d0: &[R], e: &mut [Block<R>; 3], moved: &mut Block<R>) {
+fn measured<R: Real>(links: &Links<R>, was: Before<R>, e: &mut [Block<R>; 3], moved: &mut Block<R>) {
     let Links { layout, account: a, from, n, .. } = *links;
     let n = n.min(BLOCK);
     let e0 = &layout.links.e0[a.first + from..][..n];
@@ -297,9 +312,9 @@ fn measured<R: Real>(links: &Links<R>, d0: &[R], e: &mut [Block<R>; 3], moved: &
         e[..n].copy_from_slice(e0);
     }
     moved[..n].fill(R::ZERO);
-    port(links, d0, (a.ports.measure, &layout.links.ends, a.first, a.ports.reach), e, moved);
+    port(links, was, (a.ports.measure, &layout.links.ends, a.first, a.ports.reach), e, moved);
     if let Some((measure, first, reach)) = a.ports.onto {
-        port(links, d0, (measure, &layout.links.onto, first, reach), e, moved);
+        port(links, was, (measure, &layout.links.onto, first, reach), e, moved);
     }
 }
 
@@ -307,7 +322,7 @@ fn measured<R: Real>(links: &Links<R>, d0: &[R], e: &mut [Block<R>; 3], moved: &
 #[inline(always)]
 fn port<R: Real>(
     links: &Links<R>,
-    d0: &[R],
+    was: Before<R>,
     (kind, ends, first, reach): (MeasureKind, &[[u32; 2]], usize, usize),
     e: &mut [Block<R>; 3],
     moved: &mut Block<R>,
@@ -321,7 +336,7 @@ fn port<R: Real>(
     macro_rules! each {
         ($kind:expr) => {
             for i in 0..n {
-                let (part, along) = measure::around($kind, &s.x, &s.d, d0, ends[i], &reach[i]);
+                let (part, along) = measure::around($kind, (&s.x, &s.d), was, ends[i], &reach[i]);
                 before[i] += part[0];
                 at[i] += part[1];
                 after[i] += part[2];

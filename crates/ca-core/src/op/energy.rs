@@ -7,7 +7,7 @@
 //! Sample n is entered at the beginning of tick n+1, before changes, when x_{n+1} of the ports is known too. A scene
 //! without a ledger contains none of these passes and arrays, and does not test for them.
 
-use super::account::{Enter, Entries, LANES, Lanes, Sums};
+use super::account::{Before, Enter, Entries, LANES, Lanes, Sums};
 use super::layout::{Account, Layout, MovingPoint};
 use super::links::pair_set;
 use super::wide::plain as vectors;
@@ -28,6 +28,7 @@ pub fn empty_ledger<R: Real>(layout: &Layout<R>) -> Ledger<R> {
         lost: alloc::vec![R::Outer::ZERO; n_lia],
         scheme_error: alloc::vec![R::Outer::ZERO; n_lia],
         stored: alloc::vec![R::Outer::ZERO; n_lia],
+        x0: alloc::vec![R::ZERO; n_mat],
         d0: alloc::vec![R::ZERO; n_mat],
         port: alloc::vec![R::Outer::ZERO; ports],
         work: alloc::vec![R::Outer::ZERO; ports],
@@ -117,16 +118,17 @@ fn links<R: Real>(
     layout: &Layout<R>,
     s: &State<R>,
     near: &mut [VerletList],
-    d0: &[R],
+    before: Before<R>,
     l: &mut Ledger<R>,
-    (account, tick): (&Account<R>, bool),
+    account: &Account<R>,
 ) -> Sums<R> {
     let range = account.first..account.first + account.n;
     let [stored, lost, error] = [&mut l.stored, &mut l.lost, &mut l.scheme_error].map(|of| &mut of[range.clone()]);
     let Some(at) = account.ports.pair_set else {
         let (entries, scratch) = (Entries { stored, lost, error }, &mut *l.scratch);
-        return vectors(layout, Enter { layout, s, d0, account, tick, entries, scratch });
+        return vectors(layout, Enter { layout, s, before, account, entries, scratch });
     };
+    let (d0, tick) = (before.d, before.x.is_some());
     let Entry { stored: now, heat, work } = set(layout, s, &mut near[at], d0, account, at);
     let [heat, made] = if tick { [heat, now - stored[0] + work + heat] } else { [R::Outer::ZERO; 2] };
     stored[0] = now;
@@ -139,13 +141,12 @@ fn all_links<R: Real>(
     layout: &Layout<R>,
     s: &State<R>,
     near: &mut [VerletList],
-    d0: &[R],
+    before: Before<R>,
     l: &mut Ledger<R>,
-    tick: bool,
 ) -> Sums<R> {
     let mut all = Sums::default();
     for (k, account) in layout.ledger.iter().flat_map(|p| &p.accounts).enumerate() {
-        let sums = links(layout, s, near, d0, l, (account, tick));
+        let sums = links(layout, s, near, before, l, account);
         l.stored_batches[k] = sums.stored;
         all.stored += sums.stored;
         all.heat += sums.heat;
@@ -188,7 +189,7 @@ fn load<R: Real>(layout: &Layout<R>, s: &State<R>, near: &mut [VerletList], l: &
     weigh(layout, s, &mut l.mass);
     let MatEnergy { kinetic, stored, .. } = mats(layout, s, &s.d, &l.mass);
     (l.kinetic, l.stored_mats) = (kinetic, kinetic + stored);
-    l.stored_mats + wave::energy(layout, s, &s.d).0 + all_links(layout, s, near, &s.d, l, false).stored
+    l.stored_mats + wave::energy(layout, s, &s.d).0 + all_links(layout, s, near, Before::now(s), l).stored
 }
 
 /// Returns the energy that changes added. It computes only modules that may change.
@@ -202,7 +203,7 @@ fn changes<R: Real>(layout: &Layout<R>, s: &State<R>, near: &mut [VerletList], l
         (l.kinetic, l.stored_mats) = (kinetic, kinetic + stored);
     }
     for (k, account) in plan.accounts.iter().enumerate().filter(|a| a.1.live) {
-        let Sums { stored, .. } = links(layout, s, near, &s.d, l, (account, false));
+        let Sums { stored, .. } = links(layout, s, near, Before::now(s), l, account);
         came += stored - l.stored_batches[k];
         l.stored_batches[k] = stored;
     }
@@ -262,9 +263,9 @@ pub fn ledger<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let (waves, beside) = wave::energy(layout, s, &l.d0);
     (l.kinetic, l.stored_mats) = (kinetic, kinetic + stored);
     l.lost_mats += heat + beside;
-    let d0 = core::mem::take(&mut l.d0);
-    let of_links = all_links(layout, s, &mut near, &d0, &mut l, true);
-    l.d0 = d0;
+    let [x0, d0] = [core::mem::take(&mut l.x0), core::mem::take(&mut l.d0)];
+    let of_links = all_links(layout, s, &mut near, Before { x: Some(&x0), d: &d0 }, &mut l);
+    (l.x0, l.d0) = (x0, d0);
     let lost = heat + beside + of_links.heat;
     let h = l.stored_mats + waves + of_links.stored;
     l.h = h;
@@ -299,6 +300,7 @@ pub fn ledger_changes<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>
 /// Stores what the next tick overwrites, at the end of the forces.
 pub fn store_forces<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let Some(l) = &mut s.ledger else { return };
+    l.x0.copy_from_slice(&s.x);
     l.d0.copy_from_slice(&s.d);
     for (k, p) in layout.ports.enx.iter().chain(&layout.ports.tgr).enumerate() {
         l.port[k] = s.f[p.mat as usize].outer();

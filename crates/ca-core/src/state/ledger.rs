@@ -80,7 +80,8 @@ pub struct Ledger<R: Real = f64> {
     pub hands: Vec<Exchange>,
     /// energy added by changing parameters or moving interaction points
     pub changed: R::Outer,
-    /// `d` of the tick that the ledger is at (n_mat)
+    /// `x` and `d` of the tick that the ledger is at (n_mat)
+    pub(crate) x0: Vec<R>,
     pub(crate) d0: Vec<R>,
     /// absolute heat summed over ticks, stored so that no tick sums over all links again
     pub(crate) heat: f64,

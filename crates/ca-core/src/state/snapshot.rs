@@ -18,7 +18,7 @@ use core::hash::Hasher as _;
 
 const MAGIC: &[u8; 8] = b"ca state";
 /// Version of the order of the numbers.
-pub const SNAPSHOT_VERSION: u64 = 3;
+pub const SNAPSHOT_VERSION: u64 = 4;
 /// Bytes before the numbers: magic, version, identity of the scene.
 const HEAD: usize = 24;
 /// Bytes after the numbers: FNV-1a of everything before.
@@ -223,6 +223,7 @@ impl Ledger {
             pulled,
             hands,
             changed,
+            x0,
             d0,
             heat,
             net_heat,
@@ -264,6 +265,7 @@ impl Ledger {
         for Exchange { received, given, hand, last, held, sum } in hands {
             w.each_of([received, given, hand, last, held, sum]);
         }
+        w.doubles(x0);
         w.doubles(d0);
         w.doubles(points.as_flattened_mut());
         w.doubles(kick);

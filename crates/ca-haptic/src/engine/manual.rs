@@ -1,13 +1,13 @@
-//! Manual input without a device: a pointer that pulls a mass, ports moved by sliders, and the gesture of a model.
+//! Manual input without a device: pointers that pull masses, one for each finger, ports moved by sliders, and the gesture of a model.
 //!
-//! All of it acts on the inputs of the scene and on the [`Pointer`], so that a scene without manual input pays only one
+//! All of it acts on the inputs of the scene and on the [`Pointer`]s, so that a scene without manual input pays only one
 //! check per tick. No port jumps, because a jump is a blow: ports glide to their targets (without a glide only if a
 //! model specifies that for its MIDI), and the model's own gesture begins with a lead-in from the present positions.
 //! When a gesture stops, positions stay and forces are released. Gestures and sliders move the port of a device until
 //! the device has sent a frame. The recorder sets live parameters in a gesture, because it knows the other changes:
 //! they come as [`Change`](super::Change).
 
-use ca_core::pointer::Pointer;
+use ca_core::pointer::{FINGERS, Pointer};
 use ca_core::{InputRole, Scene, State};
 use ca_io::gesture::{Track, own};
 
@@ -26,12 +26,12 @@ pub(crate) fn lead(scene: &Scene) -> u64 {
 /// An action of manual input.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ManualInput {
-    /// Holds a mass.
+    /// Holds a mass with the finger of the pointer.
     Grab(Pointer),
-    /// Pulls the held mass to this displacement from rest \[m\].
-    Pull([f64; 3]),
-    /// Releases it.
-    Release,
+    /// Pulls the mass that finger `.0` holds to this displacement from rest \[m\].
+    Pull(u8, [f64; 3]),
+    /// Releases the mass that this finger holds.
+    Release(u8),
     /// Starts the model's own gesture.
     Play(Box<OwnGesture>),
     /// Stops it.
@@ -43,12 +43,12 @@ pub enum ManualInput {
 /// A [`ManualInput`] without the memory that it needs, for the record.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ManualEvent {
-    /// Holds MAT number `.0`.
-    Grab(u32),
-    /// Pulls it to this displacement \[m\].
-    Pull([f64; 3]),
-    /// Releases it.
-    Release,
+    /// Holds MAT number `.1` with finger `.0`.
+    Grab(u8, u32),
+    /// Pulls the mass that finger `.0` holds to this displacement \[m\].
+    Pull(u8, [f64; 3]),
+    /// Releases the mass that this finger holds.
+    Release(u8),
     /// Starts the model's own gesture.
     Play,
     /// Stops it.
@@ -61,9 +61,9 @@ impl ManualInput {
     /// Returns the form for the record.
     pub fn event(&self) -> ManualEvent {
         match self {
-            ManualInput::Grab(pointer) => ManualEvent::Grab(pointer.mass() as u32),
-            ManualInput::Pull(to) => ManualEvent::Pull(*to),
-            ManualInput::Release => ManualEvent::Release,
+            ManualInput::Grab(pointer) => ManualEvent::Grab(pointer.finger(), pointer.mass() as u32),
+            ManualInput::Pull(finger, to) => ManualEvent::Pull(*finger, *to),
+            ManualInput::Release(finger) => ManualEvent::Release(*finger),
             ManualInput::Play(_) => ManualEvent::Play,
             ManualInput::Stop => ManualEvent::Stop,
             ManualInput::Port(port, value, over) => ManualEvent::Port(*port, *value, *over),
@@ -75,9 +75,9 @@ impl ManualEvent {
     /// Returns the action that repeats it in a scene; `None` if the scene lacks the mass or the gesture.
     pub fn to_input(&self, scene: &Scene) -> Option<ManualInput> {
         Some(match *self {
-            ManualEvent::Grab(mass) => ManualInput::Grab(Pointer::new(scene, mass as usize).ok()?),
-            ManualEvent::Pull(to) => ManualInput::Pull(to),
-            ManualEvent::Release => ManualInput::Release,
+            ManualEvent::Grab(finger, mass) => ManualInput::Grab(Pointer::new(scene, mass as usize, finger).ok()?),
+            ManualEvent::Pull(finger, to) => ManualInput::Pull(finger, to),
+            ManualEvent::Release(finger) => ManualInput::Release(finger),
             ManualEvent::Play => ManualInput::Play(Box::new(OwnGesture::new(scene)?)),
             ManualEvent::Stop => ManualInput::Stop,
             ManualEvent::Port(port, value, over) => ManualInput::Port(port, value, over),
@@ -89,14 +89,14 @@ impl ManualEvent {
     /// Returns a description; `None` for an action that comes many times a second.
     pub fn words(&self, scene: Option<&Scene>) -> Option<String> {
         Some(match self {
-            ManualEvent::Grab(mass) => {
+            ManualEvent::Grab(_, mass) => {
                 let symbol = scene.and_then(|s| s.symbols.get(*mass as usize));
                 symbol.map_or_else(|| format!("grabs mass {mass}"), |s| format!("grabs {}", s.name))
             }
-            ManualEvent::Release => "lets go".into(),
+            ManualEvent::Release(_) => "lets go".into(),
             ManualEvent::Play => "the model's own gesture begins".into(),
             ManualEvent::Stop => "the model's own gesture ends".into(),
-            ManualEvent::Pull(_) | ManualEvent::Port(..) => return None,
+            ManualEvent::Pull(..) | ManualEvent::Port(..) => return None,
         })
     }
 }
@@ -181,7 +181,8 @@ impl Glide {
 }
 
 pub(super) struct ManualState {
-    pub(super) pointer: Option<Pointer>,
+    /// Has capacity for each finger.
+    pub(super) pointers: Vec<Pointer>,
     own: Option<Box<OwnGesture>>,
     /// Has capacity for each port.
     glides: Vec<Glide>,
@@ -190,7 +191,12 @@ pub(super) struct ManualState {
 
 impl ManualState {
     pub(super) fn new(scene: &Scene) -> ManualState {
-        ManualState { pointer: None, own: None, glides: Vec::with_capacity(scene.inputs.len()), rate: scene.rate }
+        ManualState {
+            pointers: Vec::with_capacity(FINGERS),
+            own: None,
+            glides: Vec::with_capacity(scene.inputs.len()),
+            rate: scene.rate,
+        }
     }
 
     /// Executes an action. Returns memory to be freed on another thread, and false if it does not fit the scene.
@@ -203,14 +209,18 @@ impl ManualState {
         match action {
             ManualInput::Grab(mut pointer) => {
                 pointer.hold(state);
-                self.pointer = Some(pointer);
+                self.pointers.retain(|p| p.finger() != pointer.finger() && p.mass() != pointer.mass());
+                // one for each finger, so it always fits
+                if self.pointers.len() < self.pointers.capacity() {
+                    self.pointers.push(pointer);
+                }
             }
-            ManualInput::Pull(to) => {
-                if let Some(pointer) = &mut self.pointer {
+            ManualInput::Pull(finger, to) => {
+                if let Some(pointer) = self.pointers.iter_mut().find(|p| p.finger() == finger) {
                     pointer.pull(to);
                 }
             }
-            ManualInput::Release => self.pointer = None,
+            ManualInput::Release(finger) => self.pointers.retain(|p| p.finger() != finger),
             ManualInput::Play(mut own) => {
                 own.begin(state);
                 return (self.own.replace(own), true);
@@ -249,7 +259,7 @@ impl ManualState {
     }
 
     pub(super) fn release_all(&mut self) {
-        self.pointer = None;
+        self.pointers.clear();
         self.glides.clear();
         if let Some(own) = &mut self.own {
             own.over = true;

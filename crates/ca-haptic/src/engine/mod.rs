@@ -307,14 +307,9 @@ impl Engine {
         if let Some(before) = &mut self.before {
             before.advance();
         }
-        match &mut self.manual.pointer {
-            None => integrate(&self.scene, &mut self.state),
-            Some(pointer) => {
-                pointer.prepare(&self.state);
-                integrate(&self.scene, &mut self.state);
-                pointer.apply(&mut self.state);
-            }
-        }
+        self.manual.pointers.iter_mut().for_each(|p| p.prepare(&self.state));
+        integrate(&self.scene, &mut self.state);
+        self.manual.pointers.iter_mut().for_each(|p| p.apply(&mut self.state));
     }
 
     /// Plays one tick up to its outputs. It does not use `ca_io::player::Player`, because manual and pointers move

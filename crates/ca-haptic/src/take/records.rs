@@ -6,6 +6,7 @@
 
 use crate::engine::{GLIDE, ManualEvent};
 use ca_core::Balance;
+use ca_core::pointer::FINGERS;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 /// ROS 2 name of a type.
@@ -72,7 +73,7 @@ flat! {
         z: f64,
         /// 0 grab, 1 pull, 2 release, 3 own gesture, 4 its end, 5 port with the duration of a slider, 6 port.
         act: u32,
-        /// Number of the MAT, or index of the port into [`State::input`](ca_core::State::input).
+        /// Number of the MAT of a grab, whose finger is `x`; finger of a pull or a release; or index of the port into [`State::input`](ca_core::State::input).
         which: u32,
     }
 }
@@ -82,9 +83,9 @@ impl Hand {
     pub fn new(tick: u64, event: ManualEvent) -> Hand {
         let hand = |act, which, [x, y, z]: [f64; 3]| Hand { tick, x, y, z, act, which };
         match event {
-            ManualEvent::Grab(mass) => hand(0, mass, [0.0; 3]),
-            ManualEvent::Pull(to) => hand(1, 0, to),
-            ManualEvent::Release => hand(2, 0, [0.0; 3]),
+            ManualEvent::Grab(finger, mass) => hand(0, mass, [f64::from(finger), 0.0, 0.0]),
+            ManualEvent::Pull(finger, to) => hand(1, finger.into(), to),
+            ManualEvent::Release(finger) => hand(2, finger.into(), [0.0; 3]),
             ManualEvent::Play => hand(3, 0, [0.0; 3]),
             ManualEvent::Stop => hand(4, 0, [0.0; 3]),
             ManualEvent::Port(port, value, over) => hand(6, port, [value, over, 0.0]),
@@ -93,10 +94,11 @@ impl Hand {
 
     /// Returns the action; `None` if it is unknown.
     pub fn event(&self) -> Option<ManualEvent> {
+        let finger = |n: f64| (0.0..FINGERS as f64).contains(&n).then_some(n as u8);
         Some(match self.act {
-            0 => ManualEvent::Grab(self.which),
-            1 => ManualEvent::Pull([self.x, self.y, self.z]),
-            2 => ManualEvent::Release,
+            0 => ManualEvent::Grab(finger(self.x)?, self.which),
+            1 => ManualEvent::Pull(finger(self.which.into())?, [self.x, self.y, self.z]),
+            2 => ManualEvent::Release(finger(self.which.into())?),
             3 => ManualEvent::Play,
             4 => ManualEvent::Stop,
             5 => ManualEvent::Port(self.which, self.x, GLIDE),

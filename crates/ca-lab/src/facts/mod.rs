@@ -5,6 +5,7 @@ pub mod certificate;
 pub mod energy;
 pub mod inputs;
 pub mod level;
+pub mod modes;
 
 use ca_core::Scene;
 

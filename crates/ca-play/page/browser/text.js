@@ -2,6 +2,10 @@
 
 import { pack } from "./model.js";
 import { save } from "./connection.js";
+import { element } from "../controls.js";
+
+// rows of the table of modes
+const ROWS = 40;
 
 export class ModelText {
   /**
@@ -20,6 +24,7 @@ export class ModelText {
     find("share").hidden = !this.site;
     find("share").addEventListener("click", () => this.share());
     find("render").addEventListener("click", () => this.render(find("render")));
+    find("modes").addEventListener("click", () => this.modes(find("modes"), find("modesBox")));
     this.area.addEventListener("keydown", e => {
       e.stopPropagation();
       if (e.key === "Enter" && (e.ctrlKey || e.metaKey)) { e.preventDefault(); this.apply(); }
@@ -46,10 +51,34 @@ export class ModelText {
     }
   }
 
-  async render(button) {
+  // asks the compiler about the text as it is now
+  async ask(type, button) {
     button.disabled = true;
-    const made = await this.connection.compiler.ask({ type: "render", ...this.connection.model, text: this.area.value });
+    const made = await this.connection.compiler.ask({ type, ...this.connection.model, text: this.area.value });
     button.disabled = false;
+    return made;
+  }
+
+  async modes(button, box) {
+    const made = await this.ask("modes", button);
+    box.hidden = !made.ok;
+    if (!made.ok) return this.say(made.text.split("\n")[0], true);
+    const sounding = made.modes.filter(m => m.heard_hz > 0);
+    const cells = (kind, values) => values.map(text => element(kind, { text }));
+    const row = m => [m.heard_hz.toFixed(2), (m.cents >= 0 ? "+" : "−") + Math.abs(m.cents).toFixed(1), m.grows ? "grows" : m.t60_s === null ? "–" : m.t60_s.toPrecision(3)];
+    const table = element("table", {});
+    table.append(...[["th", ["Hz", "cents", "T60 [s]"]], ...sounding.slice(0, ROWS).map(m => ["td", row(m)])].map(([kind, values]) => {
+      const line = element("tr", {});
+      line.append(...cells(kind, values));
+      return line;
+    }));
+    const more = sounding.length > ROWS ? `${sounding.length - ROWS} more. ` : "", out = made.left_out.map(l => l.name);
+    const note = more + (out.length ? `Not included, because they are not linear: ${out.join(", ")}.` : "");
+    box.replaceChildren(table, element("p", { class: "doc", text: note }));
+  }
+
+  async render(button) {
+    const made = await this.ask("render", button);
     if (made.ok) save(made.file, made.bytes, "audio/wav");
     else this.say(made.text.split("\n")[0], true);
   }

@@ -23,7 +23,7 @@ export class Picture {
     this.mode = 0;
     this.contacts = false;
     this.hover = -1;
-    this.held = -1;
+    this.held = [];
     this.ratio = 1;
     this.lost = false;
     canvas.addEventListener("webglcontextlost", event => { event.preventDefault(); this.lost = true; });
@@ -108,7 +108,8 @@ export class Picture {
 
   load(scene) {
     this.scene = scene;
-    this.hover = this.held = -1;
+    this.hover = -1;
+    this.held = [];
     const gl = this.gl;
     if (!gl) return;
     for (const t of this.textures || []) gl.deleteTexture(t);
@@ -199,7 +200,8 @@ export class Picture {
     gl.depthMask(true);
     gl.bindVertexArray(this.empty);
     gl.uniform3f(at.ball, this.scene.radius, least * r, 15 * r);
-    gl.uniform2i(at.marked, this.hover, this.held);
+    gl.uniform1i(at.under, this.hover);
+    gl.uniform1iv(at["held[0]"], Int32Array.from({ length: 10 }, (_, k) => this.held[k] ?? -1));
     gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.scene.n);
   }
 

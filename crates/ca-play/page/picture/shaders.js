@@ -61,7 +61,8 @@ const SMOOTH = `
 export const MASS = [COMMON + `
 uniform vec3 ball;                // radius [m], least and most [px of the device]
 uniform float scale;              // px of the device of a metre at a distance of one
-uniform ivec2 marked;             // under the pointer, held
+uniform int under;                // mass under the pointer
+uniform int held[10];             // masses of the fingers
 out vec2 corner; flat out vec4 paint; flat out vec2 about;
 void main() {
   int i = gl_InstanceID;
@@ -71,7 +72,8 @@ void main() {
   vec4 e = view * vec4(p, 1.0);
   float depth = -e.z;
   float px = clamp(ball.x * scale / depth, ball.y, ball.z);
-  float mark = i == marked.y ? 2.0 : i == marked.x ? 1.0 : 0.0;
+  float mark = i == under ? 1.0 : 0.0;
+  for (int k = 0; k < 10; k++) if (i == held[k]) mark = 2.0;
   if (square) px *= 0.7;
   if (mark > 0.5) px = max(px * 1.35, px + 2.0);
   e.z += min(px * depth / scale, 0.5 * depth);

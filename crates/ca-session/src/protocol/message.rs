@@ -61,8 +61,10 @@ messages! {
         diverged: bool,
         /// whether the gesture of the model plays
         playing: bool,
-        /// number of the mass that a pointer holds, in the drawing; −1 without one
+        /// the first of `held`; −1 without one
         pointer: i64,
+        /// numbers of the masses that fingers hold, in the drawing
+        held: Vec<u64>,
         /// devices
         devices: Vec<DeviceState>,
         /// values of the live parameters, by name (SI)

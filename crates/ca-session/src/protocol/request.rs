@@ -18,18 +18,25 @@ messages! {
         /// `true` to receive sound
         on: bool,
     }
-    /// Holds a mass where it is. Only one page at a time can hold a mass.
+    /// Holds a mass where it is, with a finger. All pages together have ten fingers, and each mass has at most one.
     "grab" Grab {
         /// number of the mass in the drawing
         mass: Option<u64>,
+        /// number of the finger on this page; 0 if it is left out
+        finger: Option<u8>,
     }
-    /// Pulls the mass that this page holds.
+    /// Pulls the mass that a finger of this page holds.
     "drag" Drag {
+        /// number of the finger on this page; 0 if it is left out
+        finger: Option<u8>,
         /// displacement from rest \[m\]: `[u]`, or `[x, y, z]` in space
         by: Option<Vec<f64>>,
     }
-    /// Releases the mass that this page holds.
-    "release" Release
+    /// Releases the mass that a finger of this page holds.
+    "release" Release {
+        /// number of the finger on this page; all fingers if it is left out
+        finger: Option<u8>,
+    }
     /// Starts the gesture of the model from its beginning, or stops it.
     "gesture" Gesture {
         /// `true` to start

@@ -14,6 +14,7 @@
 //! the distance is `sqrt(D² + δ²)`, smooth everywhere.
 
 use crate::numeric::Real;
+use crate::op::account::Before;
 use crate::op::layout::{Layout, MeasureKind, Ports};
 use nalgebra::Vector3;
 
@@ -33,15 +34,18 @@ pub struct Elongation<R: Real = f64> {
 impl<R: Real> Elongation<R> {
     /// Returns the gradient of the elongation at the second end. At the first it is the negative.
     pub fn gradient(&self) -> Vector3<R> {
-        self.v / self.l.max(R::MIN_POSITIVE)
+        if self.l < R::of(LEAST) { Vector3::zeros() } else { self.v / self.l }
     }
 }
+
+/// Length below which a direction is undefined: the square of a shorter one is below the least number \[m\].
+pub(super) const LEAST: f64 = 1e-150;
 
 /// Returns the force per length along a vector of length `l`, or zero for zero length.
 #[inline(always)]
 pub fn density<R: Real>(force: R, l: R) -> R {
     // in this order, so that NaN stays NaN
-    if l == R::ZERO { R::ZERO } else { force / l }
+    if l < R::of(LEAST) { R::ZERO } else { force / l }
 }
 
 /// A measure as a type, for kernels.
@@ -173,19 +177,19 @@ pub fn measure<R: Real>(measure: MeasureKind, x: &[R], d: &[R], ends: [u32; 2], 
     }
 }
 
-/// Measures a port around a tick, seen from after it: `d` is the motion of that tick, `d0` the motion into it. Returns
-/// its elongations before, at and after the tick, and the motion of its ends over both intervals along the direction at
-/// the tick.
+/// Measures a port around a tick, seen from after it: `x` and `d` are the positions after it and the motion of that tick.
+/// Returns its elongations before, at and after the tick, and the motion of its ends over both intervals along the
+/// direction at the tick. That direction follows from the positions at the tick, bit for bit as the force does: between
+/// ends at almost one place it is all in the rounding.
 #[inline(always)]
 pub fn around<R: Real>(
     measure: MeasureKind,
-    x: &[R],
-    d: &[R],
-    d0: &[R],
+    (x, d): (&[R], &[R]),
+    was: Before<R>,
     ends: [u32; 2],
     reach: &[R; 4],
 ) -> ([R; 3], R) {
-    let [a, b] = ends.map(|m| m as usize);
+    let ([a, b], d0) = (ends.map(|m| m as usize), was.d);
     if measure == MeasureKind::Line {
         let after = x[b] - x[a];
         let at = after - (d[b] - d[a]);
@@ -199,9 +203,10 @@ pub fn around<R: Real>(
         let (after, out, into) = (v.dot(&after), v.dot(&out), v.dot(&into));
         return ([after - out - into, after - out, after], out + into);
     }
-    let now = v + (after - out);
+    let now = v + was.x.map_or(after - out, |x| at(x, b) - at(x, a));
     let l = length(&now, reach);
-    ([length(&(now - into), reach), l, length(&(now + out), reach)], now.dot(&(out + into)) / l.max(R::MIN_POSITIVE))
+    let along = density(now.dot(&(out + into)), l);
+    ([length(&(now - into), reach), l, length(&(now + out), reach)], along)
 }
 
 /// Returns measure, ends and reach of each port of link `i` of a batch whose first link is `first`.

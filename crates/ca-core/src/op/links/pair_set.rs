@@ -7,7 +7,8 @@ use super::measure::{Measure, Radial};
 use crate::law::Phi;
 use crate::numeric::{Real, VerletList};
 use crate::op::Op;
-use crate::op::layout::{Layout, PairSet};
+use crate::op::account;
+use crate::op::layout::{Layout, MeasureKind, PairSet};
 use crate::op::wide::{Body, Simd};
 use crate::state::State;
 use core::marker::PhantomData;
@@ -131,7 +132,14 @@ pub fn for_each_contact<R: Real>(
     near.each((radius(idle) + moved).wide(), |i, j| {
         let (ends, reach) = pair(set, &layout.places.rest, i, j);
         visit(
-            super::measure::around(crate::op::layout::MeasureKind::Radial, x, d, d0, ends.map(|e| e as u32), &reach).0,
+            super::measure::around(
+                MeasureKind::Radial,
+                (x, d),
+                account::Before { x: None, d: d0 },
+                ends.map(|e| e as u32),
+                &reach,
+            )
+            .0,
         );
     });
 }

@@ -12,7 +12,7 @@
 //! A point is three numbers, as everywhere. With a fourth, passes that move masses would take a third longer.
 
 use super::folded::{LANES, Lanes};
-use super::measure::Radial;
+use super::measure::{LEAST, Radial};
 use super::space::links;
 use crate::law::Phi;
 use crate::numeric::Real;
@@ -247,8 +247,8 @@ fn length<S: Simd>(simd: S, v: [S::f64s; 3], soft: Option<&S::f64s>) -> Lanes<S>
 
 #[inline(always)]
 fn along<S: Simd>(simd: S, v: [S::f64s; 3], force: S::f64s, l: S::f64s) -> [S::f64s; 3] {
-    let zero = simd.splat_f64s(0.0);
-    let density = simd.select_f64s(simd.equal_f64s(l, zero), zero, simd.div_f64s(force, l));
+    let [zero, least] = [0.0, LEAST].map(|v| simd.splat_f64s(v));
+    let density = simd.select_f64s(simd.less_than_f64s(l, least), zero, simd.div_f64s(force, l));
     let g = [simd.mul_f64s(v[0], density), simd.mul_f64s(v[1], density), simd.mul_f64s(v[2], density)];
     simd.interleave_shfl_f64s(g)
 }

@@ -1,4 +1,4 @@
-//! Manual input without a device, as the recorder tracks it: the held mass and the progress of the model's own gesture.
+//! Manual input without a device, as the recorder tracks it: the held masses and the progress of the model's own gesture.
 //!
 //! The recorder sets the live parameters of a gesture by the same command as all other changes. Only it knows the other
 //! changes, and its commands are recorded, so that a take replays to the same bits even if this thread was late.
@@ -6,14 +6,14 @@
 use super::{Recorder, Refused};
 use crate::engine::{EngineCommand, LONGEST, ManualEvent, ManualInput, OwnGesture, lead};
 use ca_core::Scene;
-use ca_core::pointer::Pointer;
+use ca_core::pointer::{FINGERS, Pointer};
 use ca_io::gesture::{Track, own};
 
 /// Largest value of a port \[m or N\]; playable models need less, and larger values would exceed every range.
 pub(super) const FURTHEST: f64 = 1e6;
 
 pub(super) struct ManualProgress {
-    held: Option<usize>,
+    held: [Option<usize>; FINGERS],
     /// Tick at which the lead-in of the gesture ends.
     began: Option<u64>,
     /// Duration of the lead-in, and of the gesture \[ticks\].
@@ -28,52 +28,63 @@ impl ManualProgress {
         let all: Vec<Track> = own(scene).flatten().collect();
         let length = all.iter().map(Track::duration).fold(0.0, f64::max) * scene.rate;
         let params = all.into_iter().filter(|t| scene.input(t.name()).is_none()).collect();
-        ManualProgress { held: None, began: None, lead: lead(scene), length: length.ceil() as u64, params }
+        ManualProgress { held: [None; FINGERS], began: None, lead: lead(scene), length: length.ceil() as u64, params }
     }
 
     /// Resets after the scene was loaded again.
     pub(super) fn reset(&mut self) {
-        (self.held, self.began) = (None, None);
+        (self.held, self.began) = ([None; FINGERS], None);
+    }
+
+    fn hold(&mut self, finger: u8, mass: Option<usize>) {
+        if let Some(held) = self.held.get_mut(usize::from(finger)) {
+            *held = mass;
+        }
     }
 
     pub(super) fn apply(&mut self, tick: u64, event: &ManualEvent) {
         match event {
-            ManualEvent::Grab(mass) => self.held = Some(*mass as usize),
-            ManualEvent::Release => self.held = None,
+            ManualEvent::Grab(finger, mass) => {
+                let mass = Some(*mass as usize);
+                self.held.iter_mut().filter(|h| **h == mass).for_each(|h| *h = None);
+                self.hold(*finger, mass);
+            }
+            ManualEvent::Release(finger) => self.hold(*finger, None),
             ManualEvent::Play => self.began = Some(tick + self.lead),
             ManualEvent::Stop => self.began = None,
-            ManualEvent::Pull(_) | ManualEvent::Port(..) => {}
+            ManualEvent::Pull(..) | ManualEvent::Port(..) => {}
         }
     }
 }
 
 impl Recorder {
-    /// Holds MAT number `mass` of the scene with the pointer, where it is, and releases any other.
+    /// Holds MAT number `mass` of the scene with a finger (0 to [`FINGERS`] − 1), where it is. The finger releases any
+    /// other mass, and any other finger this one.
     ///
     /// # Errors
     /// If the MAT cannot be held, or the engine does not take commands now.
-    pub fn grab(&mut self, mass: usize) -> Result<(), Refused> {
-        let pointer = Pointer::new(&self.scene, mass)?;
+    pub fn grab(&mut self, finger: u8, mass: usize) -> Result<(), Refused> {
+        let pointer = Pointer::new(&self.scene, mass, finger)?;
         self.command(EngineCommand::Manual(ManualInput::Grab(pointer)))
     }
 
-    /// Pulls the held mass to a displacement from rest \[m\]; in one dimension only the first number counts.
+    /// Pulls the mass that a finger holds to a displacement from rest \[m\]; in one dimension only the first number counts.
     ///
     /// # Errors
     /// If the displacement is not finite, or the engine does not take commands now.
-    pub fn drag(&mut self, to: [f64; 3]) -> Result<(), Refused> {
+    pub fn drag(&mut self, finger: u8, to: [f64; 3]) -> Result<(), Refused> {
         if to.iter().any(|x| !x.is_finite()) {
             return Err(Refused::Place);
         }
-        self.command(EngineCommand::Manual(ManualInput::Pull(to)))
+        self.command(EngineCommand::Manual(ManualInput::Pull(finger, to)))
     }
 
-    /// Releases the held mass.
+    /// Releases the mass that a finger holds.
     ///
     /// # Errors
     /// If the engine does not take commands now.
-    pub fn release(&mut self) -> Result<(), Refused> {
-        self.command(EngineCommand::Manual(ManualInput::Release))
+    pub fn release(&mut self, finger: u8) -> Result<(), Refused> {
+        self.command(EngineCommand::Manual(ManualInput::Release(finger)))
     }
 
     /// Starts the model's own gesture from its beginning, or stops it.
@@ -111,9 +122,9 @@ impl Recorder {
         self.command(EngineCommand::Manual(ManualInput::Port(input as u32, value, over.clamp(0.0, LONGEST))))
     }
 
-    /// Returns the MAT that the pointer holds.
-    pub fn held(&self) -> Option<usize> {
-        self.manual.held
+    /// Returns the MATs that fingers hold.
+    pub fn held(&self) -> impl Iterator<Item = usize> {
+        self.manual.held.iter().flatten().copied()
     }
 
     /// Returns true while the model's own gesture plays.
