@@ -15,7 +15,7 @@ use ca_model::part::library::is_shipped;
 use ca_model::render::line_column;
 pub use ca_model::suggest::listed as ticked;
 use ca_model::suggest::nearest;
-use ca_model::{Entry, Item, Model, Span, Value, in_list, read};
+use ca_model::{Entry, Item, Model, Span, Value, in_list, read, write};
 pub use cordis_anima::loaded::{foreign_text, stem, text, utf8};
 pub use cordis_anima::{Loaded, catalog};
 use std::path::Path;
@@ -68,6 +68,25 @@ pub fn part_files(model: &Model) -> Vec<String> {
     all.sort();
     all.dedup();
     all
+}
+
+/// Returns the text of a model as a model file: as its author wrote it, or, for a model of another program, its
+/// conversion.
+pub fn own_text(loaded: &Loaded) -> String {
+    let model = &loaded.model;
+    if loaded.format.is_some() || model.text.is_empty() { write::write(model) } else { model.text.clone() }
+}
+
+/// Checks that the text of a model is all of it, as a page without files needs.
+///
+/// # Errors
+/// [`Failure::Failed`] if it takes parts or points from other files.
+pub fn needs_no_files(loaded: &Loaded) -> Result<(), Failure> {
+    if part_files(&loaded.model).is_empty() && loaded.clouds.is_empty() {
+        return Ok(());
+    }
+    let what = "the model takes parts or points from other files, which a page cannot read; copy them into the model";
+    Err(Failure::Failed(what.into()))
 }
 
 /// Reads a changed text with the stored texts of the part files.

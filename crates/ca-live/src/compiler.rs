@@ -1,7 +1,9 @@
 //! Edit and hear: reads and compiles a saved or changed model on a separate thread.
 
 use crate::request::ModelSource;
+use crate::text::{Snapshot, Stored};
 use ca_compile::Options;
+use ca_core::{LiveParam, Unit};
 use ca_haptic::coupling;
 use ca_haptic::engine::Setup;
 use ca_haptic::version::{ModelText, Version};
@@ -9,11 +11,11 @@ use ca_lab::load::Loaded;
 use ca_lab::watch::Watch;
 use ca_lab::{Failure, load};
 use ca_model::diag::Severity;
-use ca_model::render;
+use ca_model::{quantity, render};
 use ca_session::{self as session, CompiledVersion, VersionCompiler};
 use ca_view::Drawing;
-use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::{Arc, PoisonError};
 
 /// The model as its author wrote it, if it could be read, and the result.
 type CompileState = (Option<Loaded>, Result<Box<CompiledVersion>, session::Refused>);
@@ -24,6 +26,10 @@ pub(crate) struct Compiler {
     options: Options,
     /// The model as it was last read, without changes.
     loaded: Option<Loaded>,
+    /// The model of the version that plays, without changes.
+    playing: Option<Arc<Loaded>>,
+    /// Model that a page stored last.
+    stored: Stored,
     /// Watched file, if the model comes from one.
     file: Option<Watch>,
     /// Receiver of the running compilation.
@@ -31,14 +37,16 @@ pub(crate) struct Compiler {
 }
 
 impl Compiler {
-    pub(crate) fn new(source: &ModelSource, options: &Options) -> Compiler {
+    /// Makes a compiler. A page stores its model in `stored`.
+    pub(crate) fn new(source: &ModelSource, options: &Options, stored: Stored) -> Compiler {
         let source = source.clone();
         let mut file = Watch::of(&source.word);
         let loaded = (source.read)().ok();
         if let (Some(file), Some(loaded)) = (&mut file, &loaded) {
             file.also(&load::part_files(&loaded.model));
         }
-        Compiler { loaded, file, source, options: options.clone(), making: None }
+        let playing = loaded.clone().map(Arc::new);
+        Compiler { loaded, playing, stored, file, source, options: options.clone(), making: None }
     }
 }
 
@@ -71,6 +79,9 @@ impl VersionCompiler for Compiler {
                     file.also(&load::part_files(&read.model));
                 }
                 self.loaded = read.or(self.loaded.take());
+                if made.is_ok() {
+                    self.playing = self.loaded.clone().map(Arc::new);
+                }
                 session::CompileState::Done(made)
             }
             Some(Err(TryRecvError::Disconnected)) => {
@@ -81,6 +92,16 @@ impl VersionCompiler for Compiler {
         };
         self.making = None;
         made
+    }
+
+    fn snapshot(&mut self, changes: &[(String, String)], live: &[LiveParam]) -> Result<(), session::Refused> {
+        let Some(loaded) = self.playing.clone() else { return Err("the text of the model cannot be read".into()) };
+        load::needs_no_files(&loaded).map_err(refused)?;
+        let rate = self.source.rate.map(|rate| ("rate.sound".to_owned(), quantity::show(rate, Unit::HERTZ)));
+        let live = live.iter().map(|p| (p.name.clone(), quantity::show(p.value, p.unit)));
+        let changes = rate.into_iter().chain(self.source.changes.iter().chain(changes).cloned()).chain(live).collect();
+        *self.stored.lock().unwrap_or_else(PoisonError::into_inner) = Some(Snapshot { loaded, changes });
+        Ok(())
     }
 
     fn is_new(&mut self) -> bool {

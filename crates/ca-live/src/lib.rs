@@ -20,12 +20,13 @@ mod report;
 mod request;
 mod setup;
 mod sound;
+mod text;
 
 pub use language::ModelLanguage;
 pub use output::check_wav_path;
 pub use performance::play;
 pub use report::{Report, Traffic};
 pub use request::{
-    ControlRequest, DeviceOptions, FileOptions, InputOptions, Listener, ModelSource, Pace, PageOptions, Reader,
-    Request, SoundOptions, ThreadOptions,
+    ControlRequest, DeviceOptions, FileOptions, InputOptions, Listener, ModelSource, OneFile, Pace, PageOptions,
+    Reader, Request, SoundOptions, ThreadOptions,
 };

@@ -3,18 +3,19 @@
 use crate::compiler::Compiler;
 use crate::inputs::Inputs;
 use crate::language::ModelLanguage;
-use crate::request::{Listener, PageOptions, Request};
+use crate::request::{Listener, OneFile, PageOptions, Request};
+use crate::text::Stored;
 use ca_compile::Options;
 use ca_core::Scene;
 use ca_haptic::engine::Setup;
 use ca_haptic::serve::{Recorder, Shared, Sink, TemporaryTake};
 use ca_haptic::take::Header;
 use ca_lab::Failure;
-use ca_play::{Page, PageFiles, PageRequest, SoundFileSink};
+use ca_play::{MakesText, Offers, Page, PageFiles, PageRequest, SoundFileSink};
 use ca_session::{Language as _, PageSink, Parts, Refused, Session};
 use ca_view::Drawing;
 use std::any::Any;
-use std::sync::Arc;
+use std::sync::{Arc, PoisonError};
 use std::time::Instant;
 
 /// Default TCP port of a page.
@@ -29,6 +30,21 @@ pub(crate) struct Opening<'a> {
     pub(crate) header: Option<Header>,
 }
 
+/// Returns what a page of the model `name` offers, of the snapshot that was stored last.
+fn offers(options: &PageOptions, name: &str, stored: &Stored) -> Offers {
+    let makes = |make: Option<OneFile>| -> MakesText {
+        let (stored, file, site) =
+            (stored.clone(), format!("{name}.ca.toml"), options.site.clone().unwrap_or_default());
+        Box::new(move || {
+            let snapshot = stored.lock().unwrap_or_else(PoisonError::into_inner).clone()?;
+            let text = snapshot.text()?;
+            Some(make.map_or_else(|| text.clone(), |make| make(&text, &file, &site)))
+        })
+    };
+    let one_file = options.one_file.map(|make| makes(Some(make)));
+    Offers { site: options.site.clone(), model: Some(makes(None)), one_file }
+}
+
 pub(crate) struct PageSession {
     page: Page,
     session: Session,
@@ -40,7 +56,7 @@ impl PageSession {
     /// # Errors
     /// Fails if the port is in use.
     pub(crate) fn open(
-        options: PageOptions,
+        options: &PageOptions,
         opening: Opening<'_>,
         listener: &Arc<dyn Listener>,
         sinks: &mut Vec<Box<dyn Sink>>,
@@ -62,7 +78,8 @@ impl PageSession {
         let files = PageFiles::new(name, take, sound_file);
         let drawing = Arc::new(Drawing::new(scene));
         let greeting = ca_session::greeting(scene, &drawing, name, 1, ModelLanguage.stability(scene));
-        let page = |port| Page::open(port, &greeting, options.framed);
+        let stored = Stored::default();
+        let page = |port| Page::open(port, &greeting, options.framed, offers(options, name, &stored));
         let page = match options.port {
             Some(port) => page(port).map_err(|e| {
                 Failure::Failed(format!("cannot open the page at port {port}: {e}; leave out `--port` for a free one"))
@@ -75,7 +92,7 @@ impl PageSession {
         let parts = Parts {
             pages: Box::new(page.feed()),
             language: Box::new(ModelLanguage),
-            maker: Box::new(Compiler::new(&request.source, compile)),
+            maker: Box::new(Compiler::new(&request.source, compile, stored)),
             files: Box::new(files),
             name: name.clone(),
             allow_arm: options.allow_arm,

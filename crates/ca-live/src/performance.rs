@@ -102,7 +102,7 @@ pub fn play(request: Request, listener: &Arc<dyn Listener>) -> Result<Report, Fa
         Header::new(&request.loaded.model, changes, options.clone(), &scene, played.clone(), engine.options())
     };
     output.take(request.files.take.as_deref(), header, &scene, (capacity, busy))?;
-    let page_session = match request.page {
+    let page_session = match &request.page {
         Some(page) => {
             let header = (!output.has_take() && names.is_empty()).then(header);
             let opening = page::Opening { request: &request, scene: &scene, options: &options, header };
@@ -190,7 +190,7 @@ fn compile(request: &Request, listener: &dyn Listener) -> Result<Compiled, Failu
         rate: request.source.rate,
         energy: request.energy,
         clouds: loaded.clouds.clone(),
-        whole: request.page.is_some_and(|p| !p.lean),
+        whole: request.page.as_ref().is_some_and(|p| !p.lean),
         ..Options::default()
     };
     let compiled = loaded.compile(&options)?;

@@ -27,7 +27,7 @@ pub struct ModelSource {
 }
 
 /// Options of the page in a browser.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct PageOptions {
     /// TCP port; if `None`, the default port or a free one.
     pub port: Option<u16>,
@@ -37,7 +37,14 @@ pub struct PageOptions {
     pub allow_arm: bool,
     /// Omits modules without influence on any output.
     pub lean: bool,
+    /// Address of a site for links to the model.
+    pub site: Option<String>,
+    /// Makes one HTML file of a model.
+    pub one_file: Option<OneFile>,
 }
+
+/// Makes one HTML file of a model, from its text, the name of its file, and the address of a site or an empty string.
+pub type OneFile = fn(&str, &str, &str) -> String;
 
 /// Options of the sound output.
 #[derive(Clone, Debug, Default)]

@@ -22,6 +22,7 @@ import { EngineSound } from "./browser/sound.js";
 import { ModelText } from "./browser/text.js";
 import { model } from "./browser/model.js";
 import { parts } from "./browser/parts.js";
+import { Sharing } from "./share.js";
 
 /** @type {(id: string) => any} */
 const find = id => document.getElementById(id);
@@ -94,7 +95,9 @@ const meters = new Meters(find("scope"), find("spectrum"), find("level"), find("
 const energy = new Energy(find("energy"), find("energyScale"));
 const view = new View(find, { picture, camera, meters, energy, scene: () => scene, motion: () => motion });
 const sound = local ? new EngineSound(local, showSound) : new Sound({ send: m => connection.send(m), changed: showSound });
-if (local) new ModelText(find, local, (text, bad) => status.say(text, bad));
+const say = (text, bad = false) => status.say(text, bad);
+if (local) new ModelText(find, local, say);
+else new Sharing(find, connection, say);
 const pointer = new Pointer({
   canvas, camera,
   scene: () => scene,

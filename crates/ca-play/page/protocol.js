@@ -170,6 +170,12 @@ export {};
  */
 
 /**
+ * Stores the model as it is now, with all its changed values. The server then has its text at `model.ca.toml`. A model that takes parts or points from other files is refused.
+ * @typedef {object} SnapshotRequest
+ * @property {"snapshot"} type
+ */
+
+/**
  * Returns the name and kind of a mass.
  * @typedef {object} PickRequest
  * @property {"pick"} type
@@ -189,7 +195,7 @@ export {};
  * @property {"stop"} type
  */
 
-/** @typedef {SoundRequest|GrabRequest|DragRequest|ReleaseRequest|GestureRequest|PortRequest|SetRequest|ChangeRequest|RestartRequest|PlayRequest|MidiRequest|LearnRequest|AudioRequest|RecordRequest|SaveRequest|PickRequest|ArmRequest|StopRequest} Request */
+/** @typedef {SoundRequest|GrabRequest|DragRequest|ReleaseRequest|GestureRequest|PortRequest|SetRequest|ChangeRequest|RestartRequest|PlayRequest|MidiRequest|LearnRequest|AudioRequest|RecordRequest|SaveRequest|SnapshotRequest|PickRequest|ArmRequest|StopRequest} Request */
 
 /**
  * The scene that plays. The first message, and sent again with each new version of the model.

@@ -44,6 +44,7 @@ const ASSETS: &[Asset] = assets![
     "picture/scene.js" "text/javascript; charset=utf-8",
     "picture/shaders.js" "text/javascript; charset=utf-8",
     "socket.js" "text/javascript; charset=utf-8",
+    "share.js" "text/javascript; charset=utf-8",
     "sound.js" "text/javascript; charset=utf-8",
     "status.js" "text/javascript; charset=utf-8",
     "units.js" "text/javascript; charset=utf-8",

@@ -10,7 +10,6 @@
 //!
 //! `httparse` parses the head. A refusal carries a status only, without a reason that could help an attacker.
 
-use crate::asset::Asset;
 use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::time::{Duration, Instant};
@@ -118,17 +117,18 @@ impl Place {
     }
 }
 
-pub(crate) fn send(stream: &mut TcpStream, file: &Asset, framed: bool) -> std::io::Result<()> {
+/// Sends the bytes of a file of a kind (its media type).
+pub(crate) fn send(stream: &mut TcpStream, (kind, bytes): (&str, &[u8]), framed: bool) -> std::io::Result<()> {
     let frames = FRAMES[usize::from(framed)];
     let head = format!(
         "HTTP/1.1 200 OK\r\nContent-Type: {}\r\nContent-Length: {}\r\nContent-Security-Policy: {POLICY}{frames}\r\n\
          X-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\nCross-Origin-Resource-Policy: same-origin\r\n\
          Cache-Control: no-store\r\nConnection: close\r\n\r\n",
-        file.kind,
-        file.bytes.len()
+        kind,
+        bytes.len()
     );
     stream.write_all(head.as_bytes())?;
-    stream.write_all(file.bytes)
+    stream.write_all(bytes)
 }
 
 pub(crate) fn refuse(stream: &mut TcpStream, status: u16) -> std::io::Result<()> {

@@ -7,6 +7,7 @@
 use crate::asset;
 use crate::client::Client;
 use crate::http::{self, Head, Place};
+use crate::offers::Offers;
 use crate::pending::Pending;
 use ca_session::Pages;
 use ca_session::protocol::{Message, NumberedRequest, Request};
@@ -39,6 +40,7 @@ pub struct PageRequest {
 /// State shared by all threads.
 struct Hub {
     place: Place,
+    offers: Offers,
     clients: Mutex<Vec<Arc<Client>>>,
     /// First message to a client.
     greeting: Mutex<Utf8Bytes>,
@@ -62,11 +64,11 @@ fn locked<T>(what: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl Page {
     /// Serves the page at `port` of this machine; 0 takes a free port. Each client first receives `greeting`. `framed`
-    /// lets other pages of this machine show the page in a frame.
+    /// lets other pages of this machine show the page in a frame, and `offers` is what it offers beside playing.
     ///
     /// # Errors
     /// Fails if the port is in use, or if the system provides no random numbers or no thread.
-    pub fn open(port: u16, greeting: &Message, framed: bool) -> std::io::Result<Page> {
+    pub fn open(port: u16, greeting: &Message, framed: bool, offers: Offers) -> std::io::Result<Page> {
         let mut random = [0_u8; 16];
         getrandom::fill(&mut random).map_err(std::io::Error::other)?;
         let token = random.iter().fold(String::new(), |s, b| s + &format!("{b:02x}"));
@@ -75,6 +77,7 @@ impl Page {
         let (tell, asked) = sync_channel(ASKED);
         let hub = Arc::new(Hub {
             place,
+            offers,
             clients: Mutex::default(),
             greeting: Mutex::new(text(greeting)),
             pending: Pending::default(),
@@ -187,13 +190,20 @@ impl Hub {
         }
         match head {
             Head::File(name) => {
-                let _ = match asset::find(&name) {
-                    Some(file) => http::send(&mut stream, file, self.place.framed),
-                    None => http::refuse(&mut stream, 404),
-                };
+                let _ = self.send_file(&mut stream, &name);
             }
             Head::Socket(key, rest) if http::agree(&mut stream, &key).is_ok() => self.talk(stream, rest),
             _ => {}
+        }
+    }
+
+    fn send_file(&self, stream: &mut TcpStream, name: &str) -> std::io::Result<()> {
+        if let Some((kind, text)) = self.offers.file(name) {
+            return http::send(stream, (kind, text.as_bytes()), self.place.framed);
+        }
+        match asset::find(name) {
+            Some(file) => http::send(stream, (file.kind, file.bytes), self.place.framed),
+            None => http::refuse(stream, 404),
         }
     }
 

@@ -3,19 +3,20 @@
 #[path = "../../../tests/src/skipped.rs"]
 mod skipped;
 
-use ca_play::Page;
+use ca_play::{MakesText, Offers, Page};
 use ca_session::Pages as _;
 use ca_session::protocol::{self, NumberedRequest, Request, binary};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use std::io::{Read as _, Write as _};
 use std::net::TcpStream;
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 use tungstenite::client::IntoClientRequest as _;
 use tungstenite::{Message, WebSocket};
 
 fn page() -> Page {
-    Page::open(0, &said_by("first"), false).unwrap()
+    Page::open(0, &said_by("first"), false, Offers::default()).unwrap()
 }
 
 fn said_by(text: &str) -> protocol::Message {
@@ -85,6 +86,49 @@ fn the_page_is_served_to_who_knows_the_token() {
     }
     let long = format!("GET {path} HTTP/1.1\r\nHost: {host}\r\nX: {}\r\n\r\n", "a".repeat(9000));
     assert!(sent(&page, long.as_bytes()).starts_with("HTTP/1.1 4"), "a head without end");
+}
+
+/// The model is behind the token too, as a text and as one file, and is not there before a page stored it.
+#[test]
+fn the_model_is_served_as_the_page_is() {
+    let made = Arc::new(Mutex::new(None));
+    let make = |shared: &Arc<Mutex<Option<String>>>| -> Option<MakesText> {
+        let shared = shared.clone();
+        Some(Box::new(move || shared.lock().unwrap().clone()))
+    };
+    let offers = Offers { site: Some("https://example.org/ca/".into()), model: make(&made), one_file: make(&made) };
+    let page = Page::open(0, &said_by("first"), false, offers).unwrap();
+    let (host, path) = place(&page);
+    let get = |page: &Page, path: &str, host: &str, more: &str| {
+        sent(page, format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n{more}\r\n").as_bytes())
+    };
+    let index = get(&page, &path, &host, "");
+    assert!(index.contains("data-site=\"https://example.org/ca/\" data-one-file=\"instrument.html\""), "{index}");
+    let file = format!("{path}instrument.html");
+    assert!(get(&page, &file, &host, "").starts_with("HTTP/1.1 404"));
+    *made.lock().unwrap() = Some("<!doctype html>made".to_owned());
+    let got = get(&page, &file, &host, "");
+    assert!(got.starts_with("HTTP/1.1 200") && got.ends_with("<!doctype html>made"), "{got}");
+    let text = get(&page, &format!("{path}model.ca.toml"), &host, "");
+    assert!(text.contains("Content-Type: text/plain") && text.ends_with("made"), "{text}");
+    // opened at this address, its scripts would not run
+    assert!(got.contains("script-src 'self'; "), "{got}");
+    for (path, host, more) in [
+        ("/instrument.html", &*host, ""),
+        ("/model.ca.toml", &*host, ""),
+        (&*file, "evil.example", ""),
+        (&*file, &*host, "Origin: http://evil.example\r\n"),
+    ] {
+        let got = get(&page, path, host, more);
+        assert!(got.starts_with("HTTP/1.1 40") && !got.contains("made"), "{path} of {host}: {got}");
+    }
+    // a page without offers has neither
+    let plain = self::page();
+    let (host, path) = place(&plain);
+    assert!(!get(&plain, &path, &host, "").contains("data-site"));
+    for name in ["instrument.html", "model.ca.toml"] {
+        assert!(get(&plain, &format!("{path}{name}"), &host, "").starts_with("HTTP/1.1 404"), "{name}");
+    }
 }
 
 #[test]

@@ -6,6 +6,7 @@
 
 use crate::host::{CompileState, CompiledVersion, VersionCompiler};
 use crate::refused::Refused;
+use ca_core::LiveParam;
 use ca_haptic::engine::Setup;
 use std::collections::VecDeque;
 
@@ -63,6 +64,11 @@ impl Edit {
         put(&mut self.changes, (name.into(), value.into()));
         self.again = true;
         Ok(())
+    }
+
+    /// Stores the last valid version with its changes and the values of `live`.
+    pub(crate) fn snapshot(&mut self, live: &[LiveParam]) -> Result<(), Refused> {
+        self.maker.snapshot(&self.good, live)
     }
 
     /// Returns a version that was compiled for devices of these setups, or the reason for its failure, and begins the

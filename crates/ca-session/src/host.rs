@@ -65,6 +65,16 @@ pub trait VersionCompiler {
     /// Takes the result of the compilation, if it has ended.
     fn poll(&mut self) -> CompileState;
 
+    /// Stores the model that plays, with `changes` and the values of `live`, the live parameters that were moved. The host
+    /// offers its text to the page.
+    ///
+    /// # Errors
+    /// If the host does not have the text, or it needs other files.
+    fn snapshot(&mut self, changes: &[(String, String)], live: &[LiveParam]) -> Result<(), Refused> {
+        let _ = (changes, live);
+        Err("this program does not have the text of the model".into())
+    }
+
     /// Returns true if the text of the model changed since the last call.
     fn is_new(&mut self) -> bool;
 

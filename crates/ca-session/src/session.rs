@@ -13,7 +13,7 @@ use crate::pages::Pages;
 use crate::picture::{NextDrawing, PageSink, Stats};
 use crate::protocol::{Bound, Choices, DeviceState, Message, NumberedRequest, Picked, Request as PageAsks};
 use crate::refused::Refused;
-use ca_core::Scene;
+use ca_core::{LiveParam, Scene};
 use ca_haptic::control::Request;
 use ca_haptic::engine::{GLIDE, Setup};
 use ca_haptic::frame::{Cause, Mode};
@@ -288,6 +288,13 @@ impl Session {
                 done("opening the sound output")
             }
             PageAsks::Record { on } => done(&self.files.record(*on, &self.scene)?),
+            PageAsks::Snapshot => {
+                let at_load = &self.scene.live.params;
+                let params = recorder.controls().params().iter();
+                let moved = |p: &&LiveParam| at_load.iter().all(|l| l.name != p.name || l.value != p.value);
+                self.edit.snapshot(&params.filter(moved).cloned().collect::<Vec<_>>())?;
+                done("stored")
+            }
             PageAsks::Save => done(&self.files.save(recorder)?),
             PageAsks::Set { values } => {
                 let values = values.clone().ok_or("`values` must map names to numbers or to texts with units")?;

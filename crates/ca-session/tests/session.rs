@@ -103,7 +103,10 @@ impl Language for Numbers {
 
 /// Compiles immediately.
 #[derive(Default)]
-struct Compiler(Option<Result<Box<CompiledVersion>, Refused>>);
+struct Compiler(Option<Result<Box<CompiledVersion>, Refused>>, Snapshots);
+
+/// Changes and moved parameters of each snapshot, as JSON.
+type Snapshots = Rc<RefCell<Vec<Value>>>;
 
 impl VersionCompiler for Compiler {
     fn check(&mut self, _: &str, _: &str) -> Result<(), Refused> {
@@ -124,6 +127,11 @@ impl VersionCompiler for Compiler {
     fn poll(&mut self) -> CompileState {
         self.0.take().map_or(CompileState::Idle, CompileState::Done)
     }
+    fn snapshot(&mut self, changes: &[(String, String)], live: &[LiveParam]) -> Result<(), Refused> {
+        let live: Vec<_> = live.iter().map(|p| (&p.name, p.value)).collect();
+        self.1.borrow_mut().push(json!([changes, live]));
+        Ok(())
+    }
     fn is_new(&mut self) -> bool {
         false
     }
@@ -133,16 +141,21 @@ impl VersionCompiler for Compiler {
 }
 
 fn instrument() -> (Instrument, FakePages) {
-    let pages = FakePages::default();
+    let (instrument, pages, _) = instrument_with_snapshots();
+    (instrument, pages)
+}
+
+fn instrument_with_snapshots() -> (Instrument, FakePages, Snapshots) {
+    let (pages, snapshots) = (FakePages::default(), Snapshots::default());
     let parts = Parts {
         pages: Box::new(pages.clone()),
         language: Box::new(Numbers),
-        maker: Box::<Compiler>::default(),
+        maker: Box::new(Compiler(None, snapshots.clone())),
         files: Box::new(NoFiles("no files here")),
         name: "bob".into(),
         allow_arm: false,
     };
-    (Instrument::new(&scene(&[]).unwrap(), parts, Box::new(pages.clone()), Vec::new()), pages)
+    (Instrument::new(&scene(&[]).unwrap(), parts, Box::new(pages.clone()), Vec::new()), pages, snapshots)
 }
 
 fn ask(instrument: &mut Instrument, pages: &FakePages, request: Value) -> (bool, String) {
@@ -233,7 +246,7 @@ fn a_preset_is_chosen_by_a_page_by_osc_and_by_a_program_change() {
 
 #[test]
 fn an_edit_plays_on_and_a_wrong_one_takes_no_good_one_along() {
-    let (mut i, pages) = instrument();
+    let (mut i, pages, snapshots) = instrument_with_snapshots();
     let change = |name: &str, value: &str| json!({"type": "change", "name": name, "value": value});
     assert!(ask(&mut i, &pages, change("bob.m", "6 g")).0);
     assert!(ask(&mut i, &pages, change("bob.x", "1")).0);
@@ -242,4 +255,10 @@ fn an_edit_plays_on_and_a_wrong_one_takes_no_good_one_along() {
     let reports: Vec<&Value> = texts.iter().filter(|m| m["type"] == "report").map(|m| &m["ok"]).collect();
     assert_eq!(reports, [true, false]);
     assert_eq!(pages.last("scene")["generation"], 2);
+    // a snapshot has the good change alone, and the live parameters that were moved
+    assert_eq!(ask(&mut i, &pages, json!({"type": "snapshot"})), (true, "stored".into()));
+    assert!(ask(&mut i, &pages, json!({"type": "set", "values": {"k": 700}})).0);
+    assert!(ask(&mut i, &pages, json!({"type": "snapshot"})).0);
+    let change = json!([["bob.m", "6 g"]]);
+    assert_eq!(*snapshots.borrow(), [json!([change, []]), json!([change, [["k", 700.0]]])]);
 }

@@ -16,6 +16,6 @@ addEventListener("fetch", event => {
   const address = new URL(event.request.url);
   if (event.request.method !== "GET" || address.origin !== location.origin) return;
   event.respondWith(caches.open(NAME)
-    .then(cache => cache.match(event.request, { ignoreSearch: true }).then(found => found || (address.pathname.endsWith("/") && cache.match("index.html"))))
+    .then(cache => cache.match(event.request, { ignoreSearch: true }).then(found => found || (address.pathname.endsWith("/") && cache.match(new URL("index.html", address)))))
     .then(found => found || fetch(event.request)));
 });

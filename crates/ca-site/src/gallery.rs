@@ -42,7 +42,10 @@ pub fn gallery() -> Result<String, Failure> {
                 header {
                     h1 { "Instruments you can touch" }
                     p { "Each one is made of masses and links between them. One physical model makes the sound and the picture. Choose one, press Play, then pull at it." }
-                    p { a class="blank" href="play.html?model=blank" { "Start from a short model" } }
+                    p class="ways" {
+                        a href="play.html?model=blank" { "Start from a short model" }
+                        a href="docs/index.html" { "Documents" }
+                    }
                 }
                 main {
                     @for card in &cards {

@@ -1,13 +1,15 @@
 //! Instruments as web pages that need no server.
 //!
 //! [`one_file`] puts an instrument into one HTML file with the engine inside. [`site`] writes a folder for any web
-//! server: a gallery of the bundled instruments, the page that plays them, and a package for other pages. All use
-//! the page of `ca play` ([`ca_play::PAGE`]), with the engine of `ca-web` in place of a server.
+//! server: a gallery of the bundled instruments, the page that plays them, the documents, and a package for other pages.
+//! The instruments use the page of `ca play` ([`ca_play::PAGE`]), with the engine of `ca-web` in place of a server.
 #![forbid(unsafe_code)]
 
+mod documents;
 mod gallery;
 mod one_file;
 mod picture;
+mod share;
 mod site;
 
 pub use one_file::one_file;
@@ -51,7 +53,7 @@ mod tests {
     fn pages_without_a_server_follow_the_page_of_the_program() {
         let page = one_file("# a </script>", "a.ca.toml", "", WebModules { engine: b"e", compiler: b"c" });
         assert!(page.contains("data-engine=\"browser\"") && page.contains("<style>") && page.contains("caParts"));
-        for gone in ["page.css", "src=\"main.js\"", "# a </script>"] {
+        for gone in ["href=\"page.css\"", "src=\"main.js\"", "# a </script>"] {
             assert!(!page.contains(gone), "{gone}");
         }
         let words = include_str!("../../../docs/web.md").split_whitespace().collect::<Vec<_>>().join(" ");

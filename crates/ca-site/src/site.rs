@@ -15,7 +15,7 @@ pub(crate) const POLICY: &str = "<meta http-equiv=\"Content-Security-Policy\" co
     worker-src 'self'; manifest-src 'self'; base-uri 'none'; form-action 'none'\">\n";
 
 /// A file of the site: its path and content.
-type File = (String, Vec<u8>);
+pub(crate) type File = (String, Vec<u8>);
 
 /// Writes the site into a folder and returns the number of files and of bytes. Files that a site of another version had
 /// stay.
@@ -53,9 +53,11 @@ fn files(modules: WebModules) -> Result<Vec<File>, Failure> {
         ("compiler.wasm".into(), modules.compiler.to_vec()),
         ("models/blank.ca.toml".into(), blank().into()),
     ];
+    files.extend(crate::documents::files());
     files.extend(texts().map(|(name, text)| (format!("models/{name}.ca.toml"), text.into())));
     for (name, text) in [
-        ("gallery.css", include_str!("../files/gallery.css")),
+        ("gallery.css", concat!(include_str!("../files/colours.css"), include_str!("../files/gallery.css"))),
+        ("docs.css", concat!(include_str!("../files/colours.css"), include_str!("../files/docs.css"))),
         ("icon.svg", include_str!("../files/icon.svg")),
         ("register.js", include_str!("../files/register.js")),
         ("site.webmanifest", include_str!("../files/site.webmanifest")),

@@ -174,6 +174,15 @@ fn the_site_works_without_a_network_once_visited() {
     tab.js("location.href = 'play.html?model=kalimba'");
     until(&mut tab, "another one opens", "document.getElementById('title')?.textContent.includes('alimba')");
     play(&mut tab);
+    // so do the documents, and the models in them
+    tab.js("location.href = 'docs/'");
+    until(&mut tab, "the documents are there", "document.querySelector('main a[href=\"instrument.html\"]') !== null");
+    tab.js("document.querySelector('main a[href=\"instrument.html\"]').click()");
+    until(&mut tab, "the model is there", "document.querySelector('.play a') !== null");
+    tab.js("document.querySelector('.play a').click()");
+    until(&mut tab, "it opens", "document.getElementById('title')?.textContent === 'A struck string of my own'");
+    play(&mut tab);
+    assert_eq!(tab.errors(), Vec::<String>::new());
 }
 
 #[test]

@@ -140,6 +140,16 @@ pub(crate) fn speed(text: &str) -> Result<f64, String> {
     quantity_of(text, Unit::SPEED, (1e-4, 10.0))
 }
 
+/// Parses the address of a site. The result ends with a slash, so that its pages are found below it.
+pub(crate) fn site_address(text: &str) -> Result<String, String> {
+    let has_scheme = ["https://", "http://"].iter().any(|s| text.len() > s.len() && text.starts_with(s));
+    if !has_scheme || text.contains(char::is_whitespace) {
+        return Err("an address begins with `https://` or `http://`".into());
+    }
+    let folder = text.strip_suffix("index.html").unwrap_or(text);
+    Ok(format!("{}/", folder.trim_end_matches('/')))
+}
+
 /// Parses a time. Unlike in models, minutes are allowed.
 pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     let minutes = text.trim().strip_suffix("min").and_then(|n| n.trim().parse::<f64>().ok());

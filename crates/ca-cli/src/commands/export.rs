@@ -2,12 +2,13 @@
 //!
 //! The page has the engine inside, so it plays from a disk and from any web server.
 
-use crate::args::common::model_help;
+use crate::args::common::{model_help, site_address};
 use crate::args::{Source, completions};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{load, term};
 use ca_compile::Options;
 use ca_io::atomic_file;
+use ca_lab::load::{needs_no_files, own_text};
 use ca_site::{WebModules, modules, one_file};
 use clap::Args;
 use clap_complete::ArgValueCompleter;
@@ -30,8 +31,8 @@ pub struct ExportArgs {
     #[arg(long, value_name = "FILE.html", required = true)]
     pub html: PathBuf,
     /// Address of a site (`ca site`) for links to the model
-    #[arg(long, value_name = "URL", default_value = "", hide_default_value = true)]
-    pub site: String,
+    #[arg(long, value_name = "URL", value_parser = site_address)]
+    pub site: Option<String>,
 }
 
 /// Runs the command.
@@ -39,12 +40,13 @@ pub fn run(args: &ExportArgs) -> Outcome {
     let modules = built_in()?;
     let loaded = load::load(&Source::of(&args.model))?;
     load::scene(&loaded, &Options::default())?;
-    if !loaded.model.files.is_empty() || !loaded.clouds.is_empty() {
-        let what =
-            "the model takes parts or points from other files, which a page cannot read; copy them into the model";
-        return Err(Failure::Failed(what.into()));
-    }
-    let page = one_file(&loaded.model.text, &format!("{}.ca.toml", loaded.name), &args.site, modules);
+    needs_no_files(&loaded)?;
+    let page = one_file(
+        &own_text(&loaded),
+        &format!("{}.ca.toml", loaded.name),
+        args.site.as_deref().unwrap_or_default(),
+        modules,
+    );
     atomic_file::write(&args.html, page.as_bytes())?;
     term::note(&format!("{} written ({:.1} MB)", args.html.display(), page.len() as f64 * 1e-6));
     Ok(Ended::Well)

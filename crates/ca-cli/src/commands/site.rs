@@ -9,7 +9,7 @@ use std::path::PathBuf;
 /// Writes a web site with the bundled instruments
 ///
 /// The folder is static: any web server can offer it. It has a gallery, the page that plays an instrument, links that
-/// carry a model, and the folder `npm`, a package with the element `<ca-instrument>` and a renderer for Node. Once
+/// carry a model, the documents for players and composers, and the folder `npm`, a package with the element `<ca-instrument>` and a renderer for Node. Once
 /// visited, the site also works without a network.
 #[derive(Args)]
 #[command(after_long_help = "Examples:

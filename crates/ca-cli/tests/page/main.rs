@@ -10,6 +10,7 @@ mod inconvenient_times;
 mod midi_osc;
 mod page_controls;
 mod pictures;
+mod share;
 
 #[path = "../../../../tests/src/long_form.rs"]
 mod long_form;
@@ -269,6 +270,16 @@ mod in_real_time {
     #[test]
     fn magnification_settles_and_is_calm() {
         page_controls::magnification_settles_and_is_calm();
+    }
+
+    #[test]
+    fn the_text_is_of_the_model_as_it_is_now() {
+        share::the_text_is_of_the_model_as_it_is_now();
+    }
+
+    #[test]
+    fn a_link_is_copied_and_one_file_is_saved() {
+        share::a_link_is_copied_and_one_file_is_saved();
     }
 
     #[test]

@@ -18,7 +18,9 @@ export async function model() {
 
 // a model as a part of an address, and back
 export async function pack(text) {
-  const bytes = new Uint8Array(await new Response(new Blob([text]).stream().pipeThrough(new CompressionStream("deflate-raw"))).arrayBuffer());
+  const blob = new Blob([text]);
+  if (blob.size > LONGEST) throw new Error(`The model is too long for a link: at most ${LONGEST / 1000} kB.`);
+  const bytes = new Uint8Array(await new Response(blob.stream().pipeThrough(new CompressionStream("deflate-raw"))).arrayBuffer());
   let binary = "";
   for (const b of bytes) binary += String.fromCharCode(b);
   return btoa(binary).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");

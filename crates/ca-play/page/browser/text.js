@@ -1,6 +1,6 @@
 // The text of the model, where the page itself compiles it: edit, hear, save, share.
 
-import { pack } from "./model.js";
+import { share } from "../share.js";
 import { save } from "./connection.js";
 import { element } from "../controls.js";
 
@@ -22,7 +22,7 @@ export class ModelText {
     find("apply").addEventListener("click", () => this.apply());
     find("saveText").addEventListener("click", () => save(connection.model.file, this.area.value, "text/plain"));
     find("share").hidden = !this.site;
-    find("share").addEventListener("click", () => this.share());
+    find("share").addEventListener("click", () => share(this.area.value, this.site, say));
     find("render").addEventListener("click", () => this.render(find("render")));
     find("modes").addEventListener("click", () => this.modes(find("modes"), find("modesBox")));
     this.area.addEventListener("keydown", e => {
@@ -38,17 +38,6 @@ export class ModelText {
   get site() {
     const site = document.documentElement.dataset.site;
     return site || (location.protocol.startsWith("http") ? document.baseURI : "");
-  }
-
-  async share() {
-    const at = new URL("play.html", this.site);
-    at.hash = "model=" + await pack(this.area.value);
-    try {
-      await navigator.clipboard.writeText(String(at));
-      this.say("The link is copied. It opens this instrument.");
-    } catch {
-      window.prompt("Copy this link. It opens this instrument.", String(at));
-    }
   }
 
   // asks the compiler about the text as it is now

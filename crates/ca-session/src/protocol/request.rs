@@ -87,6 +87,9 @@ messages! {
     }
     /// Saves everything done since the start as a take.
     "save" Save
+    /// Stores the model as it is now, with all its changed values. The server then has its text at `model.ca.toml`. A
+    /// model that takes parts or points from other files is refused.
+    "snapshot" Snapshot
     /// Returns the name and kind of a mass.
     "pick" Pick {
         /// number of the mass in the drawing

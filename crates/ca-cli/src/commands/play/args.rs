@@ -1,5 +1,6 @@
 //! Arguments of `ca play`.
 
+use crate::args::common::site_address;
 use crate::commands::error_target::ErrorTarget;
 use crate::commands::serve::ServeArgs;
 use clap::Args;
@@ -35,6 +36,9 @@ pub struct PlayArgs {
     /// Lets other pages on this machine show the page in a frame, as a notebook does
     #[arg(long, help_heading = "Page")]
     pub framed: bool,
+    /// Address of a site (`ca site`) for links to the model, which the page then copies (*Share as link*)
+    #[arg(long, value_name = "URL", value_parser = site_address, help_heading = "Page")]
+    pub site: Option<String>,
     /// Lets the page arm the forces of devices
     #[arg(long, help_heading = "Page")]
     pub allow_arm: bool,

@@ -8,7 +8,7 @@ pub use args::PlayArgs;
 use crate::commands::serve;
 use crate::load::{self, STDIN};
 use crate::outcome::{Failure, Outcome};
-use ca_live::PageOptions;
+use ca_live::{OneFile, PageOptions};
 use std::sync::Mutex;
 
 /// Runs the command.
@@ -39,7 +39,12 @@ pub fn run(args: &PlayArgs) -> Outcome {
 /// Returns the options of the page.
 pub fn page(args: &PlayArgs) -> PageOptions {
     let PlayArgs { port, framed, allow_arm, lean, .. } = *args;
-    PageOptions { port, framed, allow_arm, lean }
+    let one_file: Option<OneFile> = ca_site::modules().map(|_| one_file as OneFile);
+    PageOptions { port, framed, allow_arm, lean, site: args.site.clone(), one_file }
+}
+
+fn one_file(text: &str, file: &str, site: &str) -> String {
+    ca_site::modules().map_or_else(String::new, |modules| ca_site::one_file(text, file, site, modules))
 }
 
 /// Returns true if there is a screen for a browser. Without one, some desktops would open a text browser in this

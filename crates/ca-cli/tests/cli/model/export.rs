@@ -25,4 +25,14 @@ fn a_page_needs_the_engine() {
     sandbox.put("part.ca.toml", "[MAS]\nbob = { m = '1 g', dx0 = '1 mm' }\n");
     sandbox.put("whole.ca.toml", "[use]\na = { file = 'part.ca.toml' }\n[SOX]\nout = { from = 'a.bob' }\n");
     sandbox.ca(&["export", "whole.ca.toml", "--html", "w.html"]).is(1).says(&["from other files"]);
+    // a bundled part is not
+    sandbox.ca(&["export", "bowed_string", "--html", "b.html", "--site", "https://a.example/x"]).is(0);
+    let text = std::fs::read_to_string(sandbox.path("b.html")).unwrap();
+    assert!(text.contains("dataset.site = \"https://a.example/x/\""));
+    sandbox.ca(&["export", "bowed_string", "--html", "b.html", "--site", "a.example"]).is(2).says(&["begins with"]);
+    // a model of another program is in the page as a model file
+    sandbox.put("chains.mdl", include_str!("../../../../../tests/mims/chains.mdl"));
+    sandbox.ca(&["export", "chains.mdl", "--html", "c.html"]).is(0);
+    let text = std::fs::read_to_string(sandbox.path("c.html")).unwrap();
+    assert!(text.contains("chains.ca.toml") && text.contains("[SOX]"));
 }
