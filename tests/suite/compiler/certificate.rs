@@ -354,7 +354,7 @@ fn live_parameters_count_at_their_worst_together() {
         )
     };
     assert_eq!(scene(&text(3.9)).certificate.level, Level::Proven);
-    assert_eq!(scene(&text(4.1)).certificate.level, Level::Unstable);
+    assert_eq!(scene(&text(4.1)).certificate.level, Level::NotProven);
 }
 
 /// A stretched spring in space also resists sideways, without viscosity; the matrix agrees with the engine.

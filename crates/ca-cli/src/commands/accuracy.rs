@@ -130,7 +130,9 @@ impl Page<'_> {
         let (known, error_target) = (reference.known, format!("an error of at most {asked:e}"));
         Some(match (self.best, reference.origin) {
             (Some(r), _) => format!("fastest with {error_target}: {}", r.name()),
-            (None, _) if known <= asked => format!("no row has {error_target}; try larger multiples with `--times`"),
+            (None, _) if known <= asked => {
+                format!("no row that is proven has {error_target}; try larger multiples with `--times`")
+            }
             (None, Origin::Modes) => {
                 format!(
                     "{error_target} cannot be confirmed: the closed form is accurate only to {known:.1e}; choose a larger \

@@ -108,7 +108,7 @@ pub fn two_fingers_hold_two_masses() {
     until("one is held", || held(&mut watch) == 1);
     touch(&mut tab, "touchStart", &[(0.0, 1), (90.0, 2)]);
     until("two are held", || held(&mut watch) == 2);
-    assert_eq!(tab.js("document.querySelectorAll('#overlay g:not(.off)').length"), 2);
+    until("two are drawn", || tab.js("document.querySelectorAll('#overlay g:not(.off)').length") == 2);
     touch(&mut tab, "touchEnd", &[(90.0, 2)]);
     until("one is let go", || held(&mut watch) == 1);
     touch(&mut tab, "touchEnd", &[]);

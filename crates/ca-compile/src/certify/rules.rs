@@ -4,7 +4,7 @@ use crate::certify::accumulate::{Accumulated, Sums};
 use crate::certify::cause::{any, faster, span};
 use crate::certify::max_elongation::{Cause, MaxElongation};
 use crate::findings::{round_down, round_up};
-use crate::net::{End, LiaNode, Pruned, elongation};
+use crate::net::{End, LiaNode, Pruned, elongation, linearisation};
 use alloc::collections::BTreeSet;
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -256,7 +256,9 @@ pub fn rounds(net: &Pruned, sums: &Accumulated, l: &LiaNode, b: &Bound) -> Optio
     }
     let k = if b.hardens || b.varying > 0.0 || b.power.0 > 0.0 { b.k.max(slope_at_load(net, l)) } else { b.k };
     let c = mobility(net, l, &sums.mats);
-    let viscous = if b.contact { b.z * c } else { 0.0 };
+    // A live viscosity counts with its value: without a largest value its range has no end.
+    let z = if net.is_live(l.item) { linearisation::slopes(net, l).z } else { b.z };
+    let viscous = if b.contact { z * c } else { 0.0 };
     let all = [(k * c, "kT²/m", STIFFEST), (viscous, "zT/m", MOST_VISCOUS)];
     all.into_iter().find(|(a, _, most)| a > most)
 }

@@ -26,7 +26,7 @@ impl core::fmt::Display for Level {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         f.write_str(match self {
             Level::Proven => "proven",
-            Level::Linearised => "linearised",
+            Level::Linearised => "linear part proven",
             Level::RuleOfThumb => "rule of thumb",
             Level::NotProven => "not proven",
             Level::Unstable => "unstable",

@@ -11,7 +11,7 @@ pub use crate::play::player::DIVERGED;
 use crate::play::player::Player;
 use ca_core::internal::border::frame_due;
 use ca_core::internal::numeric::Plain;
-use ca_core::{Controls, InputRole, LiveParam, Patch, Scene, State};
+use ca_core::{Controls, InputRole, Level, LiveParam, Patch, Scene, State};
 use std::ops::{Deref, DerefMut};
 
 /// Silence after a gesture, and least length of a play \[s\].
@@ -261,6 +261,13 @@ impl<'a> Performance<'a> {
             let why = format!(
                 "too stiff for its mass at this rate (largest eigenvalue at least {:.3}, the limit is 4)",
                 Plain(cert.lower)
+            );
+            return (cert.worst.clone(), why);
+        }
+        if cert.level == Level::NotProven && cert.bound >= 4.0 {
+            let why = format!(
+                "it may be too stiff for its mass at this rate (largest eigenvalue at most {:.3}, the limit is 4)",
+                Plain(cert.bound)
             );
             return (cert.worst.clone(), why);
         }

@@ -50,7 +50,7 @@ class Port(NamedTuple):
 class Certificate(NamedTuple):
     """Stability certificate of a scene, computed before it plays."""
 
-    #: ``proven``, ``linearised``, ``rule of thumb``, ``not proven`` or ``unstable``
+    #: ``proven``, ``linear part proven``, ``rule of thumb``, ``not proven`` or ``unstable``
     level: str
     #: upper bound of the largest eigenvalue of T²K + 2TC against M; the limit is 4
     bound: float
@@ -62,7 +62,7 @@ class Certificate(NamedTuple):
     exact: bool
     #: range of the largest eigenvalue, with ``exact=True``
     largest: tuple[float, float] | None
-    #: largest relative rise of energy in a linearised scene
+    #: largest relative rise of energy in a scene whose linear part is proven
     ripple: float | None
     #: module nearest to the limit; empty if there is none
     worst: str

@@ -82,7 +82,7 @@ fn an_unstable_model_is_named_and_silenced() {
          out = { from = \"room.m\", along = \"x\" }\n",
     );
     let r = sandbox.ca(&["check", "room.ca.toml"]).is(0);
-    assert!(r.out.contains("linearised") && r.out.contains("rises by at most 10.5 %"), "{}", r.out);
+    assert!(r.out.contains("linear part proven") && r.out.contains("rises by at most 10.5 %"), "{}", r.out);
     let j = sandbox.ca(&["check", "room.ca.toml", "--json"]).is(0).json();
     assert!((j["summary"]["stability"]["ripple"].as_f64().unwrap() - 0.4 / 3.8).abs() < 1e-12, "{j:#}");
     let proven = sandbox.ca(&["check", "harmonic_chain", "--json"]).is(0).json()["summary"]["stability"].clone();
