@@ -1,5 +1,5 @@
 // Pointer interaction: the mass under the pointer, the held masses, their target positions, and the camera. A press near
-// a mass holds it, a tap plucks it, and a press elsewhere turns the picture. Each finger holds a mass of its own. The pull
+// a mass holds it, a tap plucks it, and a press elsewhere turns the picture. Each finger can hold one mass. The pull
 // is relative to the point where the mass was taken, so that taking it does not move it. Drags are sent at most 120 times
 // per second for each finger, but the last position always is. Every end of a press releases the mass: up, cancel, blur,
 // a lost connection, or another scene.

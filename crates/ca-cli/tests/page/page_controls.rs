@@ -90,7 +90,7 @@ pub fn a_game_controller_plays() {
     end(host);
 }
 
-/// Each finger holds a mass of its own.
+/// Two fingers hold two masses.
 pub fn two_fingers_hold_two_masses() {
     let host = Host::play(crate::STRING, &["--seconds", "600"]);
     let Some(mut tab) = Tab::open(&host.address) else { return };
