@@ -18,7 +18,7 @@
 
 use crate::scene::certificate::{Certificate, Level};
 use crate::scene::{InputRole, Location, Scene};
-use crate::state::State;
+use crate::state::{FINGERS, State};
 use alloc::string::String;
 
 /// Frequency of a single mass on the undamped coupling \[Hz\].
@@ -29,8 +29,6 @@ const GLIDE: f64 = 1.0 / 60.0;
 const REACH: f64 = 0.01;
 /// Largest elongation of the coupling's spring, relative to the reach.
 const STRETCH: f64 = 0.01;
-/// Largest number of pointers at a time.
-pub const FINGERS: usize = 10;
 /// Largest share of the margin that the first coupling takes.
 const SHARE: f64 = 0.5;
 /// Limits of the certificate's rules: contact ratio and friction slope (docs/numerics.md §3.2, §3.5).
@@ -108,7 +106,7 @@ pub struct Pointer {
 }
 
 impl Pointer {
-    /// Makes the pointer of a finger (0 to [`FINGERS`] − 1) for MAT number `mass` of [`Scene::symbols`]. It has no effect
+    /// Makes the pointer of a finger (0 to 9) for MAT number `mass` of [`Scene::symbols`]. It has no effect
     /// until [`Pointer::hold`]. Each finger has one pointer at a time, and each mass too.
     ///
     /// # Errors
@@ -171,14 +169,9 @@ impl Pointer {
         })
     }
 
-    /// Returns the number of the finger.
-    pub fn finger(&self) -> u8 {
-        self.finger
-    }
-
-    /// Returns the index of the MAT.
-    pub fn mass(&self) -> usize {
-        self.mass
+    /// Returns the number of the finger, and the index of the MAT that it holds.
+    pub fn grip(&self) -> (u8, usize) {
+        (self.finger, self.mass)
     }
 
     /// Returns stiffness \[N/m\] and damping \[N s/m\] of the coupling, in this state.

@@ -9,7 +9,7 @@ const FIRST = 16;
 const MIDDLE = 0.1;
 
 export class Gamepads {
-  // keyboard: on(who, note, velocity), end(who), nth(n); send(bytes), say(text)
+  // keyboard: on(key, note, velocity), end(key), nth(n); send(bytes), say(text)
   constructor(keyboard, { send, say }) {
     this.keyboard = keyboard; this.send = send;
     this.pads = new Map();

@@ -1,7 +1,7 @@
 //! The fingers of all pages: which one holds which mass.
 
 use crate::refused::Refused;
-use ca_core::pointer::FINGERS;
+use ca_core::internal::state::FINGERS;
 
 /// A page, and the number of a finger on it.
 type Own = (u64, u8);

@@ -4,7 +4,8 @@
 use super::guard::{Rig, bare};
 use crate::play::{Random, audited, mat, scene, with};
 use ca_compile::{Options, compile};
-use ca_core::pointer::{FINGERS, Pointer, Refused};
+use ca_core::internal::state::FINGERS;
+use ca_core::pointer::{Pointer, Refused};
 use ca_core::{Level, Scene, State, compute_forces, integrate};
 use ca_haptic::engine::{Engine, EngineCommand, GLIDE, ManualEvent, ManualInput, Options as EngineOptions, OwnGesture};
 use ca_model::read;

@@ -69,7 +69,7 @@ mod in_real_time {
         }
         // as far as the string allows
         until("the mass follows", || page.look()[mass as usize] > 1e-4);
-        until("it is said who is held", || page.next("state")["held"] == json!([mass]));
+        until("the held mass is named", || page.next("state")["held"] == json!([mass]));
         let second = named(&mut page, "bob");
         page.done(&json!({"type": "grab", "mass": second, "finger": 1}));
         page.done(&json!({"type": "drag", "by": [-1e-3], "finger": 1}));

@@ -77,7 +77,7 @@ impl Exact {
         used < 1.0 - ROUNDING
     }
 
-    /// Returns the linear links, with points at their positions at load. Masses of which it is not sure stand still.
+    /// Returns the linear links, with points at their positions at load. Masses whose sums are unsure stand still.
     fn certain(&self, net: &Pruned, sums: &Accumulated) -> Linear {
         let mut linear = Linear::default();
         linear.dofs.clone_from(&self.linear.dofs);

@@ -256,7 +256,7 @@ pub fn rounds(net: &Pruned, sums: &Accumulated, l: &LiaNode, b: &Bound) -> Optio
     }
     let k = if b.hardens || b.varying > 0.0 || b.power.0 > 0.0 { b.k.max(slope_at_load(net, l)) } else { b.k };
     let c = mobility(net, l, &sums.mats);
-    // A live viscosity counts with its value: without a largest value its range has no end.
+    // A live viscosity counts with its value, since its range may be unbounded.
     let z = if net.is_live(l.item) { linearisation::slopes(net, l).z } else { b.z };
     let viscous = if b.contact { z * c } else { 0.0 };
     let all = [(k * c, "kT²/m", STIFFEST), (viscous, "zT/m", MOST_VISCOUS)];

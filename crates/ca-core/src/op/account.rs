@@ -177,7 +177,7 @@ pub struct Sums<R: Real = f64> {
     pub error: R::Outer,
 }
 
-/// What was before the tick that is entered.
+/// The state before the tick that is entered.
 #[derive(Clone, Copy)]
 pub struct Before<'a, R: Real> {
     /// positions at the tick; none if no tick has passed, and only the stored energy has changed
@@ -199,7 +199,7 @@ pub struct Enter<'a, R: Real> {
     pub layout: &'a Layout<R>,
     /// the state after the tick
     pub s: &'a State<R>,
-    /// what was before the tick
+    /// state before the tick
     pub before: Before<'a, R>,
     /// links to enter
     pub account: &'a Account<R>,

@@ -162,6 +162,9 @@ impl Fold {
 #[cfg_attr(feature = "bytes", derive(serde::Serialize, serde::Deserialize))]
 pub struct Identity(pub(crate) u64);
 
+/// Largest number of pointers at a time, one for each finger.
+pub const FINGERS: usize = 10;
+
 /// Marks an unknown length in [`LinkState::lengths`].
 pub const UNKNOWN: f64 = -1.0;
 

@@ -7,7 +7,8 @@
 //! the device has sent a frame. The recorder sets live parameters in a gesture, because it knows the other changes:
 //! they come as [`Change`](super::Change).
 
-use ca_core::pointer::{FINGERS, Pointer};
+use ca_core::internal::state::FINGERS;
+use ca_core::pointer::Pointer;
 use ca_core::{InputRole, Scene, State};
 use ca_io::gesture::{Track, own};
 
@@ -61,7 +62,10 @@ impl ManualInput {
     /// Returns the form for the record.
     pub fn event(&self) -> ManualEvent {
         match self {
-            ManualInput::Grab(pointer) => ManualEvent::Grab(pointer.finger(), pointer.mass() as u32),
+            ManualInput::Grab(pointer) => {
+                let (finger, mass) = pointer.grip();
+                ManualEvent::Grab(finger, mass as u32)
+            }
             ManualInput::Pull(finger, to) => ManualEvent::Pull(*finger, *to),
             ManualInput::Release(finger) => ManualEvent::Release(*finger),
             ManualInput::Play(_) => ManualEvent::Play,
@@ -209,18 +213,19 @@ impl ManualState {
         match action {
             ManualInput::Grab(mut pointer) => {
                 pointer.hold(state);
-                self.pointers.retain(|p| p.finger() != pointer.finger() && p.mass() != pointer.mass());
+                let (finger, mass) = pointer.grip();
+                self.pointers.retain(|p| p.grip().0 != finger && p.grip().1 != mass);
                 // one for each finger, so it always fits
                 if self.pointers.len() < self.pointers.capacity() {
                     self.pointers.push(pointer);
                 }
             }
             ManualInput::Pull(finger, to) => {
-                if let Some(pointer) = self.pointers.iter_mut().find(|p| p.finger() == finger) {
+                if let Some(pointer) = self.pointers.iter_mut().find(|p| p.grip().0 == finger) {
                     pointer.pull(to);
                 }
             }
-            ManualInput::Release(finger) => self.pointers.retain(|p| p.finger() != finger),
+            ManualInput::Release(finger) => self.pointers.retain(|p| p.grip().0 != finger),
             ManualInput::Play(mut own) => {
                 own.begin(state);
                 return (self.own.replace(own), true);

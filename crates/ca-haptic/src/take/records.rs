@@ -6,7 +6,7 @@
 
 use crate::engine::{GLIDE, ManualEvent};
 use ca_core::Balance;
-use ca_core::pointer::FINGERS;
+use ca_core::internal::state::FINGERS;
 use zerocopy::{FromBytes, Immutable, IntoBytes, KnownLayout};
 
 /// ROS 2 name of a type.

@@ -6,7 +6,8 @@
 use super::{Recorder, Refused};
 use crate::engine::{EngineCommand, LONGEST, ManualEvent, ManualInput, OwnGesture, lead};
 use ca_core::Scene;
-use ca_core::pointer::{FINGERS, Pointer};
+use ca_core::internal::state::FINGERS;
+use ca_core::pointer::Pointer;
 use ca_io::gesture::{Track, own};
 
 /// Largest value of a port \[m or N\]; playable models need less, and larger values would exceed every range.
@@ -58,7 +59,7 @@ impl ManualProgress {
 }
 
 impl Recorder {
-    /// Holds MAT number `mass` of the scene with a finger (0 to [`FINGERS`] − 1), where it is. The finger releases any
+    /// Holds MAT number `mass` of the scene with a finger (0 to 9), where it is. The finger releases any
     /// other mass, and any other finger this one.
     ///
     /// # Errors
