@@ -150,9 +150,13 @@ fn ten_fingers_together_stay_below_the_limit() {
             }
         }
         compute_forces(&scene, &mut s);
-        all.iter_mut().for_each(|p| p.prepare(&s));
+        for p in &mut all {
+            p.prepare(&s);
+        }
         integrate(&scene, &mut s);
-        all.iter_mut().for_each(|p| p.apply(&mut s));
+        for p in &mut all {
+            p.apply(&mut s);
+        }
         let part = &mut moved[n / 10_000];
         *part = part.max(fastest(&s));
     }

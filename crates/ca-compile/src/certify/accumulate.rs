@@ -92,7 +92,8 @@ pub fn accumulate(net: &Pruned) -> Accumulated {
     let negative = links.iter().any(|b| b.k < 0.0);
     for (l, b) in net.lias.iter().zip(&links) {
         link(net, l, b, &mut mats);
-        if net.is_live(l.item) || !l.law.stage.is_explicit() && !(b.contact && is_open(net, l)) {
+        let solved = !l.law.stage.is_explicit();
+        if net.is_live(l.item) || solved && !(b.contact && is_open(net, l)) {
             l.all_ends().flat_map(|e| net.under(e)).for_each(|m| mats[m as usize].unsure = true);
         }
         // A contact covers nothing, since it may be open.
