@@ -68,7 +68,7 @@ fn run_time(scene: &Scene, seconds: f64) -> f64 {
 pub const HEAD: &str = "# What is proven, and what it costs\n\nMade by `UPDATE=1 cargo bench -p ca-benches --bench proven`: do not edit.\n\n\
     Verdict and run time of each bundled model under its own gesture, for one second: with explicit links \
     (`method = \"ca\"`), as it is, and with the methods that `method = \"auto\"` chooses. **%** is the \
-    run time in percent of real time on one core. **×** is the run time of `auto` over that of the explicit links.\n\n";
+    run time in percent of real time on one core. **×** is the run time with `auto`, divided by the run time with explicit links.\n\n";
 
 /// Returns the page.
 pub fn page(rows: &[Proven]) -> String {

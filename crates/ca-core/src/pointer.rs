@@ -9,8 +9,8 @@
 //! [`Certificate::headroom`] is the margin. The coupling takes at most half of the margin. With a share q of it the ends of
 //! a contact or friction are at most 1/(1 − q) times as mobile, so q also keeps them within the rules of the
 //! certificate. Further fingers share what the first one leaves: the second takes half of it, the third a quarter, and so
-//! on, so that together they stay below the margin. The mass follows the pointer at 1000 Hz at most, critically damped. κ and ν are stored without unit, so
-//! that the coupling weakens when a live parameter makes the mass lighter.
+//! on. Together they stay below the margin. The mass follows the pointer at 1000 Hz at most, critically damped. κ and ν
+//! are stored without unit, so that the coupling weakens when a live parameter makes the mass lighter.
 //!
 //! The pointer moves in a straight line to its last reported position, since a mouse reports 60 to 120 times a second.
 //! Its distance from rest is limited to its reach, and its force to the spring force at a hundredth of the reach. This
@@ -146,8 +146,11 @@ impl Pointer {
         if scene.passes.moves.iter().any(|op| op.name() == "kick") {
             return Err(Refused::Scheme("the method `pefrl`"));
         }
+        if usize::from(finger) >= FINGERS {
+            return Err(Refused::Margin(name()));
+        }
         let (spring, damper) = coupling(available(&scene.certificate, finger), scene.rates.sample_dt);
-        if spring == 0.0 || usize::from(finger) >= FINGERS {
+        if spring == 0.0 {
             return Err(Refused::Margin(name()));
         }
         Ok(Pointer {
@@ -242,7 +245,7 @@ fn available(c: &Certificate, finger: u8) -> f64 {
     };
     let all = (1.0 - c.rules.contact / CONTACT).min(1.0 - c.rules.friction / FRICTION).min(1.0);
     let first = all.min(SHARE);
-    let share = if finger == 0 { first } else { (all - first) / f64::from(1u32 << finger.min(16)) };
+    let share = if finger == 0 { first } else { (all - first) / f64::from(1u32 << finger) };
     share * linear
 }
 

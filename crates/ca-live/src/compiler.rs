@@ -18,14 +18,14 @@ use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Arc, PoisonError};
 
 /// The model as its author wrote it, if it could be read, and the result.
-type CompileState = (Option<Loaded>, Result<Box<CompiledVersion>, session::Refused>);
+type CompileState = (Option<Arc<Loaded>>, Result<Box<CompiledVersion>, session::Refused>);
 
 /// Compiles versions of a model, each on a separate thread, and watches the file of the model.
 pub(crate) struct Compiler {
     source: ModelSource,
     options: Options,
     /// The model as it was last read, without changes.
-    loaded: Option<Loaded>,
+    loaded: Option<Arc<Loaded>>,
     /// The model of the version that plays, without changes.
     playing: Option<Arc<Loaded>>,
     /// Model that a page stored last.
@@ -41,18 +41,17 @@ impl Compiler {
     pub(crate) fn new(source: &ModelSource, options: &Options, stored: Stored) -> Compiler {
         let source = source.clone();
         let mut file = Watch::of(&source.word);
-        let loaded = (source.read)().ok();
+        let loaded = (source.read)().ok().map(Arc::new);
         if let (Some(file), Some(loaded)) = (&mut file, &loaded) {
             file.also(&load::part_files(&loaded.model));
         }
-        let playing = loaded.clone().map(Arc::new);
-        Compiler { loaded, playing, stored, file, source, options: options.clone(), making: None }
+        Compiler { playing: loaded.clone(), loaded, stored, file, source, options: options.clone(), making: None }
     }
 }
 
 impl VersionCompiler for Compiler {
     fn check(&mut self, name: &str, value: &str) -> Result<(), session::Refused> {
-        let Some(mut loaded) = self.loaded.clone() else { return Ok(()) };
+        let Some(mut loaded) = self.loaded.as_deref().cloned() else { return Ok(()) };
         load::set_typed(&mut loaded, name, value).map_err(refused)
     }
 
@@ -80,7 +79,7 @@ impl VersionCompiler for Compiler {
                 }
                 self.loaded = read.or(self.loaded.take());
                 if made.is_ok() {
-                    self.playing = self.loaded.clone().map(Arc::new);
+                    self.playing.clone_from(&self.loaded);
                 }
                 session::CompileState::Done(made)
             }
@@ -128,10 +127,10 @@ fn make(
     changes: &[(String, String)],
     (options, setups): (Options, &[Setup]),
     anew: bool,
-    read: &mut Option<Loaded>,
+    read: &mut Option<Arc<Loaded>>,
 ) -> Result<Box<CompiledVersion>, session::Refused> {
     let mut loaded = (source.read)().map_err(refused)?;
-    *read = Some(loaded.clone());
+    *read = Some(Arc::new(loaded.clone()));
     let changes: Vec<_> = source.changes.iter().chain(changes).cloned().collect();
     for (name, value) in &changes {
         load::set_typed(&mut loaded, name, value).map_err(refused)?;

@@ -1,9 +1,9 @@
 //! The text of a model with changed values, for other people.
 
-use ca_edit::{Document, Place};
+use ca_edit::{Document, write_change};
 use ca_lab::Failure;
 use ca_lab::load::{self, Loaded, own_text};
-use ca_model::{Value, write};
+use ca_model::write;
 use std::sync::{Arc, Mutex};
 
 /// A model and its changes.
@@ -54,15 +54,7 @@ fn edited(loaded: &Loaded, changes: &[(String, String)]) -> Option<String> {
     }
     let mut text = Document::read(&text).ok()?;
     for (name, value) in changes {
-        let value = match Value::typed(value) {
-            Value::Num(v) => ca_edit::Value::Number(v),
-            Value::Text(t) => ca_edit::Value::Text(t),
-            _ => return None,
-        };
-        match name.split_once('.') {
-            Some((section @ ("model" | "rate"), key)) => text.insert(&Place::keys([section, key]), &value)?,
-            _ => text.set(&Place::of(&loaded.model, name).ok()?, &value)?,
-        }
+        write_change(&mut text, &loaded.model, name, value).ok()?;
     }
     Some(text.to_string())
 }

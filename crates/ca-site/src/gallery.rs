@@ -28,15 +28,8 @@ pub fn gallery() -> Result<String, Failure> {
         (DOCTYPE)
         html lang="en" {
             head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta name="color-scheme" content="dark light";
-                (PreEscaped(super::site::POLICY))
-                title { "ca: instruments you can touch" }
+                (super::site::head("", "ca: instruments you can touch", "gallery.css"))
                 link rel="manifest" href="site.webmanifest";
-                link rel="icon" href="icon.svg";
-                link rel="stylesheet" href="gallery.css";
-                script src="register.js" defer {}
             }
             body {
                 header {

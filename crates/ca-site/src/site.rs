@@ -5,14 +5,29 @@ use crate::{WebModules, page};
 use ca_io::atomic_file;
 use ca_lab::Failure;
 use ca_play::{STYLE, bundle, module};
+use maud::{Markup, PreEscaped, html};
 use serde_json::json;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::path::Path;
 
 /// Which content the pages accept: their own files alone.
-pub(crate) const POLICY: &str = "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
+const POLICY: &str = "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
     script-src 'self' 'wasm-unsafe-eval'; style-src 'self' 'unsafe-inline'; connect-src 'self'; img-src 'self' data: blob:; \
     worker-src 'self'; manifest-src 'self'; base-uri 'none'; form-action 'none'\">\n";
+
+/// Returns the head of a page. `root` leads from its folder to the folder of the site.
+pub(crate) fn head(root: &str, title: &str, style: &str) -> Markup {
+    html! {
+        meta charset="utf-8";
+        meta name="viewport" content="width=device-width, initial-scale=1";
+        meta name="color-scheme" content="dark light";
+        (PreEscaped(POLICY))
+        title { (title) }
+        link rel="icon" href={ (root) "icon.svg" };
+        link rel="stylesheet" href={ (root) (style) };
+        script src={ (root) "register.js" } defer {}
+    }
+}
 
 /// A file of the site: its path and content.
 pub(crate) type File = (String, Vec<u8>);

@@ -195,6 +195,23 @@ fn a_damper_only_takes() {
     }
 }
 
+/// A pressed contact whose viscosity is almost at the limit of W119, zT/m = 1000, for 0.1 s.
+#[test]
+fn a_very_viscous_contact_keeps_its_energy() {
+    let text = format!(
+        "[SOL]\nw = {{}}\n[MAS]\na = {{ m = 1e-3, x = -1e-3 }}\n[BUT]\nc = {{ between = [\"w\", \"a\"], k = 1e5, z = {}, \
+         sticky = true, method = \"stable\" }}\n[RES]\nr = {{ between = [\"w\", \"a\"], k = 100 }}\n[SOX]\no = {{ from = \"a\" }}\n",
+        0.999e3 * 1e-3 * 48e3
+    );
+    let scene = audited(&text);
+    assert_eq!(scene.certificate.level, Level::Proven, "{}", scene.findings);
+    let mut s = scene.state();
+    (0..4800).for_each(|_| tick(&scene, &mut s));
+    let ledger = s.ledger.as_deref().expect("a ledger");
+    let (balance, made) = (ledger.balance(), ledger.scheme_error.iter().sum::<f64>());
+    assert!(made.abs() <= 1e-9 * balance.peak && balance.residual.abs() <= 1e-12 * balance.peak, "{made} {balance:?}");
+}
+
 #[test]
 fn masses_that_share_a_blow_keep_their_energy() {
     // a row of balls between walls, thrown at each other from both sides; some are joined by linear springs

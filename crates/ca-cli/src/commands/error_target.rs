@@ -5,7 +5,7 @@ use crate::load::Loaded;
 use crate::outcome::Failure;
 use crate::term;
 use ca_accuracy::{AccuracyOptions, Choice, choose};
-use ca_edit::{Document, Place, Value};
+use ca_edit::{Document, write_change};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -89,12 +89,7 @@ fn written(loaded: &Loaded, choice: &Choice) -> Result<String, Failure> {
     let failed = |why: String| Failure::Failed(format!("--write: {why}"));
     let mut text = Document::read(&loaded.model.text).map_err(|e| failed(e.to_string()))?;
     for (name, value) in &choice.changes {
-        let place = match name.split_once('.') {
-            Some((section @ ("model" | "rate"), key)) => Place::keys([section, key]),
-            _ => Place::of(&loaded.model, name).map_err(|e| failed(e.to_string()))?,
-        };
-        let value = value.parse().map_or_else(|_| Value::Text(value.clone()), Value::Number);
-        text.insert(&place, &value).ok_or_else(|| failed(format!("`{name}` is not in the text of the model")))?;
+        write_change(&mut text, &loaded.model, name, value).map_err(failed)?;
     }
     Ok(text.to_string())
 }

@@ -25,6 +25,13 @@ fn bundled(name: &str) -> String {
     std::fs::read_to_string(models.join(format!("{name}.ca.toml"))).unwrap()
 }
 
+/// Opens the page in a browser, and waits until it is drawn; `None` without a browser.
+fn drawn(host: &Host) -> Option<Tab> {
+    let mut tab = Tab::open(&host.address)?;
+    until("it is drawn", || tab.js("+document.documentElement.dataset.frames > 5") == true);
+    Some(tab)
+}
+
 fn end(mut host: Host) {
     host.page().done(&json!({"type": "stop"}));
     host.ended();
@@ -68,8 +75,7 @@ pub fn only_keys_that_sound_are_keys() {
 /// The buttons of a game controller are keys, and its sticks MIDI controllers.
 pub fn a_game_controller_plays() {
     let host = Host::play(crate::STRING, &["--seconds", "600"]);
-    let Some(mut tab) = Tab::open(&host.address) else { return };
-    until("it is drawn", || tab.js("+document.documentElement.dataset.frames > 5") == true);
+    let Some(mut tab) = drawn(&host) else { return };
     let mut page = host.page();
     page.next("scene");
     tab.js("(() => { window.pad = { index: 0, connected: true, axes: [0, 0, 0, 0], \
@@ -93,8 +99,7 @@ pub fn a_game_controller_plays() {
 /// Two fingers hold two masses.
 pub fn two_fingers_hold_two_masses() {
     let host = Host::play(crate::STRING, &["--seconds", "600"]);
-    let Some(mut tab) = Tab::open(&host.address) else { return };
-    until("it is drawn", || tab.js("+document.documentElement.dataset.frames > 5") == true);
+    let Some(mut tab) = drawn(&host) else { return };
     let mut watch = host.page();
     watch.next("scene");
     let [x, y] = tab.near().expect("some mass is near the middle");
@@ -165,8 +170,7 @@ fn factors(tab: &mut Tab, n: usize, at: &str) -> Vec<f64> {
 /// other.
 pub fn magnification_settles_and_is_calm() {
     let host = Host::play(crate::STRING, &[]);
-    let Some(mut tab) = Tab::open(&host.address) else { return };
-    until("it is drawn", || tab.js("+document.documentElement.dataset.frames > 5") == true);
+    let Some(mut tab) = drawn(&host) else { return };
     let string =
         "(i, t) => t < 1 ? 0 : 1e-4 * Math.sin(Math.PI * (i + 1) / 41) * Math.cos(692.1 * t) * 10 ** (-0.5 * (t - 1))";
     let piano = "(i, t) => { const key = Math.floor(i / 80), j = i % 80, s = t - 1 - 0.4 * key; if (s < 0 || key > 23) return 0; \

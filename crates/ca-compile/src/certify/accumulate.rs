@@ -122,9 +122,7 @@ fn link(net: &Pruned, l: &LiaNode, b: &Bound, mats: &mut [Sums]) {
         s.all += if b.lift > 0.0 { h.max(0.0) } else { h };
         s.disc += h + others * h.abs();
         if matches!(end, End::Mat(_)) {
-            // The forces of a quadripole at several of its ends may cancel, or add up.
-            let times = l.all_ends().filter(|e| *e == end).count() as f64;
-            let sure = if times > 1.0 { (times * sure).min(0.0) } else { sure };
+            let sure = repeated(l, end, sure);
             s.certain += sure;
             s.viscous += viscous;
             s.most = s.most.max(sure);
@@ -132,6 +130,13 @@ fn link(net: &Pruned, l: &LiaNode, b: &Bound, mats: &mut [Sums]) {
             s.radial |= l.is_radial();
         }
     }
+}
+
+/// Returns what a link certainly adds at an end. A quadripole may act at several of its ends on one mass, and its forces
+/// there may cancel or add up.
+fn repeated(l: &LiaNode, end: End, sure: f64) -> f64 {
+    let times = if l.onto.is_some() { l.all_ends().filter(|e| *e == end).count() } else { 1 };
+    if times > 1 { (times as f64 * sure).min(0.0) } else { sure }
 }
 
 /// Returns the part of [`Bound::h`] that a link has at all elongations \[N/m\].

@@ -22,10 +22,10 @@ pub struct Bounds {
 pub fn bound(net: &Pruned, sums: &Accumulated) -> Bounds {
     let (mut lower, mut cause) = (0.0, None);
     for (i, s) in sums.mats.iter().enumerate() {
-        // The damper of a junction represents leaving waves, and returning waves may cancel it.
         if s.unsure {
             continue;
         }
+        // The damper of a junction represents leaving waves, and returning waves may cancel it.
         let leaves = if net.lines.iter().any(|l| l.junctions().contains(&(i as u32))) { 2.0 * s.z } else { 0.0 };
         if (certain(s) - leaves) * s.scaled_mobility > lower {
             (lower, cause) = ((certain(s) - leaves) * s.scaled_mobility, Some(i));

@@ -117,8 +117,8 @@ pub fn at(reached: Option<&MaxElongation>) -> String {
     }
 }
 
-/// Returns the warning for a contact that is unstable while it presses, with slopes `k`, `z` and mobility `c`, and the power `p`
-/// of its law or 0. Only `exact`
+/// Returns the warning for a contact that is unstable while it presses, with slopes `k`, `z` and mobility `c`, and the
+/// power `p` of its law or 0. Only `exact`
 /// slopes and mobility give numbers that mend it: links that are too stiff themselves make the masses more mobile.
 fn unstable_contact(
     net: &Pruned,

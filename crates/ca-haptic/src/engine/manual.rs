@@ -1,4 +1,5 @@
-//! Manual input without a device: pointers that pull masses, one for each finger, ports moved by sliders, and the gesture of a model.
+//! Manual input without a device: pointers that pull masses (one for each finger), ports moved by sliders, and the
+//! gesture of a model.
 //!
 //! All of it acts on the inputs of the scene and on the [`Pointer`]s, so that a scene without manual input pays only one
 //! check per tick. No port jumps, because a jump is a blow: ports glide to their targets (without a glide only if a

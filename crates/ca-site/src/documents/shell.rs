@@ -1,7 +1,7 @@
 //! The shell of each page of the documents: the head, the link to the instruments and the list of all documents.
 
 use super::{CHAPTERS, Document};
-use crate::site::POLICY;
+use crate::site::head;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 /// Returns the page of a document.
@@ -31,14 +31,7 @@ fn whole(title: &str, root: &str, present: Option<&str>, content: &Markup) -> St
         (DOCTYPE)
         html lang="en" {
             head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta name="color-scheme" content="dark light";
-                (PreEscaped(POLICY))
-                title { (title) " – ca" }
-                link rel="icon" href={ (root) "icon.svg" };
-                link rel="stylesheet" href={ (root) "docs.css" };
-                script src={ (root) "register.js" } defer {}
+                (head(root, &format!("{title} – ca"), "docs.css"))
             }
             body {
                 header {
