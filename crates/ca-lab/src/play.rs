@@ -110,7 +110,7 @@ pub fn clamped(p: &Performance) -> Vec<String> {
 
 /// Residual of a ledger, relative to its peak.
 pub fn relative(b: &Balance) -> f64 {
-    if b.peak > 0.0 { b.residual.abs() / b.peak } else { 0.0 }
+    if b.peak > 0.0 || !b.residual.is_finite() { b.residual.abs() / b.peak } else { 0.0 }
 }
 
 /// Residual, relative to the energy through the ledger, that exceeds rounding. Bundled models stay below 1e-12.
@@ -162,6 +162,7 @@ mod tests {
         assert_eq!(unbalanced(&Balance { residual: 1e-12, ..b }), None);
         assert_eq!(unbalanced(&Balance { residual: -3e-4, ..b }), Some(-3e-4));
         assert!(unbalanced(&Balance { residual: f64::NAN, ..b }).is_some_and(f64::is_nan));
+        assert!(relative(&Balance { residual: f64::NAN, ..Balance::default() }).is_nan(), "not exactly 0");
         // a scene whose energy is always small although much passes through it
         assert_eq!(
             unbalanced(&Balance { residual: 1e-9, work: 5e-3, lost: 5e-3, peak: 1e-8, ..Balance::default() }),

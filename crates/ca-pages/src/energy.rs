@@ -73,6 +73,9 @@ impl EnergyOverTime {
                      supplied."
                 )
             }
+            rel if !rel.is_finite() => {
+                "The ledger does not balance: a sum of it is beyond the range of numbers.".into()
+            }
             _ if b.peak == 0.0 => "Nothing moved, so the energy is zero.".into(),
             0.0 => "The ledger balances exactly.".into(),
             rel => format!("The ledger balances to {rel:.1e} of its peak, {}.", joule(scale * b.peak)),

@@ -1,6 +1,7 @@
 //! Integration methods: explicit, implicit, modal, PEFRL, `stable`, `stable3d`, friction.
 
 mod auto;
+mod begins;
 mod friction;
 mod hertz;
 mod implicit;

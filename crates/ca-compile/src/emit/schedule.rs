@@ -239,8 +239,8 @@ pub fn schedule(
         layout.rates.slow = Some(Arc::new(group));
     }
     let as_milib = net.as_milib && !diags.has_errors();
-    let ahead = net.oversample == 1 && layout.ports.enx.iter().any(|p| p.implicit);
-    let kept = !as_milib && (ahead || net.precision == Precision::Single);
+    let by_hand = layout.ports.enx.iter().chain(&layout.ports.tgr).any(|p| p.implicit);
+    let kept = !as_milib && (by_hand || net.precision == Precision::Single);
     let before = kept.then(|| Before { start: begin, state: loaded.clone(), forces: listed.clone() });
     let mut initial =
         if as_milib { milib::first(&layout, &listed, begin, loaded) } else { start(&layout, &listed, begin, loaded) };

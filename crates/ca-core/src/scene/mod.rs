@@ -18,7 +18,7 @@ use crate::io::midi::MidiMap;
 use crate::kind::name::Name;
 use crate::live::{Controls, LiveTable};
 use crate::numeric::Real;
-use crate::op::layout::{Account, Layout};
+use crate::op::layout::{Account, Enx, Layout};
 use crate::op::{Integrate, Op};
 use crate::state::{Identity, State};
 use alloc::borrow::Cow;
@@ -132,19 +132,21 @@ impl<R: Real> Scene<R> {
     }
 
     /// Returns a state at load whose ports have an initial position and motion. `hand` gives, for an index into
-    /// [`State::input`], the position \[m\] and its change per tick \[m\] at the first tick, or `None` for a port at
-    /// rest.
+    /// [`State::input`], the position \[m\] and its change per sample \[m\] at the first tick, or `None` for a port at
+    /// its place in the model.
     ///
-    /// It is called only for position ports with links that are solved with the coming motion
-    /// ([`crate::op::layout::Enx::implicit`]). Those links are of second order or more from the first tick on. All
-    /// other ports begin as with [`Scene::state`], standing still.
+    /// It is called only for position and device ports with links that are solved with the coming motion
+    /// ([`crate::op::layout::Enx::implicit`]). Those links store the energy of this position, not that of the place in
+    /// the model. At one tick per sample, links at position ports are also of second order or more from the first tick
+    /// on: a device port, and any port of a scene with several ticks per sample, begins without motion.
     pub fn state_from(&self, hand: impl Fn(usize) -> Option<[f64; 2]>) -> State<R> {
-        let moves = self.layout.oversample() == 1 && self.layout.ports.enx.iter().any(|p| p.implicit);
-        let Some(before) = self.before.as_ref().filter(|_| moves) else { return self.state() };
+        let Some(before) = self.before.as_ref().filter(|_| self.begins_by_hand().next().is_some()) else {
+            return self.state();
+        };
         let mut s = before.state.clone();
-        for p in self.layout.ports.enx.iter().filter(|p| p.implicit) {
+        for (p, moves) in self.begins_by_hand() {
             let Some([x, d]) = hand(p.input as usize).filter(|v| v.iter().all(|v| v.is_finite())) else { continue };
-            let (m, d) = (p.mat as usize, R::of(d));
+            let (m, d) = (p.mat as usize, R::of(if moves { d } else { 0.0 }));
             let x = R::inner(R::Outer::of(x) - p.rest);
             s.x[m] = if self.layout.ports.ahead.contains(&p.mat) { x - d } else { x };
             s.d[m] = d;
@@ -152,6 +154,23 @@ impl<R: Real> Scene<R> {
         let mut s = start(&self.layout, &before.forces, before.start, s);
         s.scene = self.initial.scene;
         s
+    }
+
+    /// Returns the first index into [`State::input`] whose `hand` makes [`Scene::state_from`] differ from
+    /// [`Scene::state`].
+    pub fn begins_elsewhere(&self, hand: impl Fn(usize) -> Option<[f64; 2]>) -> Option<usize> {
+        let elsewhere = |(p, moves): &(&Enx<R>, bool)| {
+            hand(p.input as usize).is_some_and(|[x, d]| x != p.rest.wide() || (*moves && d != 0.0))
+        };
+        self.begins_by_hand().find(elsewhere).map(|(p, _)| p.input as usize)
+    }
+
+    /// Returns the ports whose initial position is part of the start, each with whether its motion is too.
+    fn begins_by_hand(&self) -> impl Iterator<Item = (&Enx<R>, bool)> {
+        let ports = &self.layout.ports;
+        let moves = self.layout.oversample() == 1;
+        let all = ports.enx.iter().map(move |p| (p, moves)).chain(ports.tgr.iter().map(|p| (p, false)));
+        all.filter(|(p, _)| p.implicit)
     }
 
     /// Returns the number of MATs, with any number of axes.

@@ -152,8 +152,7 @@ impl Reverse {
 
     /// Returns the first port whose initial position is part of the start.
     fn starting_port(&self, p: &Performance) -> Option<&str> {
-        let mut inputs = self.scene.inputs.iter().enumerate().filter(|_| self.scene.before.is_some());
-        inputs.find(|(i, _)| p.hand(*i).is_some()).map(|(_, input)| input.name.as_str())
+        self.scene.begins_elsewhere(|input| p.hand(input)).map(|input| self.scene.inputs[input].name.as_str())
     }
 
     /// Propagates the adjoints of port-driven coefficients. Such a coefficient is linear within a frame and ends at the

@@ -104,10 +104,10 @@ impl<'a> Performance<'a> {
     }
 
     /// Returns the value of the gesture on input `input` of [`State::input`](ca_core::State::input) at the first tick,
-    /// and its change per tick; `None` if nothing drives that input. A hand that moves at the first tick is taken to
+    /// and its change per sample; `None` if nothing drives that input. A hand that moves at the first tick is taken to
     /// have moved before it.
     pub fn hand(&self, input: usize) -> Option<[f64; 2]> {
-        let d = self.drives.iter().find(|d| matches!(d.target, Target::Input(i) if i == input))?;
+        let d = self.drives.iter().find(|d| matches!(d.target, Target::Input(i) | Target::Device(i) if i == input))?;
         let [now, next] = [0.0, self.scene.rates.sample_dt].map(|t| d.track.at(t));
         Some([now, next - now])
     }

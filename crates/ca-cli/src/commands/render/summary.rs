@@ -255,9 +255,12 @@ impl Summary<'_> {
             format!(" (first {} s)", short(time).trim_end_matches('0').trim_end_matches('.'))
         };
         let rel = relative(&b);
-        let balance =
-            if rel == 0.0 { "exactly".into() } else { format!("to {rel:.1e} of the peak, {}", joule(b.peak)) };
-        writeln!(out, "  energy     accounted for {balance}{span}")?;
+        let balance = match rel {
+            0.0 => "accounted for exactly".into(),
+            _ if !rel.is_finite() => "not accounted for: a sum of it is beyond the range of numbers".into(),
+            _ => format!("accounted for to {rel:.1e} of the peak, {}", joule(b.peak)),
+        };
+        writeln!(out, "  energy     {balance}{span}")?;
         if !a.complete {
             return Ok(());
         }
