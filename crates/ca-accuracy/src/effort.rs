@@ -1,10 +1,10 @@
 //! Limits the run time of a measurement: chooses duration, rates and reference if the caller names none.
 
+use super::timing::Clock;
 use super::{AccuracyOptions, BUDGET};
 use ca_core::Scene;
 use ca_io::perform::Performance;
 use ca_lab::Failure;
-use std::time::Instant;
 
 /// Ticks by which the run time is estimated.
 const TICKS: u64 = 1000;
@@ -30,7 +30,7 @@ pub fn chosen(ask: &AccuracyOptions, scene: &Scene) -> Result<(f64, Vec<u32>, u3
     if let (Some(seconds), Some(times), Some(reference)) = (ask.seconds, ask.times, ask.reference) {
         return Ok((seconds, each_once(times), reference));
     }
-    let share = share_of_real_time(scene)?;
+    let share = share_of_real_time(scene, ask.clock)?;
     let all = scene.about.seconds.unwrap_or(LONGEST).min(LONGEST);
     let seconds = ask.seconds.unwrap_or(all.min((LONG_RUN / share).max(SHORTEST)));
     let (times, reference) = rates(seconds * share);
@@ -45,12 +45,19 @@ fn each_once(times: &[u32]) -> Vec<u32> {
 }
 
 /// Estimates the run time of a second of sound \[s\].
-fn share_of_real_time(scene: &Scene) -> Result<f64, Failure> {
+fn share_of_real_time(scene: &Scene, clock: Clock) -> Result<f64, Failure> {
     let mut p = Performance::new(scene, None)?;
-    let begin = Instant::now();
-    p.until(TICKS, 1);
-    let samples = TICKS as f64 / f64::from(scene.oversample());
-    Ok(begin.elapsed().as_secs_f64() * scene.rate / samples)
+    let (begin, mut ticks) = ((clock.now)(), 0);
+    let ns = loop {
+        ticks += TICKS;
+        p.until(ticks, 1);
+        let ns = clock.since(begin);
+        if ns >= clock.least() {
+            break ns;
+        }
+    };
+    let samples = ticks as f64 / f64::from(scene.oversample());
+    Ok(1e-9 * ns * scene.rate / samples)
 }
 
 /// Returns the multiples of the rate, and the multiple for the reference. `run` is the run time of the model as written

@@ -48,11 +48,12 @@ pub fn columns(scene: &Scene, frames: usize, times: u32, steps: &mut Steps) -> R
     let kept = Kept { channels: scene.counts.channels, n_out: scene.counts.n_out, times };
     let mut all = kept.columns(frames);
     let p = Performance::new(scene, None)?;
-    let played = play(p, frames as u64 * u64::from(times), BLOCK, &mut |p, rows, done| {
+    let (clock, begin) = (steps.clock, (steps.clock.now)());
+    play(p, frames as u64 * u64::from(times), BLOCK, &mut |p, rows, done| {
         kept.keep(&mut all, rows, done, known(p));
         steps.look()
     })?;
-    Ok((all, played.wall.as_nanos() as f64 / frames.max(1) as f64))
+    Ok((all, clock.since(begin) / frames.max(1) as f64))
 }
 
 /// Returns the energy ledger after `ticks` ticks, or at the last tick before a divergence.

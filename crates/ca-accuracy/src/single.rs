@@ -13,7 +13,6 @@ use ca_io::player::Player;
 use ca_lab::Failure;
 use ca_lab::load::Loaded;
 use ca_model::diag::Severity;
-use std::time::Instant;
 
 pub const SINGLE: &str = "single";
 
@@ -58,7 +57,7 @@ pub fn columns(
     let mut player = Player::new(scene.state());
     let kept = Kept { channels: scene.counts.channels, n_out: scene.counts.n_out, times };
     let (mut all, mut rows) = (kept.columns(frames), Vec::new());
-    let begin = Instant::now();
+    let begin = (steps.clock.now)();
     for first in (0..ticks).step_by(BLOCK as usize) {
         let run = BLOCK.min(ticks - first);
         rows.clear();
@@ -73,5 +72,5 @@ pub fn columns(
         kept.keep(&mut all, &rows, first + run, known(&player));
         steps.look()?;
     }
-    Ok((all, begin.elapsed().as_nanos() as f64 / frames.max(1) as f64))
+    Ok((all, steps.clock.since(begin) / frames.max(1) as f64))
 }

@@ -1,5 +1,6 @@
 //! Compares the stated error of a reference with an independent computation.
 
+use super::timing::Clock;
 use super::{AccuracyOptions, measured};
 use ca_lab::load::Loaded;
 
@@ -46,6 +47,7 @@ fn a_reference_with_contacts_is_known_as_well_as_is_said() {
         times: Some(&[16]),
         reference: Some(64),
         remedy: "",
+        clock: Clock::WALL,
         progress: &mut go_on,
     };
     let found = measured(&loaded, &mut ask).expect("it is measured");

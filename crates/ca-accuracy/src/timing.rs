@@ -3,7 +3,40 @@
 //! It uses the processor time of this thread: on a busy machine, wall time was eight times as long. The fastest of
 //! several batches counts, since other programs did not use its caches. Systems without such a clock use wall time.
 
-use std::time::Duration;
+use std::sync::LazyLock;
+use std::time::{Duration, Instant};
+
+/// Steps of a clock in the shortest time that it measures well.
+const FEW: u32 = 20;
+
+/// Clock by which run times are measured.
+#[derive(Clone, Copy, Debug)]
+pub struct Clock {
+    /// Returns the time since a fixed moment.
+    pub now: fn() -> Duration,
+    /// Step by which it advances. Runs that last only a few steps are timed together.
+    pub step: Duration,
+}
+
+impl Clock {
+    /// Wall time, in WebAssembly not available.
+    pub const WALL: Clock = Clock { now: wall, step: Duration::ZERO };
+
+    /// Time since `begin` \[ns\].
+    pub(crate) fn since(self, begin: Duration) -> f64 {
+        (self.now)().saturating_sub(begin).as_nanos() as f64
+    }
+
+    /// Shortest time that it measures well \[ns\].
+    pub(crate) fn least(self) -> f64 {
+        (FEW * self.step).as_nanos() as f64
+    }
+}
+
+fn wall() -> Duration {
+    static BEGIN: LazyLock<Instant> = LazyLock::new(Instant::now);
+    BEGIN.elapsed()
+}
 
 /// Extent of a measurement.
 #[derive(Clone, Copy, Debug)]
@@ -50,10 +83,7 @@ pub fn processor() -> Duration {
 /// Wall time.
 #[cfg(not(unix))]
 pub fn processor() -> Duration {
-    use std::sync::LazyLock;
-    use std::time::Instant;
-    static BEGIN: LazyLock<Instant> = LazyLock::new(Instant::now);
-    BEGIN.elapsed()
+    wall()
 }
 
 /// Describes the processor of this machine.

@@ -3,6 +3,7 @@
 use crate::energy::EnergyOverTime;
 use crate::parts::{self, Facts, finished};
 use ca_accuracy::AccuracyOptions;
+use ca_accuracy::timing::Clock;
 use ca_compile::{Compiled, Options};
 use ca_core::Scene;
 use ca_io::gesture::Gesture;
@@ -192,6 +193,7 @@ impl<'a> ModelPage<'a> {
             times: Some(&TIMES),
             reference: Some(REFERENCE),
             remedy: options.remedy,
+            clock: Clock::WALL,
             progress: &mut |done, of| goes_on(Work::Compared(done, of)),
         };
         match ca_accuracy::measured(self.loaded, &mut ask) {

@@ -3,6 +3,7 @@
 use crate::error::{failure, usage};
 use crate::long_call::run_detached;
 use ca_accuracy::AccuracyOptions;
+use ca_accuracy::timing::Clock;
 use ca_compile::Options;
 use ca_compile::analysis::{Dof, LinkRow, modes};
 use ca_core::{Ledger, Location, Type};
@@ -168,6 +169,7 @@ pub fn accuracy<'py>(
             times: Some(&asked.times),
             reference: Some(asked.reference),
             remedy: "play longer with `seconds`, or compare other modules with `probes`",
+            clock: Clock::WALL,
             progress: &mut |done, of| wanted.goes_on(done, of),
         };
         ca_accuracy::measured(&loaded, &mut ask)

@@ -2,13 +2,12 @@
 
 use crate::args::Source;
 use crate::args::common::seconds;
-use crate::load::{self, Loaded};
+use crate::load;
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::{outputs, page, term};
-use ca_accuracy::{AccuracyOptions, Measured, MethodRow, Origin};
-use ca_report::{Block, Report, Section};
+use ca_accuracy::timing::Clock;
+use ca_accuracy::{AccuracyOptions, Measured, Reported};
 use clap::Args;
-use serde_json::{Value as Json, json};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -92,6 +91,7 @@ pub fn run(args: &AccuracyArgs) -> Outcome {
         times,
         reference: args.reference,
         remedy: "play longer with `--seconds`, or compare another module with `--probe`",
+        clock: Clock::WALL,
         progress,
     };
     let found = ca_accuracy::measured(&loaded, &mut ask);
@@ -99,124 +99,46 @@ pub fn run(args: &AccuracyArgs) -> Outcome {
         bar.finish_and_clear();
     }
     let found = found?;
-    let best = args.error.and_then(|e| found.choose(e));
-    let reported = Page { name: &loaded.name, found: &found, best, asked: args.error };
+    let reported = Reported::new(&loaded.name, &found, args.error);
     if args.json {
         writeln!(std::io::stdout().lock(), "{:#}", reported.json())?;
     } else {
-        reported.text()?;
+        text(&reported)?;
     }
     if let Some(path) = &args.output {
-        page::write(path, &reported.page(&loaded).html())?;
+        page::write(path, &reported.page(&loaded.model).html())?;
         term::note(&format!("page written to `{}`", path.display()));
     }
-    Ok(if args.error.is_some() && best.is_none() { Ended::Degraded } else { Ended::Well })
+    Ok(if args.error.is_some() && reported.best.is_none() { Ended::Degraded } else { Ended::Well })
 }
 
-/// Result of the command, for printing.
-struct Page<'a> {
-    name: &'a str,
-    found: &'a Measured,
-    /// Fastest row within the requested error.
-    best: Option<&'a MethodRow>,
-    /// Requested error.
-    asked: Option<f64>,
-}
-
-impl Page<'_> {
-    /// Says whether a row meets the requested error.
-    fn verdict(&self) -> Option<String> {
-        let (asked, reference) = (self.asked?, &self.found.reference);
-        let (known, error_target) = (reference.known, format!("an error of at most {asked:e}"));
-        Some(match (self.best, reference.origin) {
-            (Some(r), _) => format!("fastest with {error_target}: {}", r.name()),
-            (None, _) if known <= asked => {
-                format!("no row that is proven has {error_target}; try larger multiples with `--times`")
-            }
-            (None, Origin::Modes) => {
-                format!(
-                    "{error_target} cannot be confirmed: the closed form is accurate only to {known:.1e}; choose a larger \
-                     `--error`"
-                )
-            }
-            (None, Origin::Rate(n, _) | Origin::Open(n)) => {
-                format!(
-                    "{error_target} cannot be confirmed: the reference is accurate only to {known:.1e}; raise `--reference` \
-                     above {n}"
-                )
-            }
-        })
-    }
-
-    fn text(&self) -> Result<(), Failure> {
-        let f = self.found;
-        let mut out = std::io::stdout().lock();
-        writeln!(out, "{}: {:.3} s at {} Hz, against {}", self.name, f.seconds(), f.rate, f.origin())?;
-        let cells: Vec<Vec<String>> = f.rows.iter().map(|r| f.cells(r)).collect();
-        let wide =
-            |k: usize| cells.iter().map(|c| c[k].chars().count()).chain([Measured::HEAD[k].len()]).max().unwrap_or(0);
-        let line = |row: &[&str]| {
-            let all = row
-                .iter()
-                .enumerate()
-                .map(|(k, c)| if k == 0 || k == 8 { format!("{c:<0$}", wide(k)) } else { format!("{c:>0$}", wide(k)) });
-            format!("  {}", all.collect::<Vec<_>>().join("  ")).trim_end().to_owned()
-        };
-        writeln!(out, "{}", line(&Measured::HEAD))?;
-        for row in &cells {
-            writeln!(out, "{}", line(&row.iter().map(String::as_str).collect::<Vec<_>>()))?;
-        }
-        writeln!(out, "  * no other row is both more exact and faster")?;
-        for (method, why) in &f.refused {
-            writeln!(out, "  method {method} not possible: {why}")?;
-        }
-        for (method, what) in &f.warned {
-            writeln!(out, "  method {method}: {what}")?;
-        }
-        if let Some(verdict) = self.verdict() {
-            writeln!(out, "{verdict}")?;
-        }
-        Ok(())
-    }
-
-    fn json(&self) -> Json {
-        let f = self.found;
-        let finite = |v: f64| if v.is_finite() { json!(v) } else { Json::Null };
-        let rows: Vec<Json> = f
-            .rows
+fn text(reported: &Reported) -> Result<(), Failure> {
+    let f = reported.found;
+    let mut out = std::io::stdout().lock();
+    writeln!(out, "{}: {:.3} s at {} Hz, against {}", reported.name, f.seconds(), f.rate, f.origin())?;
+    let cells: Vec<Vec<String>> = f.rows.iter().map(|r| f.cells(r)).collect();
+    let wide =
+        |k: usize| cells.iter().map(|c| c[k].chars().count()).chain([Measured::HEAD[k].len()]).max().unwrap_or(0);
+    let line = |row: &[&str]| {
+        let all = row
             .iter()
-            .map(|r| {
-                json!({
-                    "method": r.method, "times": r.times, "error": finite(r.score.error),
-                    "spectrum_error": finite(r.score.spectrum), "cents": r.score.cents.map(finite),
-                    "decay_db": finite(r.score.decay), "made": r.energy_error().map(finite), "ns_per_sample": r.ns,
-                    "real_time_factor": 1e9 / (r.ns * f.rate), "stability": r.level.to_string(), "front": r.front,
-                })
-            })
-            .collect();
-        let (origin, times, order) = match f.reference.origin {
-            Origin::Modes => ("modes", None, None),
-            Origin::Rate(n, p) => ("rate", Some(n), Some(p)),
-            Origin::Open(n) => ("open", Some(n), None),
-        };
-        json!({
-            "name": self.name, "rate": f.rate, "seconds": f.seconds(), "rows": rows,
-            "reference": { "origin": origin, "times": times, "order": order, "known": f.reference.known,
-                           "method": f.reference.method, "agrees": f.reference.second.map(|s| s.agrees),
-                           "second": f.reference.second.map(|s| s.method), "apart": f.reference.second.map(|s| s.apart),
-                           "words": f.origin() },
-            "refused": f.refused.iter().map(|(m, why)| json!({ "method": m, "why": why })).collect::<Vec<_>>(),
-            "warned": f.warned.iter().map(|(m, what)| json!({ "method": m, "what": what })).collect::<Vec<_>>(),
-            "recommended": self.best.map(|r| json!({ "method": r.method, "times": r.times })),
-            "verdict": self.verdict(),
-        })
+            .enumerate()
+            .map(|(k, c)| if k == 0 || k == 8 { format!("{c:<0$}", wide(k)) } else { format!("{c:>0$}", wide(k)) });
+        format!("  {}", all.collect::<Vec<_>>().join("  ")).trim_end().to_owned()
+    };
+    writeln!(out, "{}", line(&Measured::HEAD))?;
+    for row in &cells {
+        writeln!(out, "{}", line(&row.iter().map(String::as_str).collect::<Vec<_>>()))?;
     }
-
-    fn page(&self, loaded: &Loaded) -> Report {
-        let mut report = Report::new(&format!("{}: error against run time", self.name), "");
-        report.sections.push(self.found.section(self.best.map(|r| (r, "chosen"))));
-        let source = Block::Source(loaded.model.file.clone(), loaded.model.text.clone());
-        report.sections.push(Section::new("The model", vec![source]));
-        report
+    writeln!(out, "  * no other row is both more exact and faster")?;
+    for (method, why) in &f.refused {
+        writeln!(out, "  method {method} not possible: {why}")?;
     }
+    for (method, what) in &f.warned {
+        writeln!(out, "  method {method}: {what}")?;
+    }
+    if let Some(verdict) = reported.verdict() {
+        writeln!(out, "{verdict}")?;
+    }
+    Ok(())
 }

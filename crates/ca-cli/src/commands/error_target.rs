@@ -4,6 +4,7 @@ use crate::commands::accuracy::share;
 use crate::load::Loaded;
 use crate::outcome::Failure;
 use crate::term;
+use ca_accuracy::timing::Clock;
 use ca_accuracy::{AccuracyOptions, Choice, choose};
 use ca_edit::{Document, write_change};
 use clap::Args;
@@ -75,6 +76,7 @@ fn measure(loaded: &Loaded, rate: Option<f64>, error: f64, quiet: bool) -> Resul
         times: Some(&TIMES),
         reference: Some(REFERENCE),
         remedy,
+        clock: Clock::WALL,
         progress,
     };
     let choice = choose(loaded, error, &mut ask);

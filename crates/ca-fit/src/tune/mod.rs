@@ -5,14 +5,19 @@
 //! on logarithms, since a frequency is a power of a stiffness. Each step reads the changed text.
 
 mod instance;
+mod pitch;
+
+pub use pitch::{Scale, targets};
 
 use ca_compile::Options;
 use ca_compile::analysis::{Mode, Network, modes};
+use ca_core::{Level, Scene};
 use ca_edit::number::{self, Number};
 use ca_edit::{Document, Place};
 use ca_lab::load::{self, Loaded};
 use ca_lab::{Failure, Found, catalog};
-use ca_model::{Model, Value};
+use ca_model::{Item, Model, Value};
+use serde_json::{Value as Json, json};
 
 /// Distance at which a pitch is reached \[cents\].
 const MET: f64 = 1e-6;
@@ -70,6 +75,48 @@ impl Tuned {
     }
 }
 
+/// Returns the result as JSON. `name` is the name of the model.
+pub fn value(name: &str, done: &[Tuned]) -> Json {
+    let list: Vec<Json> = done
+        .iter()
+        .map(|t| {
+            json!({ "part": t.part, "wanted_hz": t.target, "before_hz": t.before, "heard_hz": t.reached, "off_cents": t.off(),
+                "number": t.number })
+        })
+        .collect();
+    json!({ "name": name, "tuned": list })
+}
+
+/// Checks the scene of a tuned model.
+///
+/// # Errors
+/// [`Failure::Failed`] if it is unstable.
+pub fn stable(scene: &Scene) -> Result<(), Failure> {
+    if scene.certificate.level == Level::Unstable {
+        return Err(Failure::Failed(
+            "the tuned model would diverge; choose a lower pitch, or a higher sound rate".into(),
+        ));
+    }
+    Ok(())
+}
+
+/// Returns the names of the parts that can be tuned: they have a pitch or a stiffness, and places of the network.
+pub fn parts(model: &Model, network: &Network) -> Vec<String> {
+    let has_places = |item: &&Item| network.names.iter().any(|place| is_of(place, &item.name, None));
+    let tunable = model.items.iter().filter(|i| tuned_by(i).is_some()).filter(has_places);
+    tunable.map(|i| i.name.clone()).collect()
+}
+
+/// Returns the parameter that tunes a module, its unit, and its exponent in the pitch.
+fn tuned_by(item: &Item) -> Option<(&'static str, &'static str, f64)> {
+    let has = |key: &str| item.args.iter().any(|e| e.key == key);
+    match (has("f"), has("k")) {
+        (true, _) => Some(("f", "Hz", 1.0)),
+        (false, true) => Some(("k", "N/m", 0.5)),
+        (false, false) => None,
+    }
+}
+
 /// Tunes parts and returns the new text with the result for each part; `loaded` becomes the tuned model. The pitch of a
 /// part is its mode number `mode` (1 is the lowest), among modes that belong mostly to it.
 ///
@@ -113,15 +160,10 @@ fn variable(model: &Model, part: &str, cell: Option<usize>) -> Result<Variable, 
         let hint = near.map_or_else(|| format!("it has {}", load::ticked(names())), |n| format!("did you mean `{n}`?"));
         return Err(Failure::Usage(format!("the model has no `{part}`; {hint}")));
     };
-    let of = |key: &str| item.args.iter().find(|e| e.key == key);
-    let (key, unit, slope) = match (of("f"), of("k")) {
-        (Some(_), _) => ("f", "Hz", 1.0),
-        (None, Some(_)) => ("k", "N/m", 0.5),
-        (None, None) => {
-            return Err(Failure::Usage(format!("`{part}` has neither `f` nor `k`, so it cannot be tuned")));
-        }
+    let Some((key, unit, slope)) = tuned_by(item) else {
+        return Err(Failure::Usage(format!("`{part}` has neither `f` nor `k`, so it cannot be tuned")));
     };
-    let entry = of(key).map(|e| &e.value);
+    let entry = item.args.iter().find(|e| e.key == key).map(|e| &e.value);
     if let Some(found) = instance::variable(model, item, entry, (key, unit, slope)) {
         return found;
     }
@@ -209,7 +251,7 @@ fn sounding_pitch(loaded: &Loaded, name: &str, variable: &Variable, mode: u32) -
             modes::LARGEST
         )));
     };
-    let own: Vec<usize> = (0..network.names.len()).filter(|i| is_of(&network.names[*i], name, variable)).collect();
+    let own: Vec<usize> = (0..network.names.len()).filter(|i| is_of(&network.names[*i], name, variable.cell)).collect();
     if own.is_empty() && network.unheard.iter().any(|u| u == name || (*u == variable.part && variable.cell.is_some())) {
         let from = if variable.cell.is_some() { format!("{}[*]", variable.part) } else { name.into() };
         return Err(Failure::Failed(format!(
@@ -228,9 +270,9 @@ fn sounding_pitch(loaded: &Loaded, name: &str, variable: &Variable, mode: u32) -
 }
 
 /// Returns whether a place belongs to a part.
-fn is_of(place: &str, name: &str, variable: &Variable) -> bool {
+fn is_of(place: &str, name: &str, cell: Option<usize>) -> bool {
     let rest = place.strip_prefix(name);
-    rest.is_some_and(|r| r.is_empty() || r.starts_with('.') || (variable.cell.is_none() && r.starts_with('[')))
+    rest.is_some_and(|r| r.is_empty() || r.starts_with('.') || (cell.is_none() && r.starts_with('[')))
 }
 
 /// Share of the kinetic energy of a mode in these places.

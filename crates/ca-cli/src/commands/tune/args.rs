@@ -4,7 +4,9 @@ use crate::args::common::quantity_of;
 use crate::args::completions;
 use crate::commands::equiv::WriteTo;
 use ca_core::Unit;
-use clap::{Args, ValueEnum};
+use ca_fit::tune::Scale;
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap_complete::ArgValueCompleter;
 
 /// Tunes strings, meshes, cells and banks
@@ -30,7 +32,7 @@ pub struct TuneArgs {
     #[arg(value_name = "PART=PITCH", required = true)]
     pub parts: Vec<String>,
     /// Tunes the parts, or the cells of a bank, to the degrees of a scale
-    #[arg(long, value_enum, requires = "root", help_heading = "Pitch")]
+    #[arg(long, value_parser = scale(), requires = "root", help_heading = "Pitch")]
     pub scale: Option<Scale>,
     /// Pitch of the first degree of the scale
     #[arg(long, value_name = "PITCH", requires = "scale", help_heading = "Pitch")]
@@ -50,19 +52,11 @@ pub struct TuneArgs {
     pub json: bool,
 }
 
-/// Seven degrees in an octave.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Scale {
-    /// major, in twelve equal steps
-    Equal,
-    /// major, in ratios of small whole numbers
-    Just,
-    /// major, in pure fifths
-    Pythagorean,
-    /// the overtones of the root: 1, 2, 3 …
-    Harmonic,
-}
-
 fn concert(text: &str) -> Result<f64, String> {
     quantity_of(text, Unit::HERTZ, (1.0, 20_000.0))
+}
+
+fn scale() -> impl TypedValueParser<Value = Scale> {
+    let names = Scale::ALL.map(|(name, words, _)| PossibleValue::new(name).help(words));
+    PossibleValuesParser::new(names).try_map(|name| Scale::named(&name).ok_or("unknown"))
 }

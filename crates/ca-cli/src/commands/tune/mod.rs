@@ -1,20 +1,16 @@
 //! `ca tune`: tunes parts of a model to a pitch.
 
 mod args;
-mod pitch;
 
-pub use args::{Scale, TuneArgs};
+pub use args::TuneArgs;
 
 use crate::args::Source;
 use crate::load::{self, Loaded};
 use crate::outcome::{Ended, Failure, Outcome};
 use crate::term;
 use ca_compile::Options;
-use ca_core::Level;
-use ca_fit::tune::{PitchTarget, Tuned, tune};
-use ca_model::{Model, Value, quantity};
-use pitch::pitch;
-use serde_json::{Value as Json, json};
+use ca_fit::tune::{Tuned, stable, targets, tune, value};
+use ca_model::quantity;
 use std::io::Write as _;
 use std::path::Path;
 
@@ -26,14 +22,13 @@ pub fn run(args: &TuneArgs) -> Outcome {
         return Err(Failure::Usage(what));
     }
     load::scene(&loaded, &Options::default())?;
-    let targets = targets(args, &loaded.model)?;
+    let scale = args.scale.zip(args.root.as_deref());
+    let targets = targets(&loaded.model, &args.parts, scale, args.a4)?;
     let (text, done) = tune(&mut loaded, &targets, args.mode)?;
     let scene = load::scene(&loaded, &Options::default())?;
-    if scene.certificate.level == Level::Unstable {
+    if let Err(why) = stable(&scene) {
         term::findings(&scene.findings, &loaded.model);
-        return Err(Failure::Failed(
-            "the tuned model would diverge; choose a lower pitch, or a higher sound rate".into(),
-        ));
+        return Err(why.into());
     }
     if args.to.in_place {
         ca_io::atomic_file::write(load::own_file(&args.model)?, text.as_bytes())?;
@@ -49,48 +44,10 @@ pub fn run(args: &TuneArgs) -> Outcome {
     Ok(Ended::Well)
 }
 
-/// Lists the parts, or single cells of banks, with their target pitches.
-fn targets(args: &TuneArgs, model: &Model) -> Result<Vec<PitchTarget>, Failure> {
-    let usage = Failure::Usage;
-    let Some((scale, root)) = args.scale.zip(args.root.as_deref()) else {
-        let target = |text: &String| {
-            let (part, to) =
-                text.split_once('=').ok_or_else(|| format!("`{text}`: expected PART=PITCH, e.g. `low=A2`"))?;
-            Ok(PitchTarget { part: part.trim().to_owned(), cell: None, hz: pitch(to, args.a4)? })
-        };
-        return args.parts.iter().map(target).collect::<Result<_, String>>().map_err(usage);
-    };
-    let root = pitch(root, args.a4).map_err(usage)?;
-    let mut all = Vec::new();
-    for part in &args.parts {
-        if part.contains('=') {
-            return Err(usage(format!(
-                "`{part}`: with `--scale`, the scale sets the pitch; give only the name of the part"
-            )));
-        }
-        let cells = model.items.iter().find(|i| i.name == *part).and_then(|i| i.args.iter().find(|e| e.key == "f"));
-        match cells.map(|e| &e.value) {
-            Some(Value::List(list)) => {
-                all.extend((0..list.len()).map(|k| PitchTarget { part: part.clone(), cell: Some(k), hz: 0.0 }));
-            }
-            _ => all.push(PitchTarget { part: part.clone(), cell: None, hz: 0.0 }),
-        }
-    }
-    all.iter_mut().enumerate().for_each(|(n, w)| w.hz = root * scale.degree(n));
-    Ok(all)
-}
-
 fn print(loaded: &Loaded, done: &[Tuned], as_json: bool) -> Result<(), Failure> {
     let mut out = std::io::stdout().lock();
     if as_json {
-        let list: Vec<Json> = done
-            .iter()
-            .map(|t| {
-                json!({ "part": t.part, "wanted_hz": t.target, "before_hz": t.before, "heard_hz": t.reached, "off_cents": t.off(),
-                    "number": t.number })
-            })
-            .collect();
-        writeln!(out, "{:#}", json!({ "name": loaded.name, "tuned": list }))?;
+        writeln!(out, "{:#}", value(&loaded.name, done))?;
         return Ok(());
     }
     writeln!(out, "{}", loaded.name)?;
