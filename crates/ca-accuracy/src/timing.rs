@@ -27,6 +27,11 @@ impl Clock {
         (self.now)().saturating_sub(begin).as_nanos() as f64
     }
 
+    /// True for the clock of a browser.
+    pub(crate) fn is_coarse(self) -> bool {
+        !self.step.is_zero()
+    }
+
     /// Shortest time that it measures well \[ns\].
     pub(crate) fn least(self) -> f64 {
         (FEW * self.step).as_nanos() as f64

@@ -17,12 +17,15 @@ macro_rules! assets {
 
 const ASSETS: &[Asset] = assets![
     "index.html" "text/html; charset=utf-8",
+    "browser/accuracy.js" "text/javascript; charset=utf-8",
     "browser/compiler-worker.js" "text/javascript; charset=utf-8",
     "browser/compiler.js" "text/javascript; charset=utf-8",
     "browser/connection.js" "text/javascript; charset=utf-8",
     "browser/model.js" "text/javascript; charset=utf-8",
+    "browser/modes.js" "text/javascript; charset=utf-8",
     "browser/parts.js" "text/javascript; charset=utf-8",
     "browser/sound.js" "text/javascript; charset=utf-8",
+    "browser/table.js" "text/javascript; charset=utf-8",
     "browser/text.js" "text/javascript; charset=utf-8",
     "browser/wasm.js" "text/javascript; charset=utf-8",
     "browser/worklet.js" "text/javascript; charset=utf-8",

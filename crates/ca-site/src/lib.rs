@@ -22,6 +22,8 @@ pub struct WebModules {
     pub engine: &'static [u8],
     /// Compiler.
     pub compiler: &'static [u8],
+    /// Measurement of accuracy.
+    pub accuracy: &'static [u8],
 }
 
 /// Returns the modules inside this program, if it was built with them (`tools/site`).
@@ -30,6 +32,7 @@ pub fn modules() -> Option<WebModules> {
     let found = Some(WebModules {
         engine: include_bytes!(env!("CA_WEB_ENGINE_FILE")),
         compiler: include_bytes!(env!("CA_WEB_COMPILER_FILE")),
+        accuracy: include_bytes!(env!("CA_WEB_ACCURACY_FILE")),
     });
     #[cfg(not(engine))]
     let found = None;
@@ -51,7 +54,8 @@ mod tests {
     /// The page of `ca play` has the lines that a page without a server changes, and the documents have its limits.
     #[test]
     fn pages_without_a_server_follow_the_page_of_the_program() {
-        let page = one_file("# a </script>", "a.ca.toml", "", WebModules { engine: b"e", compiler: b"c" });
+        let page =
+            one_file("# a </script>", "a.ca.toml", "", WebModules { engine: b"e", compiler: b"c", accuracy: b"a" });
         assert!(page.contains("data-engine=\"browser\"") && page.contains("<style>") && page.contains("caParts"));
         for gone in ["href=\"page.css\"", "src=\"main.js\"", "# a </script>"] {
             assert!(!page.contains(gone), "{gone}");

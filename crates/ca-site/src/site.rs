@@ -66,6 +66,7 @@ fn files(modules: WebModules) -> Result<Vec<File>, Failure> {
         ("browser/compiler-worker.js".into(), bundle("browser/compiler-worker.js").into_bytes()),
         ("engine.wasm".into(), modules.engine.to_vec()),
         ("compiler.wasm".into(), modules.compiler.to_vec()),
+        ("accuracy.wasm".into(), modules.accuracy.to_vec()),
         ("models/blank.ca.toml".into(), blank().into()),
     ];
     files.extend(crate::documents::files());
@@ -99,6 +100,7 @@ fn files(modules: WebModules) -> Result<Vec<File>, Failure> {
         files.push((format!("npm/{name}"), module(&format!("browser/{name}")).into()));
     }
     files.push(("npm/compiler.wasm".into(), modules.compiler.to_vec()));
+    files.push(("npm/accuracy.wasm".into(), modules.accuracy.to_vec()));
     let played = [
         "play.html",
         "play.js",
@@ -107,6 +109,7 @@ fn files(modules: WebModules) -> Result<Vec<File>, Failure> {
         "browser/compiler-worker.js",
         "engine.wasm",
         "compiler.wasm",
+        "accuracy.wasm",
         "register.js",
         "site.webmanifest",
         "icon.svg",

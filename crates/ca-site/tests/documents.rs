@@ -11,7 +11,7 @@ use std::path::PathBuf;
 /// A site with modules of a few bytes, because only its pages are read.
 fn pages() -> (tempfile::TempDir, BTreeMap<PathBuf, String>) {
     let dir = tempfile::tempdir().unwrap();
-    site(dir.path(), WebModules { engine: b"e", compiler: b"c" }).unwrap();
+    site(dir.path(), WebModules { engine: b"e", compiler: b"c", accuracy: b"a" }).unwrap();
     let mut pages = BTreeMap::new();
     for folder in ["docs", "docs/language"] {
         for entry in std::fs::read_dir(dir.path().join(folder)).unwrap() {

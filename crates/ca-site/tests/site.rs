@@ -11,6 +11,7 @@ mod server;
 mod skipped;
 
 use browser::Tab;
+use ca_accuracy::timing::Clock;
 use ca_site::{WebModules, modules, one_file, site};
 use serde_json::{Value, json};
 use server::Server;
@@ -123,6 +124,26 @@ fn an_instrument_of_the_gallery_is_played_pulled_edited_and_shared() {
     assert_eq!(tab.js("getComputedStyle(document.getElementById('stop')).display"), "none", "nothing to end");
     tab.js("document.getElementById('modes').click()");
     until(&mut tab, "the modes are shown", "document.querySelectorAll('#modesBox tr').length > 20");
+    // tuned: the text gets the number of the command, and plays
+    let before = tab.js(generation).as_f64().unwrap();
+    tab.js("document.getElementById('tunePitch').value = 'B2'; document.getElementById('tune').click()");
+    until(&mut tab, "it is tuned", "document.getElementById('modelText').value.includes('\"123.47082436 Hz\"')");
+    until(&mut tab, "the tuned version plays", &format!("{generation} > {before}"));
+    until(&mut tab, "the new mode is shown", "document.getElementById('modesBox').textContent.includes('123.47')");
+    // measured: sound and edits go on meanwhile, and it can be stopped
+    let state = "document.getElementById('accuracyState').textContent";
+    tab.js("document.getElementById('accuracy').click()");
+    until(&mut tab, "it measures", &format!("{state}.startsWith('Step')"));
+    let (before, tick) = (tab.js(generation).as_f64().unwrap(), tab.js("+document.documentElement.dataset.tick"));
+    edit(&mut tab, "123.47082436 Hz", "110 Hz");
+    until(&mut tab, "the new version plays", &format!("{generation} > {before}"));
+    until(&mut tab, "time goes on", &format!("+document.documentElement.dataset.tick > {tick} + 20000"));
+    tab.js("document.getElementById('accuracy').click()");
+    until(&mut tab, "it is stopped", &format!("{state} === 'The measurement was stopped.'"));
+    tab.js("document.getElementById('accuracy').click()");
+    until(&mut tab, "it is measured", "document.querySelectorAll('#accuracyTable tr').length > 4");
+    tab.js("document.getElementById('accuracySave').click()");
+    until(&mut tab, "its page is saved", "window.saved['hammered_string_accuracy.html']?.byteLength > 10000");
     // shared: the link carries the edited text
     edit(&mut tab, "110 Hz", "123 Hz");
     tab.js("Object.defineProperty(navigator, 'clipboard', {value: {writeText: async t => { window.copied = t; }}}); document.getElementById('share').click()");
@@ -280,6 +301,53 @@ fn the_package_renders_in_node() {
     let render = json!({"type": "render", "file": "k.ca.toml", "text": text, "seconds": 0.5});
     let (_, native) = ca_web::compiler::answer(render.to_string().as_bytes(), &[]);
     assert!(std::fs::read(wav).unwrap() == native);
+}
+
+/// The package tunes and measures in Node as natively. Run times differ, and what an FFT or an eigenvalue gives differs in
+/// the last bits.
+#[test]
+fn the_package_tunes_and_measures_in_node() {
+    let Some((modules, _alone)) = built() else { return };
+    let (dir, _server) = folder(modules);
+    let script = "const [site] = process.argv.slice(1), { tune, accuracy } = await import(`${site}/npm/index.js`); \
+        const fs = await import('node:fs'), text = fs.readFileSync(`${site}/models/hammered_string.ca.toml`, 'utf8'); \
+        const options = { file: 'h.ca.toml', seconds: 0.3, times: [1], reference: 8 }, why = e => e.message; \
+        const { page, ...found } = await accuracy(text, options); \
+        const stopped = await accuracy(text, { ...options, progress: done => done < 2 }).catch(why); \
+        const refused = [await tune(text, 'lo=B2').catch(why), await accuracy('[STRNG]').catch(why)]; \
+        console.log(JSON.stringify({ found, page, stopped, refused, tuned: await tune(text, 'low=B2', { file: 'h.ca.toml' }) }));";
+    let Some(said) = node(&[Path::new("--input-type=module"), Path::new("-e"), Path::new(script), dir.path()]) else {
+        return;
+    };
+    let said: Value = serde_json::from_str(&said).unwrap();
+    assert_eq!(said["stopped"], "the measurement was stopped");
+    let refused = |k: usize, word: &str| said["refused"][k].as_str().unwrap().contains(word);
+    assert!(refused(0, "did you mean `low`?") && refused(1, "STRING"), "{}", said["refused"]);
+    assert!(said["page"].as_str().unwrap().starts_with("<!"));
+    let text = std::fs::read_to_string(dir.path().join("models/hammered_string.ca.toml")).unwrap();
+    let tune = json!({"type": "tune", "file": "h.ca.toml", "text": text, "parts": ["low=B2"]});
+    let (tuned, _) = ca_web::compiler::answer(tune.to_string().as_bytes(), &[]);
+    assert_eq!(said["tuned"]["text"], tuned["text"]);
+    let (there, here) = (&said["tuned"]["tuned"][0], &tuned["tuned"][0]);
+    assert_eq!((&there["number"], &there["part"]), (&here["number"], &here["part"]));
+    let near =
+        |a: &Value, b: &Value| (a.as_f64().unwrap() - b.as_f64().unwrap()).abs() < 1e-9 * b.as_f64().unwrap().abs();
+    assert!(near(&there["heard_hz"], &here["heard_hz"]), "{there} {here}");
+    let request =
+        json!({"type": "accuracy", "file": "h.ca.toml", "text": text, "seconds": 0.3, "times": [1], "reference": 8});
+    let (found, _) = ca_web::accuracy::answer(request.to_string().as_bytes(), Clock::WALL, &mut |_, _| true);
+    for name in ["name", "rate", "seconds", "reference", "refused", "warned"] {
+        assert_eq!(said["found"][name], found[name], "{name}");
+    }
+    let rows = |of: &Value| of["rows"].as_array().unwrap().clone();
+    assert_eq!(rows(&said["found"]).len(), rows(&found).len());
+    for (there, here) in rows(&said["found"]).iter().zip(&rows(&found)) {
+        for name in ["method", "times", "error", "made", "stability"] {
+            assert_eq!(there[name], here[name], "{name}: {there} {here}");
+        }
+        assert!(near(&there["spectrum_error"], &here["spectrum_error"]), "{there} {here}");
+        assert!(there["ns_per_sample"].as_f64().unwrap() > 0.0, "{there}");
+    }
 }
 
 /// Runs Node; `None` without it.

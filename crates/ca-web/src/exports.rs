@@ -2,7 +2,8 @@
 //!
 //! JavaScript asks `ca_room` for memory, writes a request there, and calls a function with the length of the request.
 //! A function that returns bytes returns their length, and `ca_at` returns their place. They stay valid until the next
-//! call. A request that has a JSON object and bytes begins with the length of the object, a little-endian `u32`.
+//! call. A request that has a JSON object and bytes begins with the length of the object, a little-endian `u32`. Only the
+//! module that measures has imports: a clock, and a function for its progress.
 #![allow(unsafe_code)]
 
 use std::cell::RefCell;
@@ -50,9 +51,18 @@ fn parts(request: &[u8]) -> Option<(&[u8], &[u8])> {
     rest.split_at_checked(u32::from_le_bytes(*len) as usize)
 }
 
+#[cfg(any(feature = "compiler", feature = "accuracy"))]
+fn put_parts(object: &serde_json::Value, bytes: &[u8]) -> usize {
+    let object = object.to_string();
+    let mut all = (object.len() as u32).to_le_bytes().to_vec();
+    all.extend_from_slice(object.as_bytes());
+    all.extend_from_slice(bytes);
+    put(all)
+}
+
 #[cfg(feature = "compiler")]
 mod compiler {
-    use super::{parts, put, request};
+    use super::{parts, put_parts, request};
 
     /// Answers a request to the compiler. Request and answer are an object and bytes.
     #[unsafe(no_mangle)]
@@ -60,11 +70,34 @@ mod compiler {
         let request = request();
         let (object, bytes) = parts(&request).unwrap_or_default();
         let (object, bytes) = crate::compiler::answer(object, bytes);
-        let object = object.to_string();
-        let mut all = (object.len() as u32).to_le_bytes().to_vec();
-        all.extend_from_slice(object.as_bytes());
-        all.extend_from_slice(&bytes);
-        put(all)
+        put_parts(&object, &bytes)
+    }
+}
+
+#[cfg(all(feature = "accuracy", not(feature = "compiler"), target_family = "wasm"))]
+mod accuracy {
+    use super::{parts, put_parts, request};
+    use crate::accuracy::CLOCK_STEP;
+    use ca_accuracy::timing::Clock;
+    use std::time::Duration;
+
+    #[link(wasm_import_module = "ca")]
+    unsafe extern "C" {
+        /// Time since a fixed moment \[ms\].
+        safe fn now() -> f64;
+        /// Receives the numbers of finished steps and of all steps; 0 ends the measurement.
+        safe fn progress(done: f64, of: f64) -> u32;
+    }
+
+    /// Measures a model. Request and answer are an object and bytes.
+    #[unsafe(no_mangle)]
+    pub extern "C" fn ca_answer() -> usize {
+        let request = request();
+        let clock = Clock { now: || Duration::from_secs_f64(1e-3 * now().max(0.0)), step: CLOCK_STEP };
+        let asked = parts(&request).unwrap_or_default().0;
+        let (object, bytes) =
+            crate::accuracy::answer(asked, clock, &mut |done, of| progress(done as f64, of as f64) != 0);
+        put_parts(&object, &bytes)
     }
 }
 

@@ -186,6 +186,60 @@ fn modes_are_those_of_the_model() {
     assert_eq!(ask(&json!({"type": "modes", "text": "[SOL]\nwall = {}\n"})).0["ok"], false);
 }
 
+#[test]
+fn a_part_is_tuned_in_the_text() {
+    let text = format!("# kept\n{STRING}");
+    let tune = |more: Value| {
+        let mut request = json!({"type": "tune", "file": "s.ca.toml", "text": text});
+        request.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+        ask(&request).0
+    };
+    let object = tune(json!({"parts": ["low=A2+20"], "a4": 442}));
+    let wanted = 110.5 * (20.0f64 / 1200.0).exp2();
+    let tuned = &object["tuned"][0];
+    let near = |what: &str, to: f64| (tuned[what].as_f64().unwrap() / to).log2().abs() < 1e-6 / 1200.0;
+    assert!(near("heard_hz", wanted) && near("wanted_hz", wanted) && near("before_hz", 110.0), "{object}");
+    // only the number differs
+    let new = object["text"].as_str().unwrap();
+    let number = tuned["number"].as_str().unwrap();
+    assert_eq!(new, text.replace("110 Hz", number));
+    let (modes, _) = ask(&json!({"type": "modes", "text": new}));
+    assert_eq!(modes["parts"], json!(["low"]));
+    let heard = |m: &Value| m["heard_hz"].as_f64().unwrap();
+    assert!(modes["modes"].as_array().unwrap().iter().any(|m| (heard(m) / wanted - 1.0).abs() < 1e-9));
+    let second = tune(json!({"parts": ["low=250 Hz"], "mode": 2}));
+    assert!((second["tuned"][0]["heard_hz"].as_f64().unwrap() - 250.0).abs() < 1e-3, "{second}");
+    let bank = "[BANK]\nk = { f = [100, 210, 290], m = 1e-3 }\n[SOX]\nout = { from = \"k[*]\" }\n";
+    let scale = json!({"type": "tune", "text": bank, "parts": ["k"], "scale": "harmonic", "root": "A3"});
+    let (object, _) = ask(&scale);
+    let heard: Vec<f64> = object["tuned"].as_array().unwrap().iter().map(heard).collect();
+    assert!(heard.iter().zip([220.0, 440.0, 660.0]).all(|(f, to)| (f - to).abs() < 1e-4), "{object}");
+    for (more, why) in [
+        (json!({}), "name a part"),
+        (json!({"parts": ["lo=A2"]}), "did you mean `low`?"),
+        (json!({"parts": ["low=H2"]}), "`H2` is not a pitch"),
+        (json!({"parts": ["low"]}), "expected PART=PITCH"),
+        (json!({"parts": ["low=1e300 kHz"]}), "`low`"),
+        (json!({"parts": ["low=1e999"]}), "is not a pitch"),
+        (json!({"parts": ["low=-3"]}), "is not a pitch"),
+        (json!({"parts": ["bob=A2"]}), "neither `f` nor `k`"),
+        (json!({"parts": ["low"], "scale": "just"}), "root"),
+        (json!({"parts": ["low"], "scale": "x", "root": "A2"}), "`equal`"),
+        (json!({"parts": ["low=A2"], "mode": 40}), "`low` has only"),
+        (json!({"parts": ["low=A2"], "mode": 0}), "`mode`"),
+        (json!({"parts": ["low=A2"], "a4": 1e300}), "`a4`"),
+        (json!({"parts": ["low=A2"], "a4": "high"}), "cannot be read"),
+        (json!({"parts": ["low=A2"], "changes": [["low.n", "20"]]}), "`changes`"),
+        (json!({"parts": ["low=A2"], "text": "[STRNG]\nlow = {}\n"}), "STRING"),
+        (json!({"parts": ["wall=A2"], "text": "[SOL]\nwall = {}\n"}), "neither `f` nor `k`"),
+        (json!({"parts": ["low=A2"], "limit": 3}), "at most 3"),
+    ] {
+        let object = tune(more.clone());
+        assert_eq!(object["ok"], false, "{more}");
+        assert!(object["text"].as_str().unwrap().contains(why), "{more}: {object}");
+    }
+}
+
 /// A render in a page has the bytes of the file that `ca render` writes.
 #[test]
 fn a_render_is_the_file_of_the_command() {

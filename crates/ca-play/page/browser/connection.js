@@ -18,6 +18,7 @@ import { framed } from "./wasm.js";
  * @typedef {object} Parts
  * @property {() => Worker} worker starts the worker of the compiler
  * @property {() => Promise<ArrayBuffer>} compiler module of the compiler
+ * @property {() => Promise<ArrayBuffer>} [accuracy] module that measures, where there is one
  * @property {() => Promise<ArrayBuffer>} engine module of the engine
  * @property {string} worklet address of the worklet
  */

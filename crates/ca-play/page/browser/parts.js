@@ -14,6 +14,7 @@ export function parts() {
   return {
     worker: () => new Worker(new URL("browser/compiler-worker.js", document.baseURI)),
     compiler: load("compiler.wasm"),
+    accuracy: load("accuracy.wasm"),
     engine,
     worklet: String(new URL("browser/worklet.js", document.baseURI)),
   };

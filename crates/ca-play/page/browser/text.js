@@ -2,10 +2,8 @@
 
 import { share } from "../share.js";
 import { save } from "./connection.js";
-import { element } from "../controls.js";
-
-// rows of the table of modes
-const ROWS = 40;
+import { Modes } from "./modes.js";
+import { Accuracy } from "./accuracy.js";
 
 export class ModelText {
   /**
@@ -24,7 +22,8 @@ export class ModelText {
     find("share").hidden = !this.site;
     find("share").addEventListener("click", () => share(this.area.value, this.site, say));
     find("render").addEventListener("click", () => this.render(find("render")));
-    find("modes").addEventListener("click", () => this.modes(find("modes"), find("modesBox")));
+    new Modes(find, this);
+    new Accuracy(find, this);
     this.area.addEventListener("keydown", e => {
       e.stopPropagation();
       if (e.key === "Enter" && (e.ctrlKey || e.metaKey)) { e.preventDefault(); this.apply(); }
@@ -40,35 +39,26 @@ export class ModelText {
     return site || (location.protocol.startsWith("http") ? document.baseURI : "");
   }
 
-  // asks the compiler about the text as it is now
-  async ask(type, button) {
+  // a request about the text as it is now
+  request(what) { return { ...this.connection.model, ...what, text: this.area.value }; }
+
+  // asks the compiler; a refusal is said
+  async ask(what, button) {
     button.disabled = true;
-    const made = await this.connection.compiler.ask({ type, ...this.connection.model, text: this.area.value });
+    const made = await this.connection.compiler.ask(this.request(what)).catch(error => ({ ok: false, text: error.message }));
     button.disabled = false;
+    if (!made.ok) this.say(made.text.split("\n")[0], true);
     return made;
   }
 
-  async modes(button, box) {
-    const made = await this.ask("modes", button);
-    box.hidden = !made.ok;
-    if (!made.ok) return this.say(made.text.split("\n")[0], true);
-    const sounding = made.modes.filter(m => m.heard_hz > 0);
-    const cells = (kind, values) => values.map(text => element(kind, { text }));
-    const row = m => [m.heard_hz.toFixed(2), (m.cents >= 0 ? "+" : "−") + Math.abs(m.cents).toFixed(1), m.grows ? "grows" : m.t60_s === null ? "–" : m.t60_s.toPrecision(3)];
-    const table = element("table", {});
-    table.append(...[["th", ["Hz", "cents", "T60 [s]"]], ...sounding.slice(0, ROWS).map(m => ["td", row(m)])].map(([kind, values]) => {
-      const line = element("tr", {});
-      line.append(...cells(kind, values));
-      return line;
-    }));
-    const more = sounding.length > ROWS ? `${sounding.length - ROWS} more. ` : "", out = made.left_out.map(l => l.name);
-    const note = more + (out.length ? `Not included, because they are not linear: ${out.join(", ")}.` : "");
-    box.replaceChildren(table, element("p", { class: "doc", text: note }));
+  // plays a text that the page made
+  replace(text) {
+    this.area.value = text;
+    this.apply();
   }
 
   async render(button) {
-    const made = await this.ask("render", button);
+    const made = await this.ask({ type: "render" }, button);
     if (made.ok) save(made.file, made.bytes, "audio/wav");
-    else this.say(made.text.split("\n")[0], true);
   }
 }

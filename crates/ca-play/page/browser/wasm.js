@@ -1,5 +1,10 @@
 // Calls of the WebAssembly modules (crates/ca-web/src/exports.rs).
 
+// the imports of the module that measures: a clock, and the progress of its work, which ends if the answer is `false`
+export function imports(progress) {
+  return { ca: { now: () => performance.now(), progress: (done, of) => Number(progress(done, of) !== false) } };
+}
+
 // writes a request into the memory of a module
 export function give(wasm, bytes) {
   const place = wasm.ca_room(bytes.length);
@@ -15,7 +20,7 @@ export function framed(object, bytes = new Uint8Array()) {
   return all;
 }
 
-// asks the compiler, and returns the object and the bytes of its answer
+// asks a module, and returns the object and the bytes of its answer
 export function ask(wasm, request, bytes) {
   give(wasm, framed(request, bytes));
   const length = wasm.ca_answer(), all = new Uint8Array(wasm.memory.buffer, wasm.ca_at(), length);
