@@ -48,6 +48,16 @@ pub enum Refused {
     NotASection,
 }
 
+impl Refused {
+    /// Returns the error without the option of the command line.
+    pub fn reason(&self) -> String {
+        match self {
+            Refused::Row(why) | Refused::Anchor(why) | Refused::Key(why) | Refused::Ask(why) => why.clone(),
+            Refused::NotASection => self.to_string(),
+        }
+    }
+}
+
 impl fmt::Display for Refused {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

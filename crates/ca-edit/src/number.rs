@@ -87,13 +87,13 @@ mod tests {
 
     #[test]
     fn a_number_keeps_its_unit() {
-        assert_eq!(written("f = \"2 kHz\"", 440.0, "Hz"), "a = { f = \"0.44 kHz\" }\n");
-        assert_eq!(written("f = 2", 440.0, "Hz"), "a = { f = 440.0 }\n");
-        assert_eq!(written("f = 2, unit = \"mm\"", 0.5, "m"), "a = { f = 500.0, unit = \"mm\" }\n");
-        assert_eq!(written("f = \"A4\"", 220.0, "Hz"), "a = { f = \"A3\" }\n");
-        assert_eq!(written("f = \"A4\"", 221.0, "Hz"), "a = { f = \"A3 +7.851415 c\" }\n");
-        assert_eq!(written("g = 1", 3.0, "N/m"), "a = { g = 1 , f = \"3.0 N/m\" }\n");
-        assert_eq!(written("f = 1", 1.0 / 3.0, ""), "a = { f = 0.33333333 }\n");
+        assert_eq!(written("f = \"2 kHz\"", 440.0, "Hz"), "a = { f = \"0.44 kHz\" }");
+        assert_eq!(written("f = 2", 440.0, "Hz"), "a = { f = 440.0 }");
+        assert_eq!(written("f = 2, unit = \"mm\"", 0.5, "m"), "a = { f = 500.0, unit = \"mm\" }");
+        assert_eq!(written("f = \"A4\"", 220.0, "Hz"), "a = { f = \"A3\" }");
+        assert_eq!(written("f = \"A4\"", 221.0, "Hz"), "a = { f = \"A3 +7.851415 c\" }");
+        assert_eq!(written("g = 1", 3.0, "N/m"), "a = { g = 1, f = \"3.0 N/m\" }");
+        assert_eq!(written("f = 1", 1.0 / 3.0, ""), "a = { f = 0.33333333 }");
     }
 
     #[test]

@@ -46,3 +46,9 @@ pub fn read_with(
     diags.sort();
     (model, diags)
 }
+
+/// Reads a model without its parts put in: what the file itself contains. An editor finds the names of the file by
+/// their places; [`Model::parts`] and [`Model::uses`] have the parts.
+pub fn written(text: &str, file: &str, catalog: &Catalog) -> (Model, Diags) {
+    one_file(text, file, catalog)
+}
