@@ -89,6 +89,9 @@ impl EnergyOverTime {
             ("stored", joule(scale * b.h)),
             ("residual", format!("{:.1e} J", scale * b.residual)),
         ];
+        if b.strayed > 0.0 {
+            rows.push(("contacts in space off their potential, at most", joule(scale * b.strayed)));
+        }
         // per-link ledgers exist only for the end
         let makers = if self.diverged_at.is_none() { makers(scene, end, 5) } else { Vec::new() };
         let row = |(name, made): &(String, f64)| {

@@ -227,6 +227,7 @@ pub fn energy<'py>(
         ("changed", b.changed),
         ("residual", b.residual),
         ("peak", b.peak),
+        ("off_potential", b.strayed),
         ("seconds", ticks as f64 * scene.rates.sample_dt),
     ] {
         d.set_item(name, value)?;

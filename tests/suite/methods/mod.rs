@@ -9,6 +9,7 @@ mod modal;
 mod modal_stable;
 mod pefrl;
 mod potential;
+mod quadratised;
 mod scheme;
 mod shared;
 pub mod stable;

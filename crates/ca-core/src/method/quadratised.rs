@@ -48,7 +48,14 @@ pub const fn fns<R: Real, S: Spring<R>>(spring: LawFns<R>) -> LawFns<R> {
             mem[0] = (R::of(2.0) * b.potential(b.penetration(e))).sqrt();
             mem[1] = R::ZERO;
         },
-        energies: Energies::kept(|_, mem, _, _, _| R::of(0.5) * mem[0] * mem[0], |_, mem, _, _| mem[1]),
+        energies: Energies::followed(
+            |_, mem, _, _, _| R::of(0.5) * mem[0] * mem[0],
+            |_, mem, _, _| mem[1],
+            |c, e| {
+                let b = Contact::<R, S>::of(c);
+                b.potential(b.penetration(e))
+            },
+        ),
         kernel: kernel::<R, S>,
         ..spring
     }

@@ -30,9 +30,13 @@ pub struct Energies<R: Real = f64> {
     pub stored: Stored<R>,
     /// see [`Phi::lost`]
     pub lost: Lost<R>,
+    /// the potential at an elongation \[J\], if `stored` is an auxiliary variable that only follows it
+    potential: Option<Potential<R>>,
     /// both for a block; none if the method keeps the energies
     block: Option<ByBlock<R>>,
 }
+
+type Potential<R = f64> = fn(&[R], R) -> R;
 
 type ByBlock<R = f64> = fn(&Links<R>, Elongations<R>, &mut [Block<R>; 2]);
 
@@ -42,6 +46,7 @@ impl<R: Real> Energies<R> {
         Energies {
             stored: |c, mem, tables, e0, e1| P::stored(&numbers(c), &numbers(mem), tables, e0, e1),
             lost: |c, mem, tables, e| P::lost(&numbers(c), &numbers(mem), tables, e),
+            potential: None,
             // a dual number fills a vector by itself, so blocks would gain nothing
             block: if matches!(R::PRECISION, Precision::Dual) {
                 None
@@ -55,7 +60,12 @@ impl<R: Real> Energies<R> {
 
     /// Makes the functions of a method that keeps its energies.
     pub(crate) const fn kept(stored: Stored<R>, lost: Lost<R>) -> Energies<R> {
-        Energies { stored, lost, block: None }
+        Energies { stored, lost, potential: None, block: None }
+    }
+
+    /// Makes the functions of a method whose stored energy is a number that only follows the potential.
+    pub(crate) const fn followed(stored: Stored<R>, lost: Lost<R>, potential: Potential<R>) -> Energies<R> {
+        Energies { stored, lost, potential: Some(potential), block: None }
     }
 }
 
@@ -175,6 +185,8 @@ pub struct Sums<R: Real = f64> {
     pub heat: R::Outer,
     /// energy made in the tick
     pub error: R::Outer,
+    /// energy of auxiliary variables outside of the range that their potentials had in the tick
+    pub strayed: f64,
 }
 
 /// The state before the tick that is entered.
@@ -236,7 +248,7 @@ impl<R: Real> WithSimd for Enter<'_, R> {
                     elongations(&links, was, e, moved);
                     match block {
                         Some(block) => block(&links, Elongations::Measured(e), out),
-                        None => one_by_one(&links, e, out),
+                        None => sums.strayed += one_by_one(&links, e, out),
                     }
                 }
             }
@@ -266,17 +278,25 @@ impl<R: Real> WithSimd for Enter<'_, R> {
     }
 }
 
-fn one_by_one<R: Real>(links: &Links<R>, e: &[Block<R>; 3], [stored, lost]: &mut [Block<R>; 2]) {
+/// Enters links one by one, and returns the energy of auxiliary variables outside of their range \[J\].
+fn one_by_one<R: Real>(links: &Links<R>, e: &[Block<R>; 3], [stored, lost]: &mut [Block<R>; 2]) -> f64 {
     let a = links.account;
     let mut scratch = [R::ZERO; COEFS];
     let c = a.law.coefs.min(COEFS);
+    let mut strayed = 0.0;
     for i in 0..links.n {
         scratch.iter_mut().enumerate().take(c).for_each(|(k, v)| *v = links.column(k)[i]);
         let mem = &links.memory()[i * a.law.mem..][..a.law.mem];
         let around = [e[0][i], e[1][i], e[2][i]];
         stored[i] = (a.fns.energies.stored)(&scratch[..c], mem, links.tables(), around[1], around[2]);
         lost[i] = (a.fns.energies.lost)(&scratch[..c], mem, links.tables(), around);
+        if let Some(potential) = a.fns.energies.potential {
+            let [stored, at, after] =
+                [stored[i], potential(&scratch[..c], e[1][i]), potential(&scratch[..c], e[2][i])].map(R::wide);
+            strayed += (stored - at.max(after)).max(at.min(after) - stored).max(0.0);
+        }
     }
+    strayed
 }
 
 /// Computes elongations before, at and after the tick, and the motion of the ends along the force over both intervals.

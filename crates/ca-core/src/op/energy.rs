@@ -134,7 +134,7 @@ fn links<R: Real>(
     stored[0] = now;
     lost[0] += heat;
     error[0] += made;
-    Sums { stored: now, heat, error: made }
+    Sums { stored: now, heat, error: made, strayed: 0.0 }
 }
 
 fn all_links<R: Real>(
@@ -151,6 +151,7 @@ fn all_links<R: Real>(
         all.stored += sums.stored;
         all.heat += sums.heat;
         all.error += sums.error;
+        all.strayed += sums.strayed;
     }
     all
 }
@@ -269,6 +270,7 @@ pub fn ledger<R: Real>(_op: &Op<R>, layout: &Layout<R>, s: &mut State<R>) {
     let lost = heat + beside + of_links.heat;
     let h = l.stored_mats + waves + of_links.stored;
     l.h = h;
+    l.extremes.strayed = l.extremes.strayed.max(of_links.strayed);
     l.extremes.worst = l.extremes.worst.max((h - before - work + lost - of_links.error).wide().abs());
     l.heat += lost.wide().abs();
     l.net_heat += lost.wide();

@@ -38,6 +38,9 @@ pub struct Extremes {
     pub received: f64,
     /// largest imbalance of a single tick
     pub worst: f64,
+    /// largest energy by which contacts in space (`stable`) are outside of the range that their potentials had in a
+    /// tick, see [`Balance::strayed`]
+    pub strayed: f64,
 }
 
 /// Account of the groups at the gesture rate \[J\].
@@ -161,6 +164,10 @@ pub struct Balance<R: Real = f64> {
     pub peak: f64,
     /// most energy received, see [`Extremes::received`] \[J\]
     pub received: f64,
+    /// largest energy by which contacts in space (`stable`) were off their potential \[J\]. Such a contact stores ψ²/2
+    /// with a ψ that follows √(2U) (docs/numerics.md §3.4); in each tick the part of ψ²/2 outside of the range from
+    /// U before to U after it counts, summed over contacts. It is 0 without such contacts.
+    pub strayed: f64,
 }
 
 impl<R: Real> Ledger<R> {
@@ -181,6 +188,7 @@ impl<R: Real> Ledger<R> {
             residual: residual + slow.residual,
             peak: self.extremes.peak + slow.peak,
             received: self.extremes.received + slow.received,
+            strayed: self.extremes.strayed + slow.strayed,
         }
     }
 

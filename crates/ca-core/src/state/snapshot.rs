@@ -18,7 +18,7 @@ use core::hash::Hasher as _;
 
 const MAGIC: &[u8; 8] = b"ca state";
 /// Version of the order of the numbers.
-pub const SNAPSHOT_VERSION: u64 = 4;
+pub const SNAPSHOT_VERSION: u64 = 5;
 /// Bytes before the numbers: magic, version, identity of the scene.
 const HEAD: usize = 24;
 /// Bytes after the numbers: FNV-1a of everything before.
@@ -212,7 +212,7 @@ impl Ledger {
             h0,
             h,
             kinetic,
-            extremes: Extremes { peak, received, worst },
+            extremes: Extremes { peak, received, worst, strayed },
             lost_mats,
             lost,
             scheme_error,
@@ -252,6 +252,7 @@ impl Ledger {
             pulled,
             changed,
             worst,
+            strayed,
             heat,
             net_heat,
             made,
@@ -260,8 +261,8 @@ impl Ledger {
         for all in [lost, scheme_error, work, port, stored, stored_batches, mass] {
             w.doubles(all);
         }
-        let Balance { h0, h, lost, scheme_error, work, changed, residual, peak, received } = slow;
-        w.each_of([h0, h, lost, scheme_error, work, changed, residual, peak, received]);
+        let Balance { h0, h, lost, scheme_error, work, changed, residual, peak, received, strayed } = slow;
+        w.each_of([h0, h, lost, scheme_error, work, changed, residual, peak, received, strayed]);
         for Exchange { received, given, hand, last, held, sum } in hands {
             w.each_of([received, given, hand, last, held, sum]);
         }

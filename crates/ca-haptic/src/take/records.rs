@@ -159,7 +159,7 @@ flat! {
 impl Energy {
     /// Makes the record of the ledger at a tick.
     pub fn new(tick: u64, b: &Balance) -> Energy {
-        let Balance { h0, h, lost, scheme_error, work, changed, residual, peak, received: _ } = *b;
+        let Balance { h0, h, lost, scheme_error, work, changed, residual, peak, received: _, strayed: _ } = *b;
         Energy { tick, h0, h, lost, source: scheme_error, work, changed, residual, peak }
     }
 }

@@ -105,6 +105,8 @@ class Energy(NamedTuple):
     residual: float
     #: scale for the residual
     peak: float
+    #: most that contacts in space stored off their potential (docs/numerics.md §3.4)
+    off_potential: float
     #: time covered by the ledger [s]; less than the render if it diverged
     seconds: float
     #: heat of each link

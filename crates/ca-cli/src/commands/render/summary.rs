@@ -271,6 +271,14 @@ impl Summary<'_> {
         for (name, error) in &makers(self.audited, &a.ledger, 5) {
             writeln!(out, "      {} of it by `{name}`", joule(*error))?;
         }
+        if b.strayed > 0.0 {
+            let share = if b.peak > 0.0 { format!(", {:.1e} of the peak", b.strayed / b.peak) } else { String::new() };
+            writeln!(
+                out,
+                "    off      {} at most, by contacts in space off their potential{share}",
+                joule(b.strayed)
+            )?;
+        }
         if compensated(self.audited) {
             writeln!(
                 out,
@@ -308,7 +316,7 @@ impl Summary<'_> {
                 .collect();
             json!({
                 "seconds": a.ticks as f64 * self.scene.rates.sample_dt, "whole": a.complete, "residual": b.residual,
-                "relative_residual": relative(&b), "peak": b.peak, "at_load": b.h0, "received": b.work,
+                "relative_residual": relative(&b), "off_potential": b.strayed, "peak": b.peak, "at_load": b.h0, "received": b.work,
                 "changed": b.changed, "lost": b.lost, "made": b.scheme_error, "held": b.h, "makers": makers,
                 "hands": hands, "made_at_border": compensated(self.audited).then_some(a.ledger.groups.border),
             })
