@@ -144,6 +144,6 @@ fn after(k: usize, instants: usize, frames: usize) -> usize {
 
 fn accounts(b: &Balance<Dual>) -> [Dual; ACCOUNTS.len()] {
     // exhaustive, so that a new account has to be considered here
-    let Balance { h0, h, lost, scheme_error, work, changed, residual, peak: _, received: _ } = *b;
+    let Balance { h0, h, lost, scheme_error, work, changed, residual, peak: _, received: _, strayed: _ } = *b;
     [h0, h, lost, scheme_error, work, changed, residual]
 }
