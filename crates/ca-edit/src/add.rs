@@ -5,7 +5,7 @@ use crate::symbols::{Class, Scope, Written};
 use crate::value::{finish, params_of, shown, typed};
 use crate::{Document, Edited, Refusal, TextEdit};
 use ca_core::{Catalog, Kind, Need, Role, Type};
-use ca_model::select::{Index, parse};
+use ca_model::select::{Index, is_word, parse};
 use ca_model::suggest::nearest;
 use ca_model::{Value, part, read};
 use std::collections::BTreeMap;
@@ -170,16 +170,25 @@ fn new_name(w: &Written, target: &Target, name: Option<&str>, base: &str) -> Res
             Err(Refusal::new(format!("`{}` is not one word", shown(name)), help))
         }
         Some(name) => w.check_free(target.scope, &full(name)).map(|()| name.to_owned()),
-        None => Ok(fresh(base, |name| w.check_free(target.scope, &full(name)).is_ok())),
+        None => Ok(fresh(base, &mut 2, |name| w.check_free(target.scope, &full(name)).is_ok())),
     }
 }
 
-/// Makes a new name: `base`, or `base` without its number and with another.
-pub(crate) fn fresh(base: &str, is_free: impl Fn(&str) -> bool) -> String {
-    let stem = base.trim_end_matches(|c: char| c.is_ascii_digit());
-    let stem = if stem.is_empty() { "module" } else { stem };
-    let numbered = (2_u64..).map(|i| format!("{stem}{i}"));
-    core::iter::once(base.to_owned()).chain(numbered).find(|n| is_free(n)).unwrap_or_default()
+/// Makes a new name: `base`, or `base` with another number, from `next` on.
+pub(crate) fn fresh(base: &str, next: &mut u64, is_free: impl Fn(&str) -> bool) -> String {
+    if is_free(base) {
+        return base.into();
+    }
+    // `key[3]` is a name of the reader, but not of anything new
+    let word = base.chars().take(60).take_while(|c| c.is_ascii_alphanumeric() || *c == '_').collect::<String>();
+    let stem = if is_word(&word) { word.trim_end_matches(|c: char| c.is_ascii_digit()) } else { "module" };
+    loop {
+        let name = format!("{stem}{next}");
+        *next += 1;
+        if is_free(&name) {
+            return name;
+        }
+    }
 }
 
 /// Returns the parameters that a kind needs beside `values`.

@@ -1,13 +1,14 @@
 //! Deletes modules, groups, instances, parameters, parts and presets, with what refers to them.
 
 use crate::layout::quoted;
+use crate::paths::Paths;
 use crate::references::{Owner, Reference};
 use crate::symbols::{Class, Symbol, Written};
 use crate::value::shown;
 use crate::{Edited, Refusal, TextEdit};
 use ca_model::quantity::{self, Plain, product};
 use ca_model::{Entry, Value};
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 
 /// Deletes what `names` says. If something else refers to it, this needs `dependents`: links, instances, gestures and
 /// values of presets are then deleted too, and a number that names a deleted parameter gets its value.
@@ -19,6 +20,12 @@ pub(crate) fn delete(w: &Written, names: &[String], dependents: bool) -> Result<
     }
     let asked: BTreeSet<Symbol> = open.iter().copied().collect();
     let all = w.references();
+    let mut of: HashMap<Symbol, Vec<&Reference>> = HashMap::new();
+    for r in &all {
+        for symbol in r.hits.iter().map(|h| h.symbol).collect::<BTreeSet<_>>() {
+            of.entry(symbol).or_default().push(r);
+        }
+    }
     let (mut entries, mut edits, mut listed) = (BTreeSet::new(), Vec::new(), BTreeSet::new());
     let mut values: Vec<(Symbol, String)> = Vec::new();
     let mut inlined: Vec<(&Reference, Symbol)> = Vec::new();
@@ -27,7 +34,7 @@ pub(crate) fn delete(w: &Written, names: &[String], dependents: bool) -> Result<
             continue;
         }
         open.extend(members(w, symbol));
-        for r in all.iter().filter(|r| r.hits.iter().any(|h| h.symbol == symbol)) {
+        for r in of.get(&symbol).into_iter().flatten().copied() {
             match &r.owner {
                 Owner::Entry(path) if symbol.class != Class::Param || r.is_key => {
                     entries.insert(path.clone());
@@ -47,10 +54,10 @@ pub(crate) fn delete(w: &Written, names: &[String], dependents: bool) -> Result<
         entries.insert([w.path(owner), key.split('.').map(Into::into).collect()].concat());
         listed.insert(format!("{}.{key}", w.address(owner)));
     }
-    let paths: Vec<Vec<String>> = gone.iter().map(|s| w.path(*s)).chain(entries).collect();
+    let mut paths: Paths = gone.iter().map(|s| w.path(*s)).chain(entries).collect();
     let is_gone = |o: &Owner| match o {
         Owner::Of(s, key) => gone.contains(s) || s.scope.is_some_and(|p| gone.contains(&part(p))) || key.is_empty(),
-        Owner::Entry(p) => paths.iter().any(|path| p.starts_with(path)),
+        Owner::Entry(p) => paths.cover(p),
     };
     for (r, symbol) in inlined.into_iter().filter(|(r, _)| !is_gone(&r.owner)) {
         listed.insert(match &r.owner {
@@ -59,17 +66,16 @@ pub(crate) fn delete(w: &Written, names: &[String], dependents: bool) -> Result<
         });
         edits.push(inline(w, r, symbol)?);
     }
-    let below = |s: &Symbol| asked.iter().any(|a| w.path(*s).starts_with(&w.path(*a)));
-    listed.extend(
-        gone.iter().filter(|s| !asked.contains(s) && !below(s) && !is_member(w, **s, &asked)).map(|s| w.address(*s)),
-    );
+    let own: BTreeSet<Symbol> = asked.iter().flat_map(|s| members(w, *s)).chain(asked.iter().copied()).collect();
+    listed.extend(gone.difference(&own).map(|s| w.address(*s)));
     if !listed.is_empty() && !dependents {
         let what = format!("{} is still used", ca_model::suggest::listed(names.iter().map(String::as_str)));
         let help =
             format!("delete what refers to it too: {}", ca_model::suggest::listed(listed.iter().map(String::as_str)));
         return Err(Refusal { dependents: listed.into_iter().collect(), ..Refusal::new(what, help) });
     }
-    edits.extend(w.layout().remove(&with_empty_presets(w, paths)));
+    add_empty_presets(w, &mut paths);
+    edits.extend(w.layout().remove(&paths));
     Ok(Edited::new(w.text(), edits))
 }
 
@@ -96,21 +102,15 @@ fn members(w: &Written, symbol: Symbol) -> Vec<Symbol> {
     }
 }
 
-fn is_member(w: &Written, symbol: Symbol, asked: &BTreeSet<Symbol>) -> bool {
-    asked.iter().any(|a| members(w, *a).contains(&symbol))
-}
-
 /// Adds presets that would become empty, since a preset must set something.
-fn with_empty_presets(w: &Written, mut paths: Vec<Vec<String>>) -> Vec<Vec<String>> {
+fn add_empty_presets(w: &Written, paths: &mut Paths) {
     for p in &w.model.presets {
         let Value::Table(values) = &p.value else { continue };
-        let gone =
-            |e: &Entry| w.path_at(e.key_span.start).is_some_and(|at| paths.iter().any(|path| at.starts_with(path)));
+        let gone = |e: &Entry| w.path_at(e.key_span.start).is_some_and(|at| paths.cover(at));
         if !values.is_empty() && values.iter().all(gone) {
-            paths.push(vec!["preset".into(), p.key.clone()]);
+            paths.add(vec!["preset".into(), p.key.clone()]);
         }
     }
-    paths
 }
 
 /// Writes the value of a parameter where its name was.

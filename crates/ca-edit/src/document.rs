@@ -1,6 +1,7 @@
 //! Text of a model whose values can be changed. All bytes outside a change stay.
 
 use crate::layout::{Layout, key, quoted};
+use crate::paths::Paths;
 use crate::tree::{Content, Node, Pair, Tree};
 use crate::{Edited, Place, TextEdit};
 use ca_model::render::line_column;
@@ -154,7 +155,7 @@ impl Document {
             let edit = self.layout().remove_member(list, k)?;
             return self.apply(vec![edit]);
         }
-        let edits = self.layout().remove(core::slice::from_ref(&place.keys));
+        let edits = self.layout().remove(&Paths::from_iter([place.keys.clone()]));
         if edits.is_empty() { None } else { self.apply(edits) }
     }
 

@@ -1,10 +1,11 @@
 //! Makes a part of modules of the model, and one instance of it in their place.
 
+use crate::paths::Paths;
 use crate::references::Reference;
 use crate::symbols::{Class, Symbol, Written};
 use crate::tree::{Header, Statement};
 use crate::value::shown;
-use crate::{Edited, Refusal, TextEdit};
+use crate::{Document, Edited, Refusal, TextEdit};
 use ca_model::select::is_word;
 use std::collections::BTreeSet;
 
@@ -16,20 +17,21 @@ pub(crate) fn group(w: &Written, names: &[String], part: &str, instance: Option<
         moved.insert(w.find(name)?);
     }
     check(w, &moved, part, instance)?;
-    let paths: Vec<Vec<String>> = moved.iter().map(|s| w.path(*s)).collect();
+    let paths: Paths = moved.iter().map(|s| w.path(*s)).collect();
     let sections = sections(w, &paths, part);
     let mut edits = w.layout().remove(&paths);
     // behind the last section that loses something
     let statements = &w.document.tree().statements;
-    let last = statements.iter().rposition(|s| paths.iter().any(|p| s.is_below(p))).map_or(0, |i| i + 1);
+    let last = statements.iter().rposition(|s| paths.cover_statement(s)).map_or(0, |i| i + 1);
     let rest = statements[last..].iter().take_while(|s| matches!(s, Statement::Pair(_))).count();
     let at = (last + rest).checked_sub(1).and_then(|i| statements.get(i));
     let at = at.map_or(w.text().len(), |s| w.layout().line_end(s.range().end));
     let eol = w.layout().eol();
     let use_path = ["use".to_owned(), instance.to_owned()];
     let line = format!("{{ part = \"{part}\" }}");
-    let stays = |s: &Statement| s.is_below(&use_path[..1]) && !paths.iter().any(|p| s.is_below(p));
-    let has_use = w.document.tree().statements.iter().any(|s| matches!(s, Statement::Pair(_)) && stays(s));
+    // the section may lose all its entries
+    let left = Document::read(&Edited::new(w.text(), edits.clone()).text)?;
+    let has_use = left.tree().is_table(&use_path[..1]);
     let mut text = sections;
     if has_use {
         edits.extend(w.layout().set(&use_path, &line));
@@ -39,8 +41,8 @@ pub(crate) fn group(w: &Written, names: &[String], part: &str, instance: Option<
     let gap = if w.text()[at..].starts_with(['\n', '\r']) || at == w.text().len() { "" } else { eol };
     edits.push(w.layout().insert_lines(at, format!("{text}{gap}").trim_end_matches(['\n', '\r'])));
     let is_inside = |r: &Reference| {
-        let path = w.document.tree().statements.iter().find(|s| s.range().contains(&r.range.start));
-        path.is_some_and(|s| paths.iter().any(|p| s.is_below(p)))
+        let before = statements.partition_point(|s| s.range().start <= r.range.start);
+        before.checked_sub(1).and_then(|i| statements.get(i)).is_some_and(|s| paths.cover_statement(s))
     };
     let outside: Vec<Reference> = w.references().into_iter().filter(|r| !is_inside(r)).collect();
     for r in &outside {
@@ -84,17 +86,21 @@ fn check(w: &Written, moved: &BTreeSet<Symbol>, part: &str, instance: &str) -> R
         return Err(Refusal::new(what, "use a word that no other part has"));
     }
     let own = w.named(None, instance).is_some_and(|s| moved.contains(&s));
-    if own && is_word(instance) { Ok(()) } else { w.check_free(None, instance) }
+    if !is_word(instance) {
+        let what = format!("`{}` cannot be the name of an instance", shown(instance));
+        return Err(Refusal::new(what, "use one word"));
+    }
+    if own { Ok(()) } else { w.check_free(None, instance) }
 }
 
 /// Writes the sections of the part: those of the model, with their entries that move.
-fn sections(w: &Written, paths: &[Vec<String>], part: &str) -> String {
+fn sections(w: &Written, paths: &Paths, part: &str) -> String {
     let (layout, eol) = (w.layout(), w.layout().eol());
     let name = |words: &str| if words.is_empty() { format!("[part.{part}]") } else { format!("[part.{part}.{words}]") };
     let mut all: Vec<(String, String)> = Vec::new();
     let mut header: Option<&Header> = None;
     for s in &w.document.tree().statements {
-        let moves = paths.iter().any(|p| s.is_below(p));
+        let moves = paths.cover_statement(s);
         if let Statement::Header(h) = s {
             header = Some(h);
         }

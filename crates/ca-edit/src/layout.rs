@@ -1,6 +1,7 @@
 //! Replacements that set, insert and remove entries of a text, in the style of the lines beside them.
 
 use crate::TextEdit;
+use crate::paths::Paths;
 use crate::tree::{Content, Header, Node, Pair, Statement, Tree, is_header};
 use ca_core::internal::kind::PortRole;
 use ca_core::{Catalog, Role};
@@ -205,8 +206,8 @@ impl<'t> Layout<'t> {
     }
 
     /// Removes everything at and below the paths. A section that becomes empty, and has no comment, is removed too.
-    pub fn remove(self, paths: &[Vec<String>]) -> Vec<TextEdit> {
-        let gone = |s: &Statement| paths.iter().any(|p| s.is_below(p));
+    pub fn remove(self, paths: &Paths) -> Vec<TextEdit> {
+        let gone = |s: &Statement| paths.cover_statement(s);
         let mut edits = Vec::new();
         for block in self.blocks() {
             let [first, entries @ ..] = block else { continue };
@@ -218,9 +219,11 @@ impl<'t> Layout<'t> {
                 edits.push(TextEdit::new(self.with_blank(whole), ""));
                 continue;
             }
-            let left = |c: &&Range<usize>| whole.contains(&c.start) && !self.is_on(c, entries);
-            let emptied = is_header && all && !entries.is_empty() && !self.tree.comments.iter().any(|c| left(&c));
-            if emptied {
+            let comments = &self.tree.comments;
+            let comments = &comments[comments.partition_point(|c| c.start < whole.start)..];
+            let mut comments = comments.iter().take_while(|c| c.start < whole.end);
+            let emptied = is_header && all && !entries.is_empty();
+            if emptied && comments.all(|c| self.is_on(c, entries)) {
                 edits.push(TextEdit::new(self.with_blank(whole), ""));
                 continue;
             }
@@ -247,7 +250,9 @@ impl<'t> Layout<'t> {
     }
 
     fn is_on(self, comment: &Range<usize>, entries: &[Statement]) -> bool {
-        entries.iter().any(|s| self.lines(&s.range()).contains(&comment.start))
+        let before = entries.partition_point(|s| s.range().start <= comment.start);
+        let entry = before.checked_sub(1).and_then(|i| entries.get(i));
+        entry.is_some_and(|s| comment.start < self.line_end(s.range().end))
     }
 
     /// Adds a blank line behind removed lines, unless the text before does not end with one.
@@ -259,16 +264,16 @@ impl<'t> Layout<'t> {
         if blank && ends { lines.start..after } else { lines }
     }
 
-    fn remove_inline(self, pair: &Pair, paths: &[Vec<String>], edits: &mut Vec<TextEdit>) {
+    fn remove_inline(self, pair: &Pair, paths: &Paths, edits: &mut Vec<TextEdit>) {
         let Content::Table(inner) = &pair.value.content else { return };
-        let gone = |p: &Pair| paths.iter().any(|path| p.path.starts_with(path));
-        let keep: Vec<bool> = inner.iter().map(|p| !gone(p)).collect();
+        let mut kept = false;
         for (i, p) in inner.iter().enumerate() {
-            if keep[i] {
+            if !paths.cover(&p.path) {
+                kept = true;
                 self.remove_inline(p, paths, edits);
                 continue;
             }
-            let range = self.member(&pair.value, i, inner.len(), keep[..i].iter().any(|k| *k), |i| inner[i].range());
+            let range = self.member(&pair.value, i, inner.len(), kept, |i| inner[i].range());
             edits.push(TextEdit::new(range, ""));
         }
     }

@@ -31,6 +31,7 @@ mod layout;
 mod map;
 pub mod number;
 mod operation;
+mod paths;
 mod place;
 mod references;
 mod refusal;

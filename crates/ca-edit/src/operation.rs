@@ -7,6 +7,7 @@ use crate::symbols::Written;
 use crate::{Edited, Refusal, delete, duplicate, group, rename, shift, value};
 use ca_compile::{Options, load};
 use ca_core::Catalog;
+use ca_model::read;
 use serde::{Deserialize, Serialize};
 
 /// An operation. All names are as in `--set`: `hammer`, `beads.a` of a group, `low[8]` in links. A name in a part begins
@@ -209,9 +210,15 @@ impl Operation {
                 equivalence(w, &equivalence::Change { rows: &rows, anchor: anchor.as_deref(), key })
             }
         }?;
-        // an edit that is not TOML would lose the way back to operations
-        Written::read(&edited.text, catalog)?;
-        Ok(edited)
+        let broken = |text: &str| {
+            let found = read::written(text, "", catalog).1;
+            found.list.into_iter().filter(|d| matches!(d.code, "E001" | "E012")).map(|d| d.title).collect::<Vec<_>>()
+        };
+        let (before, after) = (broken(text), broken(&edited.text));
+        match after.into_iter().find(|title| !before.contains(title)) {
+            Some(title) => Err(Refusal::new(format!("this would break the text: {title}"), "change the text by hand")),
+            None => Ok(edited),
+        }
     }
 
     /// Returns the name of the step for [`crate::History`].

@@ -233,16 +233,16 @@ impl<'c> Written<'c> {
         self.model.parts.iter().position(|p| p.name == *name)
     }
 
-    /// Returns whether a name can be given to something new in a scope.
+    /// Checks that a name, with its group before it, can be given to something new in a scope.
     pub fn check_free(&self, scope: Scope, name: &str) -> Result<(), Refusal> {
         let shown: String = name.chars().take(60).collect();
         let shown = shown.escape_debug();
         let last = name.rsplit('.').next().unwrap_or(name);
-        if !is_word(last) || !name.split('.').all(is_word) {
+        if !is_word(last) {
             let help = "a name has letters a to z and A to Z, digits and `_`, and begins with a letter or `_`";
             return Err(Refusal::new(format!("`{shown}` is not a name"), help));
         }
-        if name.len() > LONGEST {
+        if last.len() > LONGEST {
             return Err(Refusal::new(format!("`{shown}…` is too long"), format!("use at most {LONGEST} letters")));
         }
         if SECTIONS.contains(&name) || self.catalog.get(name).is_some() {

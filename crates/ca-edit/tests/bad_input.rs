@@ -131,6 +131,14 @@ fn odd_names_and_values_are_refused_or_written() {
             check(text, name, value);
         }
     }
+    // names of the reader that are longer, or of instances written out
+    let written =
+        format!("[g-.MAS]\na = {{}}\n[\"k[3]\".MAS]\n{0} = {{}}\n[part.{0}.MAS]\nb = {{}}\n", "x".repeat(300));
+    let x = "x".repeat(300);
+    for name in [format!("k[3].{x}"), x, "k[3]".into(), "k[3].b".into(), "g-".into()] {
+        check(&written, &name, "y");
+        check(&written, "y", &name);
+    }
     let long = "x".repeat(1 << 20);
     check(text, &long, &long);
     assert!(serde_json::from_str::<Operation>(r#"{"type": "set", "name": "a", "value": "1", "more": 1}"#).is_err());
