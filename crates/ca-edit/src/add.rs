@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 /// Values by their keys, as typed.
 pub(crate) type Values = BTreeMap<String, String>;
 
-/// Where something is added: the model or a part, and perhaps a group in it.
+/// Place of something new: the model or a part, and perhaps a group in it.
 struct Target {
     scope: Scope,
     group: Option<String>,
@@ -36,7 +36,7 @@ pub(crate) fn add(
             let near = nearest(key, found.params.iter().map(|p| p.name));
             let help =
                 near.map_or_else(|| format!("`ca list {}` lists them", found.code), |n| format!("did you mean `{n}`?"));
-            return Err(Refusal::new(format!("{} has no parameter `{}`", found.code, shown(key)), help));
+            return Err(Refusal::new(format!("unknown parameter of {}: `{}`", found.code, shown(key)), help));
         }
     }
     let missing = missing(found, values);
@@ -104,13 +104,13 @@ pub(crate) fn instance(
             Some(near) => format!("did you mean `{near}`?"),
             None => "`ca list parts` shows the parts that come with the program".into(),
         };
-        return Err(Refusal::new(format!("there is no part `{}`", shown(part)), help));
+        return Err(Refusal::new(format!("unknown part: `{}`", shown(part)), help));
     };
     let name = new_name(w, &target, name, part)?;
     if let Some(key) = with.keys().find(|k| !params.iter().any(|p| p.key == **k)) {
         let near = nearest(key, params.iter().map(|p| p.key.as_str()));
         let help = near.map_or_else(|| "leave it out".into(), |n| format!("did you mean `{n}`?"));
-        return Err(Refusal::new(format!("the part `{part}` has no parameter `{}`", shown(key)), help));
+        return Err(Refusal::new(format!("unknown parameter of the part `{part}`: `{}`", shown(key)), help));
     }
     let needs = |v: &Value| matches!(v, Value::Table(t) if !t.iter().any(|e| e.key == "value" || e.key == "port"));
     let missing: Vec<&str> =
@@ -141,7 +141,7 @@ fn kind_of(w: &Written, code: &str) -> Result<&'static Kind, Refusal> {
             Some(near) => format!("did you mean `{near}`?"),
             None => "`ca list` shows all kinds".into(),
         };
-        Refusal::new(format!("there is no kind `{}`", shown(code)), help)
+        Refusal::new(format!("unknown kind: `{}`", shown(code)), help)
     })
 }
 

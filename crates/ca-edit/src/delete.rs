@@ -120,7 +120,7 @@ fn inline(w: &Written, r: &Reference, symbol: Symbol) -> Result<TextEdit, Refusa
         Owner::Entry(path) => path.join("."),
     };
     let refuse = || {
-        let what = format!("`{}` has no value that could be written at `{}`", w.address(symbol), shown(&place));
+        let what = format!("the value of `{}` cannot be written at `{}`", w.address(symbol), shown(&place));
         Refusal::new(what, "write a value there first")
     };
     let entry = &w.body(symbol.scope).params[symbol.index];

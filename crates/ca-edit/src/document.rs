@@ -148,14 +148,15 @@ impl Document {
         }
     }
 
-    /// Removes the value or table at a place, or one value of a list. Returns `None` if the place is empty.
+    /// Removes the value or table at a place, or one value of a list; its section stays. Returns `None` if the place is
+    /// empty.
     pub fn clear(&mut self, place: &Place) -> Option<()> {
         if let Some(k) = place.index {
             let list = &self.tree.pair(&place.keys)?.value;
             let edit = self.layout().remove_member(list, k)?;
             return self.apply(vec![edit]);
         }
-        let edits = self.layout().remove(&Paths::from_iter([place.keys.clone()]));
+        let edits = self.layout().remove_entries(&Paths::from_iter([place.keys.clone()]), false);
         if edits.is_empty() { None } else { self.apply(edits) }
     }
 
@@ -243,7 +244,7 @@ mod tests {
     #[test]
     fn entries_are_removed_with_their_line() {
         let clear = |text: &str, path: &[&str]| of(text, |t| t.clear(&Place::keys(path.iter().copied())));
-        assert_eq!(clear("[a]\nb = 1 # x\n\n[c]\nd = 2\n", &["a", "b"]).unwrap(), "[c]\nd = 2\n");
+        assert_eq!(clear("[a]\nb = 1 # x\n\n[c]\nd = 2\n", &["a", "b"]).unwrap(), "[a]\n\n[c]\nd = 2\n");
         assert_eq!(clear("[a] # x\nb = 1\n", &["a", "b"]).unwrap(), "[a] # x\n");
         assert_eq!(clear("[a]\n# x\nb = 1\n", &["a", "b"]).unwrap(), "[a]\n# x\n");
         assert_eq!(clear("a = { b = 1, c = 2, d = 3 }", &["a", "c"]).unwrap(), "a = { b = 1, d = 3 }");

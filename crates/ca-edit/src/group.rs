@@ -93,7 +93,7 @@ fn check(w: &Written, moved: &BTreeSet<Symbol>, part: &str, instance: &str) -> R
     if own { Ok(()) } else { w.check_free(None, instance) }
 }
 
-/// Writes the sections of the part: those of the model, with their entries that move.
+/// Writes the sections of the part, with the entries that move.
 fn sections(w: &Written, paths: &Paths, part: &str) -> String {
     let (layout, eol) = (w.layout(), w.layout().eol());
     let name = |words: &str| if words.is_empty() { format!("[part.{part}]") } else { format!("[part.{part}.{words}]") };

@@ -205,8 +205,13 @@ impl<'t> Layout<'t> {
         self.insert_lines(at, &format!("{gap}[{}]{lines}{}", dotted(path), tail))
     }
 
-    /// Removes everything at and below the paths. A section that becomes empty, and has no comment, is removed too.
+    /// Removes everything at and below the paths, and sections that become empty, unless a comment is in them.
     pub fn remove(self, paths: &Paths) -> Vec<TextEdit> {
+        self.remove_entries(paths, true)
+    }
+
+    /// Removes everything at and below the paths. `empty` says whether sections that become empty are removed too.
+    pub fn remove_entries(self, paths: &Paths, empty: bool) -> Vec<TextEdit> {
         let gone = |s: &Statement| paths.cover_statement(s);
         let mut edits = Vec::new();
         for block in self.blocks() {
@@ -222,7 +227,7 @@ impl<'t> Layout<'t> {
             let comments = &self.tree.comments;
             let comments = &comments[comments.partition_point(|c| c.start < whole.start)..];
             let mut comments = comments.iter().take_while(|c| c.start < whole.end);
-            let emptied = is_header && all && !entries.is_empty();
+            let emptied = empty && is_header && all && !entries.is_empty();
             if emptied && comments.all(|c| self.is_on(c, entries)) {
                 edits.push(TextEdit::new(self.with_blank(whole), ""));
                 continue;

@@ -32,7 +32,7 @@ impl MidiSource {
             MidiSource::Note { first, last: Some(last) } => ("note", format!("[{}, {}]", typed(first)?, typed(last)?)),
             MidiSource::Controller(n) if *n <= 127 => ("cc", n.to_string()),
             MidiSource::Controller(n) => {
-                return Err(Refusal::new(format!("there is no MIDI controller {n}"), "give a number from 0 to 127"));
+                return Err(Refusal::new(format!("unknown MIDI controller: {n}"), "give a number from 0 to 127"));
             }
             MidiSource::Bend => ("bend", "true".into()),
             MidiSource::Pressure => ("pressure", "true".into()),
@@ -91,12 +91,17 @@ pub(crate) fn device(w: &Written, name: &str, device: &str, dof: &[u32]) -> Resu
     let port = port(w, name, &|ty| matches!(ty, Type::Counts { .. }), "dof")?;
     let dofs = match dof {
         [one] => one.to_string(),
-        [] => return Err(Refusal::new("there is no degree of freedom", "give one for each axis that moves, from 0")),
+        [] => {
+            return Err(Refusal::new(
+                "the list of degrees of freedom is empty",
+                "give one for each axis that moves, from 0",
+            ));
+        }
         all if all.len() <= 3 => format!("[{}]", all.iter().map(u32::to_string).collect::<Vec<_>>().join(", ")),
         _ => return Err(Refusal::new("there are too many degrees of freedom", "give at most three")),
     };
     if device.trim().is_empty() {
-        return Err(Refusal::new("the device has no name", "give the name of the device, such as `tgr12`"));
+        return Err(Refusal::new("the name of the device is empty", "give the name of the device, such as `tgr12`"));
     }
     let mut document = w.document.clone();
     let done = document

@@ -26,8 +26,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Operation {
-    /// Adds a module, a generator or a port: `{"type": "add", "kind": "MAS", "values": {"m": "2 g"}}`. What the kind needs
-    /// beside that has the values of its example.
+    /// Adds a module, a generator or a port: `{"type": "add", "kind": "MAS", "values": {"m": "2 g"}}`. Other required
+    /// parameters get the values of the example of the kind.
     Add {
         /// Code of the kind.
         kind: String,
@@ -101,16 +101,16 @@ pub enum Operation {
     /// something refers to it, and the refusal lists what. With it, links, instances, gestures and values of presets are
     /// deleted too, and a number that names a deleted parameter gets its value.
     Delete {
-        /// What to delete.
+        /// Names of the things to delete.
         names: Vec<String>,
-        /// Whether dependents are deleted too.
+        /// True to delete dependents too.
         #[serde(default)]
         dependents: bool,
     },
     /// Copies modules, groups, instances or parameters under new names, each behind its original:
     /// `{"type": "duplicate", "names": ["hammer", "strike"]}`. Links among them join the copies.
     Duplicate {
-        /// What to copy.
+        /// Names of the things to copy.
         names: Vec<String>,
     },
     /// Makes a part of modules, and one instance in their place:

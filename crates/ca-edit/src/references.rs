@@ -9,7 +9,7 @@ use ca_core::Type;
 use ca_model::{Entry, Span, Value};
 use core::ops::Range;
 
-/// What contains a reference.
+/// Thing that contains a reference.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Owner {
     /// A value of a symbol, with its keys, such as `with.f`.

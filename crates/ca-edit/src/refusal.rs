@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 /// Reason why an operation does not change the text, with a remedy.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Refusal {
-    /// What is wrong, in one line.
+    /// The problem, in one line.
     pub what: String,
-    /// What to do.
+    /// The remedy.
     pub help: String,
     /// Names of everything that refers to what should be deleted; otherwise empty.
     pub dependents: Vec<String>,

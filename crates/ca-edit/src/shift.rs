@@ -18,7 +18,7 @@ pub(crate) fn shift(w: &Written, name: &str, to: &[f64]) -> Result<Edited, Refus
         kind.is_some_and(|k| k.params.iter().any(|p| p.name == "x" && matches!(p.ty, Type::Position { .. })));
     if !has_place {
         let help = "move a mass, a fixed point, a port or a generator; a link is drawn between its ends";
-        return Err(Refusal::new(format!("`{}` has no place", shown(name)), help));
+        return Err(Refusal::new(format!("`{}` cannot move", shown(name)), help));
     }
     let dim = dim(w, symbol);
     if to.len() != dim || !to.iter().all(|v| v.is_finite()) {

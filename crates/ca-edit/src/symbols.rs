@@ -1,4 +1,4 @@
-//! What the names of a text mean: modules, groups, instances, parameters, parts and presets, with their places.
+//! Names of a text and their meanings: modules, groups, instances, parameters, parts and presets, with their places.
 //!
 //! The reader of `ca-model` finds them; this module adds the path of keys at which each is written.
 
@@ -13,7 +13,7 @@ use ca_model::{Model, Value, read};
 use core::ops::Range;
 use std::collections::HashMap;
 
-/// Where a name is defined: the model, or one of its parts by index.
+/// Place of a definition: the model, or one of its parts by index.
 pub(crate) type Scope = Option<usize>;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -26,8 +26,8 @@ pub(crate) enum Class {
     Preset,
 }
 
-/// A named thing of the text. Its index counts those of its class in the order of the text, so it stays the same when
-/// only names change.
+/// A named thing of the text. Its index is its position in its class, in the order of the text, so it stays the same
+/// if only names change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) struct Symbol {
     pub scope: Scope,
@@ -42,7 +42,7 @@ pub(crate) struct Hit {
     pub symbol: Symbol,
 }
 
-/// What a text may name.
+/// Things that a text may name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Want {
     /// A module, as in `between`.

@@ -1,6 +1,7 @@
 //! Sets and clears a value, which is named as `--set` names it, and written as it is typed.
 
 use crate::layout::quoted;
+use crate::paths::Paths;
 use crate::symbols::{Class, Symbol, Written};
 use crate::tree::{self, Content};
 use crate::{Document, Edited, Place, Refusal, TextEdit};
@@ -35,7 +36,10 @@ pub(crate) fn clear(w: &Written, name: &str) -> Result<Edited, Refusal> {
         return Err(Refusal::new(format!("`{}` is not written", shown(name)), "it has its default already"));
     }
     let mut document = w.document.clone();
-    let done = document.clear(&place);
+    let done = match place.index {
+        Some(_) => document.clear(&place),
+        None => document.apply(w.layout().remove(&Paths::from_iter([place.keys]))),
+    };
     finish(w, done.map(|()| document), name)
 }
 
@@ -197,7 +201,7 @@ fn of_symbol(w: &Written, symbol: Symbol, rest: &[String], name: &str) -> Result
                 return Ok(path());
             }
             if let Some(all) = params.filter(|_| !is_param) {
-                let what = format!("the part of `{}` has no parameter `{}`", w.address(symbol), shown(key));
+                let what = format!("unknown parameter of the part of `{}`: `{}`", w.address(symbol), shown(key));
                 return Err(Refusal::new(
                     what,
                     match nearest(key, all.iter().map(|e| e.key.as_str())) {

@@ -222,7 +222,7 @@ fn parts_groups_and_presets_are_deleted_with_what_needs_them() {
                     let unknown = errors(&e.text).iter().filter(|c| matches!(**c, "E013" | "E021")).count();
                     assert_eq!(unknown, 0, "{file} without {name}:\n{}", e.text);
                 }
-                Err(e) => assert!(e.what.contains("no value that could be written"), "{file} {name}: {e}"),
+                Err(e) => assert!(e.what.contains("cannot be written at"), "{file} {name}: {e}"),
             }
         }
     }
@@ -327,11 +327,15 @@ fn the_scale_is_set() {
     let new = edited(&text, r#"{"type": "equivalence", "key": "key", "lever": 2}"#);
     assert_eq!(new, format!("{text}\n[equivalence.key]\nlever = 2.0\n"));
     assert_eq!(errors(&new), [""; 0]);
+    // the only row gives way to another one
+    let one = text.replace("force = [\"1 N\", \"18 N\"]\n", "");
+    let new = edited(&one, r#"{"type": "equivalence", "rows": {"mass": "1 g:1"}, "anchor": "energy"}"#);
+    assert!(new.contains("[equivalence]\nmass = [\"1 g\", 1.0]\n") && errors(&new).is_empty(), "{new}");
     let why = refused(&text, r#"{"type": "equivalence", "rows": {"time": "1:1"}}"#);
     assert!(why.contains("clock") && !why.contains("--"), "{why}");
 }
 
-/// A difference between two texts, with the line ends and marks of others.
+/// Line ends of Windows and a byte order mark stay.
 #[test]
 fn other_line_ends_and_marks_stay() {
     let text = model("hammered_string").replace('\n', "\r\n");
