@@ -14,33 +14,36 @@ pub struct Reported<'a> {
     /// Fastest row within the requested error.
     pub best: Option<&'a MethodRow>,
     asked: Option<f64>,
+    dashes: &'static str,
 }
 
 impl<'a> Reported<'a> {
-    /// Finds the fastest row within the requested relative RMS error, if there is one.
-    pub fn new(name: &'a str, found: &'a Measured, asked: Option<f64>) -> Reported<'a> {
-        Reported { name, found, best: asked.and_then(|error| found.choose(error)), asked }
+    /// Finds the fastest row within the requested relative RMS error, if there is one. `dashes` begins the name of an
+    /// option in messages: `--` in a command, otherwise nothing.
+    pub fn new(name: &'a str, found: &'a Measured, asked: Option<f64>, dashes: &'static str) -> Reported<'a> {
+        Reported { name, found, best: asked.and_then(|error| found.choose(error)), asked, dashes }
     }
 
     /// Says whether a row meets the requested error.
     pub fn verdict(&self) -> Option<String> {
         let (asked, reference) = (self.asked?, &self.found.reference);
+        let dashes = self.dashes;
         let (known, error_target) = (reference.known, format!("an error of at most {asked:e}"));
         Some(match (self.best, reference.origin) {
             (Some(r), _) => format!("fastest with {error_target}: {}", r.name()),
             (None, _) if known <= asked => {
-                format!("no row that is proven has {error_target}; try larger multiples with `times`")
+                format!("no row that is proven has {error_target}; try larger multiples with `{dashes}times`")
             }
             (None, Origin::Modes) => {
                 format!(
                     "{error_target} cannot be confirmed: the closed form is accurate only to {known:.1e}; choose a larger \
-                     `error`"
+                     `{dashes}error`"
                 )
             }
             (None, Origin::Rate(n, _) | Origin::Open(n)) => {
                 format!(
-                    "{error_target} cannot be confirmed: the reference is accurate only to {known:.1e}; raise `reference` \
-                     above {n}"
+                    "{error_target} cannot be confirmed: the reference is accurate only to {known:.1e}; raise \
+                     `{dashes}reference` above {n}"
                 )
             }
         })

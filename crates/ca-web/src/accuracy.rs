@@ -93,7 +93,7 @@ fn accuracy(source: &Source, options: &Options, clock: Clock, progress: &mut dyn
         Failure::Stopped => refused("the measurement was stopped"),
         other => failed(other),
     })?;
-    let reported = Reported::new(&loaded.name, &found, *error);
+    let reported = Reported::new(&loaded.name, &found, *error, "");
     Ok((reported.json(), reported.page(&loaded.model).html().into_bytes()))
 }
 

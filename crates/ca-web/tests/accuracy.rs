@@ -43,7 +43,7 @@ fn ask(request: &Value, now: fn() -> Duration) -> (Value, Vec<u8>) {
     answer(request.to_string().as_bytes(), Clock { now, step: CLOCK_STEP }, &mut |_, _| true)
 }
 
-fn request(more: Value) -> Value {
+fn request(more: &Value) -> Value {
     let mut request = json!({"type": "accuracy", "file": "chain.ca.toml", "text": CHAIN, "seconds": 0.02, "times": [1, 2], "reference": 8});
     request.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
     request
@@ -51,7 +51,7 @@ fn request(more: Value) -> Value {
 
 #[test]
 fn a_model_is_measured_as_by_the_command() {
-    let (mut object, page) = ask(&request(json!({"error": 0.1})), time);
+    let (mut object, page) = ask(&request(&json!({"error": 0.1})), time);
     assert_eq!(object.as_object_mut().unwrap().remove("ok"), Some(json!(true)), "{object}");
     CALLS.set(0);
     let loaded = Loaded::read(CHAIN, "chain.ca.toml");
@@ -66,7 +66,7 @@ fn a_model_is_measured_as_by_the_command() {
         progress: &mut |_, _| true,
     };
     let found = measured(&loaded, &mut ask).unwrap();
-    let reported = Reported::new(&loaded.name, &found, Some(0.1));
+    let reported = Reported::new(&loaded.name, &found, Some(0.1), "");
     assert_eq!(object, reported.json());
     assert!(object["rows"].as_array().unwrap().len() > 4 && object["recommended"]["method"].is_string(), "{object}");
     assert!(page == reported.page(&loaded.model).html().into_bytes() && page.starts_with(b"<!"));
@@ -75,7 +75,7 @@ fn a_model_is_measured_as_by_the_command() {
 /// A play that is shorter than the step of the clock gets its time all the same.
 #[test]
 fn a_coarse_clock_gives_the_times_of_a_fine_one() {
-    let (object, _) = ask(&request(json!({"times": [1]})), coarse);
+    let (object, _) = ask(&request(&json!({"times": [1]})), coarse);
     let frames = (0.02 * object["rate"].as_f64().unwrap()).round();
     let expected = EACH.as_nanos() as f64 / frames;
     for row in object["rows"].as_array().unwrap() {
@@ -86,7 +86,7 @@ fn a_coarse_clock_gives_the_times_of_a_fine_one() {
 
 #[test]
 fn what_cannot_be_measured_is_refused() {
-    for (more, why) in [
+    for (more, why) in &[
         (json!({"type": "acuracy"}), "cannot be read"),
         (json!({"text": "[MSA]\na = {}\n"}), "chain.ca.toml:1:2"),
         (json!({"text": "]"}), "chain.ca.toml:1:1"),
@@ -105,9 +105,9 @@ fn what_cannot_be_measured_is_refused() {
         (json!({"reference": 2}), "from 4 to 4096"),
         (json!({"error": 0}), "`error`"),
     ] {
-        let (object, bytes) = ask(&request(more.clone()), time);
+        let (object, bytes) = ask(&request(more), time);
         assert_eq!((&object["ok"], bytes.len()), (&json!(false), 0), "{more}");
-        assert!(object["text"].as_str().unwrap().contains(why), "{more}: {object}");
+        assert!(object["text"].as_str().unwrap().contains(*why), "{more}: {object}");
     }
 }
 
@@ -115,7 +115,7 @@ fn what_cannot_be_measured_is_refused() {
 fn a_measurement_stops_when_it_is_told_to() {
     let (mut calls, mut steps) = (0, Vec::new());
     let clock = Clock { now: time, step: CLOCK_STEP };
-    let request = request(json!({"seconds": 1, "reference": 64})).to_string();
+    let request = request(&json!({"seconds": 1, "reference": 64})).to_string();
     let (object, _) = answer(request.as_bytes(), clock, &mut |done, of| {
         calls += 1;
         steps.push(done);

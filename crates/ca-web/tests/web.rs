@@ -189,12 +189,12 @@ fn modes_are_those_of_the_model() {
 #[test]
 fn a_part_is_tuned_in_the_text() {
     let text = format!("# kept\n{STRING}");
-    let tune = |more: Value| {
+    let tune = |more: &Value| {
         let mut request = json!({"type": "tune", "file": "s.ca.toml", "text": text});
         request.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
         ask(&request).0
     };
-    let object = tune(json!({"parts": ["low=A2+20"], "a4": 442}));
+    let object = tune(&json!({"parts": ["low=A2+20"], "a4": 442}));
     let wanted = 110.5 * (20.0f64 / 1200.0).exp2();
     let tuned = &object["tuned"][0];
     let near = |what: &str, to: f64| (tuned[what].as_f64().unwrap() / to).log2().abs() < 1e-6 / 1200.0;
@@ -207,7 +207,7 @@ fn a_part_is_tuned_in_the_text() {
     assert_eq!(modes["parts"], json!(["low"]));
     let heard = |m: &Value| m["heard_hz"].as_f64().unwrap();
     assert!(modes["modes"].as_array().unwrap().iter().any(|m| (heard(m) / wanted - 1.0).abs() < 1e-9));
-    let second = tune(json!({"parts": ["low=250 Hz"], "mode": 2}));
+    let second = tune(&json!({"parts": ["low=250 Hz"], "mode": 2}));
     assert!((second["tuned"][0]["heard_hz"].as_f64().unwrap() - 250.0).abs() < 1e-3, "{second}");
     let bank = "[BANK]\nk = { f = [100, 210, 290], m = 1e-3 }\n[SOX]\nout = { from = \"k[*]\" }\n";
     let scale = json!({"type": "tune", "text": bank, "parts": ["k"], "scale": "harmonic", "root": "A3"});
@@ -234,7 +234,7 @@ fn a_part_is_tuned_in_the_text() {
         (json!({"parts": ["wall=A2"], "text": "[SOL]\nwall = {}\n"}), "neither `f` nor `k`"),
         (json!({"parts": ["low=A2"], "limit": 3}), "at most 3"),
     ] {
-        let object = tune(more.clone());
+        let object = tune(&more);
         assert_eq!(object["ok"], false, "{more}");
         assert!(object["text"].as_str().unwrap().contains(why), "{more}: {object}");
     }

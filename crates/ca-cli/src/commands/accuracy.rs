@@ -99,7 +99,7 @@ pub fn run(args: &AccuracyArgs) -> Outcome {
         bar.finish_and_clear();
     }
     let found = found?;
-    let reported = Reported::new(&loaded.name, &found, args.error);
+    let reported = Reported::new(&loaded.name, &found, args.error, "--");
     if args.json {
         writeln!(std::io::stdout().lock(), "{:#}", reported.json())?;
     } else {
