@@ -156,15 +156,6 @@ impl<R: Real> Scene<R> {
         s
     }
 
-    /// Returns the first index into [`State::input`] whose `hand` makes [`Scene::state_from`] differ from
-    /// [`Scene::state`].
-    pub fn begins_elsewhere(&self, hand: impl Fn(usize) -> Option<[f64; 2]>) -> Option<usize> {
-        let elsewhere = |(p, moves): &(&Enx<R>, bool)| {
-            hand(p.input as usize).is_some_and(|[x, d]| x != p.rest.wide() || (*moves && d != 0.0))
-        };
-        self.begins_by_hand().find(elsewhere).map(|(p, _)| p.input as usize)
-    }
-
     /// Returns the ports whose initial position is part of the start, each with whether its motion is too.
     fn begins_by_hand(&self) -> impl Iterator<Item = (&Enx<R>, bool)> {
         let ports = &self.layout.ports;

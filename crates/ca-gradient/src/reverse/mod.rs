@@ -23,7 +23,7 @@ use crate::parts::{Parts, number};
 use crate::play_io::{BLOCK, frames_of};
 use crate::{Error, Forward, GoesOn, Parameter};
 use adjoint::Adjoint;
-use ca_core::internal::op::layout::{CoordinateSource, Shape as PortShape};
+use ca_core::internal::op::layout::{CoordinateSource, Enx, Shape as PortShape};
 use ca_core::{Dual, InputRole, Scene};
 use ca_io::gesture::Gesture;
 use ca_io::perform::Performance;
@@ -150,9 +150,16 @@ impl Reverse {
         Ok(self.starting_port(&Performance::new(&self.scene, gesture)?).is_none())
     }
 
-    /// Returns the first port whose initial position is part of the start.
+    /// Returns the first port whose gesture begins elsewhere, or moving, where that is part of the start
+    /// ([`ca_core::Scene::state_from`]).
     fn starting_port(&self, p: &Performance) -> Option<&str> {
-        self.scene.begins_elsewhere(|input| p.hand(input)).map(|input| self.scene.inputs[input].name.as_str())
+        let (ports, moves) = (&self.scene.layout.ports, self.scene.layout.oversample() == 1);
+        let mut all = ports.enx.iter().map(|p| (p, moves)).chain(ports.tgr.iter().map(|p| (p, false)));
+        let elsewhere = |(port, moves): &(&Enx, bool)| {
+            let hand = p.hand(port.input as usize).filter(|_| port.implicit);
+            hand.is_some_and(|[x, d]| x != port.rest || (*moves && d != 0.0))
+        };
+        all.find(elsewhere).map(|(port, _)| self.scene.inputs[port.input as usize].name.as_str())
     }
 
     /// Propagates the adjoints of port-driven coefficients. Such a coefficient is linear within a frame and ends at the
