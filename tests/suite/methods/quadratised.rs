@@ -68,7 +68,7 @@ fn many_contacts_keep_to_their_potential() {
 /// A contact that lasts does not drift: a mass rolls in a round box for half a minute, around or to and fro.
 #[test]
 fn a_contact_that_lasts_does_not_drift_from_its_potential() {
-    for (gravity, x, v) in [(0.0, [0.050008, 0.0], 2.0), (9.81, [0.035355339, -0.035356339], 0.0)] {
+    for (gravity, x, v) in [(0.0, [0.050_008, 0.0], 2.0), (9.81, [0.035_355_339, -0.035_356_339], 0.0)] {
         let text = format!(
             "[room]\ndim = 2\ngravity = {gravity}\n[room.SOL]\nc = {{}}\n[room.MAS]\nm = {{ m = 0.01, x = {x:?}, v = [0, {v}] }}\n\
              [BUT]\nb = {{ between = [\"room.c\", \"room.m\"], k = 1e5, d = 0.05, sense = \"inside\", method = \"stable\" }}\n\
