@@ -5,7 +5,6 @@
 #[path = "../../ca-cli/tests/page/browser.rs"]
 #[allow(dead_code)]
 mod browser;
-mod drag;
 #[path = "../tests/second/mod.rs"]
 #[allow(dead_code)]
 mod second;
@@ -58,13 +57,13 @@ fn zipped(bytes: &[u8]) -> f64 {
 /// Time from the address to the first sample in Chromium, with and without the files in its cache \[s\].
 fn starts(server: &Server) -> Option<[f64; 2]> {
     let mut tab = Tab::open("about:blank")?;
-    tab.command("Network.enable", &json!({}));
+    tab.emulate("Network.enable", &json!({}));
     let slow = json!({"offline": false, "latency": 40, "downloadThroughput": 1.25e6, "uploadThroughput": 1.25e6});
     let mut times = [0.0; 2];
     for time in &mut times {
-        tab.command("Network.emulateNetworkConditions", &slow);
+        tab.emulate("Network.emulateNetworkConditions", &slow);
         let began = Instant::now();
-        tab.command("Page.navigate", &json!({"url": format!("{}play.html?model=hammered_string", server.address)}));
+        tab.emulate("Page.navigate", &json!({"url": format!("{}play.html?model=hammered_string", server.address)}));
         while tab.js("document.documentElement.dataset.generation === '1'") != true {}
         tab.js("document.getElementById('play').click()");
         while tab.js("+document.documentElement.dataset.tick > 0") != true {}
@@ -72,22 +71,6 @@ fn starts(server: &Server) -> Option<[f64; 2]> {
         while tab.js("navigator.serviceWorker.controller !== null") != true {}
     }
     Some(times)
-}
-
-/// Drags of a measurement.
-const DRAGS: usize = 100;
-
-/// The time from a drag to its sound, as a paragraph; empty without Chromium.
-fn drag(folder: &Path, server: &Server) -> String {
-    let Some(drag) = drag::measured(folder, &server.address, DRAGS) else { return String::new() };
-    let at = |part: f64| drag.times[((drag.times.len() - 1) as f64 * part).round() as usize];
-    format!(
-        "\nFrom the event of a drag to its first sample in the audio thread of Chromium: median {:.1} ms, 99th percentile {:.1} ms, \
-         of {DRAGS}. The browser plays it later; the page shows \"{}\" (target 30 ms together).\n",
-        at(0.5),
-        at(0.99),
-        drag.behind
-    )
 }
 
 /// The processor, as Linux calls it.
@@ -105,8 +88,8 @@ fn main() {
     let native =
         |name: &str, text: &str| (0..ROUNDS).map(|_| second::native(name, text).ms).fold(f64::INFINITY, f64::min);
     let mut page = String::from(
-        "# The engine in the browser\n\nThis page answers how large the engine is, how soon it sounds, how soon a touch sounds, and how much \
-         slower it is than the command. Made by `CA_WEB_ENGINE=$PWD/target/web UPDATE=1 cargo bench -p ca-site` after `tools/site --engine`: do not edit.\n\n",
+        "# The engine in the browser\n\nThis page answers how large the engine is, how soon it sounds, and how much slower it is than the \
+         command. Made by `CA_WEB_ENGINE=$PWD/target/web UPDATE=1 cargo bench -p ca-site` after `tools/site --engine`: do not edit.\n\n",
     );
     let (engine, compiler) = (zipped(modules.engine), zipped(modules.compiler));
     let _ = writeln!(
@@ -117,11 +100,6 @@ fn main() {
     let dir = tempfile::tempdir().expect("a folder");
     site(dir.path(), modules).expect("a site");
     let server = Server::of(dir.path().to_owned());
-    // `cargo bench -p ca-site -- drag`
-    if std::env::args().any(|a| a == "drag") {
-        println!("{}", drag(dir.path(), &server));
-        return;
-    }
     if let Some([cold, warm]) = starts(&server) {
         let _ = writeln!(
             page,
@@ -129,7 +107,6 @@ fn main() {
              visited before {warm:.1} s (target 1)."
         );
     }
-    page += &drag(dir.path(), &server);
     let there = node(dir.path());
     let _ = writeln!(page, "\nTime for a second of sound \\[ms\\], fastest of {ROUNDS}, on {}:\n", processor());
     page += "| model | native | Node.js | ratio |\n|---|---|---|---|\n";

@@ -4,17 +4,6 @@
 #[path = "../../ca-cli/tests/page/browser.rs"]
 #[allow(dead_code)]
 mod browser;
-#[cfg(unix)]
-mod browsers;
-#[path = "../../../tests/src/long_form.rs"]
-mod long_form;
-#[cfg(target_os = "linux")]
-mod memory;
-#[path = "../../../tests/src/page.rs"]
-mod page;
-#[path = "../../../tests/src/page_checks.rs"]
-#[allow(dead_code)]
-mod page_checks;
 #[allow(dead_code)]
 mod second;
 mod server;
@@ -24,15 +13,13 @@ mod skipped;
 use browser::Tab;
 use ca_accuracy::timing::Clock;
 use ca_site::{WebModules, modules, one_file, site};
-use page::{near, until};
-use page_checks::CHECKS;
 use serde_json::{Value, json};
 use server::Server;
 use std::path::Path;
 use std::process::Command;
 use std::sync::atomic::Ordering::Relaxed;
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Pages in real time would disturb each other on two cores.
 static ALONE: Mutex<()> = Mutex::new(());
@@ -43,6 +30,19 @@ fn built() -> Option<(WebModules, MutexGuard<'static, ()>)> {
         skipped::skipped("modules of the browser", "CA_WEB_ENGINE is not set, so no page without a server is played");
     }
     found.map(|modules| (modules, ALONE.lock().unwrap_or_else(PoisonError::into_inner)))
+}
+
+/// Waits until an expression in the page is true.
+#[track_caller]
+fn until(tab: &mut Tab, what: &str, is: &str) {
+    let end = Instant::now() + Duration::from_secs(60);
+    while tab.js(is) != true {
+        if Instant::now() > end {
+            let page = tab.js("JSON.stringify([document.documentElement.dataset, document.getElementById('bannerText')?.textContent, document.getElementById('reportText')?.textContent])");
+            panic!("{what}: not within a minute: {page} {:?}", tab.errors());
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
 }
 
 const OPEN: &str = "document.documentElement.dataset.generation === '1'";
@@ -75,7 +75,7 @@ fn an_instrument_of_the_gallery_is_played_pulled_edited_and_shared() {
     play(&mut tab);
     // pulled: the mass follows the pointer
     until(&mut tab, "the gesture has ended", "document.getElementById('play').dataset.on === 'false'");
-    let at = near(&mut tab, "low[");
+    let at = tab.near().expect("a mass of the string");
     tab.mouse("mousePressed", at[0], at[1]);
     for step in 1..=10 {
         tab.mouse("mouseMoved", at[0], at[1] - 6.0 * f64::from(step));
@@ -158,20 +158,6 @@ fn an_instrument_of_the_gallery_is_played_pulled_edited_and_shared() {
     until(&mut tab, "the shared text is there", "document.getElementById('modelText')?.value.includes('123 Hz')");
     play(&mut tab);
     assert_eq!(tab.errors(), Vec::<String>::new());
-}
-
-/// The checks of the page, which `ca play` passes too.
-#[test]
-fn the_page_passes_its_checks_with_the_engine_inside() {
-    let Some((modules, _alone)) = built() else { return };
-    let (dir, server) = folder(modules);
-    // a check computes with this module alone; the page has all of them in one script
-    std::fs::write(dir.path().join("motion.js"), ca_play::module("motion.js")).unwrap();
-    for check in &CHECKS {
-        std::fs::write(dir.path().join("models/checked.ca.toml"), check.model).unwrap();
-        let Some(mut tab) = Tab::open(&format!("{}play.html?model=checked", server.address)) else { return };
-        check.in_chromium(&mut tab);
-    }
 }
 
 #[test]
@@ -369,21 +355,6 @@ fn the_package_tunes_and_measures_in_node() {
         assert!(near(&there["spectrum_error"], &here["spectrum_error"]), "{there} {here}");
         assert!(there["ns_per_sample"].as_f64().unwrap() > 0.0, "{there}");
     }
-}
-
-/// Malformed plans are refused, or they play; none stops the module of the engine.
-#[test]
-fn no_malformed_plan_stops_the_engine() {
-    let Some((modules, _alone)) = built() else { return };
-    let (dir, _server) = folder(modules);
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/malformed.mjs");
-    let cases = if long_form::long_form("all but 3000 of 20 000 malformed plans") { 20_000 } else { 3000 };
-    let Some(said) = node(&[&script, dir.path(), Path::new(&cases.to_string()), Path::new("1")]) else { return };
-    let said: Value = serde_json::from_str(&said).unwrap();
-    assert_eq!(said["stopped"], json!([]), "{said}");
-    let count = |what: &str| said[what].as_u64().unwrap();
-    assert_eq!(count("refused") + count("played"), cases);
-    assert!(count("plans") > 20 && count("refused") * 10 > cases && count("played") * 10 > cases, "{said}");
 }
 
 /// Runs Node; `None` without it.

@@ -16,7 +16,6 @@ pub struct Tab {
     id: u64,
     session: String,
     errors: Vec<String>,
-    pressed: bool,
     child: Child,
     _profile: tempfile::TempDir,
 }
@@ -58,8 +57,7 @@ impl Tab {
         let stream = TcpStream::connect(at["ws://".len()..].split('/').next().unwrap()).unwrap();
         stream.set_read_timeout(Some(Duration::from_secs(120))).unwrap();
         let socket = tungstenite::client(at.as_str(), stream).unwrap().0;
-        let mut tab =
-            Tab { socket, id: 0, session: String::new(), errors: Vec::new(), pressed: false, child, _profile: profile };
+        let mut tab = Tab { socket, id: 0, session: String::new(), errors: Vec::new(), child, _profile: profile };
         let target = tab.command("Target.createTarget", &json!({"url": "about:blank"}));
         let attach = json!({"targetId": target["targetId"], "flatten": true});
         tab.session = tab.command("Target.attachToTarget", &attach)["sessionId"].as_str().unwrap().into();
@@ -70,8 +68,7 @@ impl Tab {
         Some(tab)
     }
 
-    /// Sends a command of the DevTools protocol, and returns its result.
-    pub fn command(&mut self, method: &str, params: &Value) -> Value {
+    fn command(&mut self, method: &str, params: &Value) -> Value {
         self.id += 1;
         let mut request = json!({"id": self.id, "method": method, "params": params});
         if !self.session.is_empty() {
@@ -101,10 +98,10 @@ impl Tab {
         }
     }
 
-    /// Process of the browser.
+    /// Sends a command of the DevTools protocol.
     #[allow(dead_code)]
-    pub fn process(&self) -> u32 {
-        self.child.id()
+    pub fn emulate(&mut self, method: &str, params: &Value) {
+        self.command(method, params);
     }
 
     /// Evaluates an expression in the page as a user gesture, so that the page may start sound.
@@ -114,12 +111,35 @@ impl Tab {
     }
 
     pub fn mouse(&mut self, kind: &str, x: f64, y: f64) {
-        self.pressed = kind == "mousePressed" || (self.pressed && kind == "mouseMoved");
-        // a release names the button that comes up
-        let button = if self.pressed || kind == "mouseReleased" { "left" } else { "none" };
-        let buttons = i32::from(self.pressed);
-        let event = json!({"type": kind, "x": x, "y": y, "button": button, "buttons": buttons, "clickCount": 1});
+        let down = i32::from(kind != "mouseReleased");
+        let event = json!({"type": kind, "x": x, "y": y, "button": "left", "buttons": down, "clickCount": 1});
         self.command("Input.dispatchMouseEvent", &event);
+    }
+
+    /// Finds a point where a mass can be pressed.
+    pub fn near(&mut self) -> Option<[f64; 2]> {
+        let size = self.js("(() => { const r = document.getElementById('canvas').getBoundingClientRect(); \
+             return [r.x, r.y, r.width, r.height]; })()");
+        let [left, top, w, h] = [0, 1, 2, 3].map(|k| size[k].as_f64().unwrap());
+        for part in [0.5, 0.45, 0.55, 0.4, 0.6, 0.35, 0.65, 0.3, 0.7] {
+            for step in 0..40 {
+                let off = 0.01 * f64::from(step / 2) * if step % 2 == 0 { 1.0 } else { -1.0 };
+                let at = [left + part * w, top + h * (0.5 + off)];
+                let event = json!({"type": "mouseMoved", "x": at[0], "y": at[1], "button": "none", "buttons": 0});
+                self.command("Input.dispatchMouseEvent", &event);
+                // a mass of the string, which rings
+                let tip = "new Promise(r => setTimeout(() => r(document.getElementById('tooltip').textContent), 250))";
+                let over = self.js("document.getElementById('stage').classList.contains('over')");
+                if over == true && self.js(tip).as_str().is_some_and(|t| t.contains("low[")) {
+                    return Some(at);
+                }
+            }
+        }
+        None
+    }
+
+    pub fn picture(&mut self) -> String {
+        self.command("Page.captureScreenshot", &json!({}))["data"].as_str().unwrap().into()
     }
 
     pub fn part(&mut self, id: &str) -> String {

@@ -10,22 +10,38 @@ mod inconvenient_times;
 mod midi_osc;
 mod page_controls;
 mod pictures;
-mod report_page;
 mod share;
 
 #[path = "../../../../tests/src/long_form.rs"]
 mod long_form;
-#[path = "../../../../tests/src/page.rs"]
-mod page;
-#[path = "../../../../tests/src/page_checks.rs"]
-mod page_checks;
 #[path = "../../../../tests/src/skipped.rs"]
 mod skipped;
 mod soak;
 
 use host::{Host, peak, until};
-use page_checks::STRING;
 use serde_json::json;
+
+const STRING: &str = r#"
+[model]
+title = "A string and a bob"
+[param]
+k = { value = "2 kN/m", unit = "N/m", live = true, min = 200, max = 4000, doc = "stiffness of the bob" }
+[STRING]
+low = { n = 30, f = "110 Hz", t60 = "3 s", m = "1 g" }
+[MAS]
+bob = { m = "10 g" }
+[SOL]
+wall = {}
+[REF]
+spring = { between = ["wall", "bob"], k = "k", z = 0.2 }
+[ENF]
+push = { to = "low[4]", midi = { note = ["C4", "E5"], to = "5 N", attack = "1 ms" } }
+[SOX]
+left = { from = "low[6]", gain = 200 }
+right = { from = "bob", gain = 200 }
+[gesture]
+push = [[0, 0], [0.01, 0.5], [0.02, 0], [0.6, 0]]
+"#;
 
 mod in_real_time {
     use super::*;
@@ -232,13 +248,28 @@ mod in_real_time {
     }
 
     #[test]
-    fn the_page_passes_its_checks() {
-        page_controls::the_page_passes_its_checks();
+    fn only_keys_that_sound_are_keys() {
+        page_controls::only_keys_that_sound_are_keys();
     }
 
     #[test]
-    fn only_keys_that_sound_are_keys() {
-        page_controls::only_keys_that_sound_are_keys();
+    fn a_game_controller_plays() {
+        page_controls::a_game_controller_plays();
+    }
+
+    #[test]
+    fn two_fingers_hold_two_masses() {
+        page_controls::two_fingers_hold_two_masses();
+    }
+
+    #[test]
+    fn one_button_plays() {
+        page_controls::one_button_plays();
+    }
+
+    #[test]
+    fn magnification_settles_and_is_calm() {
+        page_controls::magnification_settles_and_is_calm();
     }
 
     #[test]
@@ -288,11 +319,100 @@ mod in_real_time {
     /// The page of a report without a server: picture and waveform follow the chosen time.
     #[test]
     fn a_report_shows_the_moving_instrument() {
-        report_page::shows_the_moving_instrument();
+        let dir = tempfile::tempdir().unwrap();
+        std::fs::write(dir.path().join("model.ca.toml"), STRING).unwrap();
+        let page = dir.path().join("r.html");
+        let mut report = host::command(dir.path());
+        report.args(["report", "model.ca.toml", "-q", "--seconds", "1", "--accuracy", "0", "-o", "r.html"]);
+        assert!(report.status().unwrap().success());
+        let Some(mut tab) = browser::Tab::open(&format!("file://{}", page.display())) else { return };
+        let film = |tab: &mut browser::Tab| tab.js("document.documentElement.dataset.film");
+        until("it is drawn", || film(&mut tab) == "0.000");
+        assert_eq!(tab.js("+document.documentElement.dataset.filmFrames >= 60"), true);
+        let still = tab.part("filmCanvas");
+        tab.js("(() => { const s = document.getElementById('filmAt'); s.value = 0.03; s.dispatchEvent(new Event('input')); })()");
+        until("it goes to the time that is chosen", || film(&mut tab) == "0.030");
+        assert_ne!(tab.part("filmCanvas"), still, "it moves");
+        assert_eq!(tab.js("document.querySelector('audio').currentTime.toFixed(3)"), "0.030");
+        tab.js("document.querySelector('.chart-over').scrollIntoView({ behavior: 'instant' })");
+        let place = tab.js(
+            "(() => { const r = document.querySelector('.chart-over').getBoundingClientRect(); return [r.x + r.width / 2, r.y + 20]; })()",
+        );
+        let [x, y] = [0, 1].map(|k| place[k].as_f64().unwrap());
+        tab.mouse("mousePressed", x, y);
+        tab.mouse("mouseReleased", x, y);
+        until("the player goes there", || {
+            tab.js("document.querySelector('audio').currentTime").as_f64().is_some_and(|t| (t - 0.5).abs() < 0.02)
+        });
+        tab.js("document.getElementById('film').scrollIntoView({ behavior: 'instant' })");
+        until("and the picture", || {
+            film(&mut tab).as_str().is_some_and(|t| (t.parse::<f64>().unwrap() - 0.5).abs() < 0.02)
+        });
+        assert_eq!(
+            tab.js("document.documentElement.dataset.errors + document.documentElement.dataset.violations"),
+            "00"
+        );
+        assert_eq!(tab.errors(), Vec::<String>::new());
     }
 
+    /// In a browser, the page opens without errors and moves. A mouse that drags a mass holds it, and it sounds.
     #[test]
     fn a_mouse_in_a_browser_plays() {
-        page_controls::a_mouse_in_a_browser_plays();
+        let mut host = Host::play(STRING, &["--seconds", "600"]);
+        let Some(mut tab) = browser::Tab::open(&host.address) else { return };
+        until("the scene is there", || tab.js("document.getElementById('title').textContent") == "A string and a bob");
+        let mut watch = host.page();
+        watch.next("scene");
+        let before = tab.picture();
+        let [x, y] = tab.near().expect("some mass is near the middle");
+        tab.mouse("mousePressed", x, y);
+        until("it is held", || watch.next("state")["pointer"].as_i64() >= Some(0));
+        for n in 0..15 {
+            tab.mouse("mouseMoved", x, y - 4.0 * f64::from(n));
+        }
+        until("the picture moves", || tab.picture() != before);
+        tab.mouse("mouseReleased", x, y - 60.0);
+        until("it is let go", || watch.next("state")["pointer"] == -1);
+        watch.done(&json!({"type": "sound", "on": true}));
+        assert!(peak(&watch.hear(0.1)) > 1e-4, "it rings");
+        until("its energy is drawn", || tab.js("+document.documentElement.dataset.energy > 0") == true);
+        // after user input, the page may start sound
+        tab.js("document.getElementById('sound').dataset.on === 'true' || document.getElementById('sound').click()");
+        until("the page plays, too", || tab.js("document.getElementById('sound').dataset.on") == "true");
+        // plays keys on the screen, and computer keys once they are switched on
+        let at = |tab: &mut browser::Tab, what: &str| {
+            let place = tab.js(&format!(
+                "(() => {{ const e = document.querySelector('{what}'); e.scrollIntoView(); \
+                 const r = e.getBoundingClientRect(); return [r.x + r.width / 2, r.y + 0.9 * r.height]; }})()"
+            ));
+            [0, 1].map(|k| place[k].as_f64().unwrap())
+        };
+        until("the string is quiet", || peak(&watch.hear(0.05)) < 0.01);
+        let [x, y] = at(&mut tab, "[data-note=\"64\"]");
+        tab.mouse("mousePressed", x, y);
+        until("a key sounds", || peak(&watch.hear(0.05)) > 0.02);
+        tab.mouse("mouseReleased", x, y);
+        assert_eq!(tab.js("document.querySelector('#keyboard .down') === null"), true);
+        until("it is quiet again", || peak(&watch.hear(0.05)) < 0.01);
+        tab.js("document.getElementById('letters').click()");
+        tab.js("dispatchEvent(new KeyboardEvent('keydown', { code: 'KeyX', bubbles: true }))");
+        assert_eq!(tab.js("document.querySelector('#keyboard .down')?.dataset.note"), "62");
+        until("a letter sounds", || peak(&watch.hear(0.05)) > 0.02);
+        tab.js("dispatchEvent(new KeyboardEvent('keyup', { code: 'KeyX', bubbles: true }))");
+        tab.js("document.getElementById('letters').click()");
+        tab.js("document.getElementById('presetsBox').open = true");
+        tab.js("(() => { document.getElementById('presetName').value = 'soft'; \
+             document.querySelector('#presetForm button').click(); })()");
+        tab.js("(() => { const r = document.querySelector('#params input[type=range]'); r.value = 0; \
+             r.dispatchEvent(new Event('input')); })()");
+        until("the slider has set it", || watch.next("state")["params"]["k"] == 200.0);
+        tab.js("document.querySelector('#presets .pick').click()");
+        until("the preset has set it", || watch.next("state")["params"]["k"] == 2000.0);
+        tab.js("(() => { const m = document.getElementById('morph'); m.value = 50; m.dispatchEvent(new Event('input')); })()");
+        until("half of the way is half of it", || watch.next("state")["params"]["k"] == 1100.0);
+        assert_eq!(tab.errors(), Vec::<String>::new());
+        watch.done(&json!({"type": "stop"}));
+        host.ended();
+        until("the page says so", || tab.js("!document.getElementById('banner').hidden") == true);
     }
 }
