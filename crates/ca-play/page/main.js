@@ -179,14 +179,11 @@ function showSound(s) {
   const b = find("sound"), on = s.state === "on";
   b.dataset.on = String(on);
   const elsewhere = !!(state && state.sound && state.sound !== "page");
-  const text = on ? "Sound off" : s.state === "starting" ? "Starting…" : elsewhere ? "Also play here" : "Sound on", label = b.querySelector("span");
-  // Safari sends no click if the text below the pointer is replaced while it is pressed
-  if (label.textContent !== text) label.textContent = text;
+  b.querySelector("span").textContent = on ? "Sound off" : s.state === "starting" ? "Starting…" : elsewhere ? "Also play here" : "Sound on";
   find("loudness").classList.toggle("off", !on);
   const mute = find("mute");
   mute.setAttribute("aria-pressed", String(s.muted));
-  const muted = s.muted ? "Muted" : "Mute";
-  if (mute.textContent !== muted) mute.textContent = muted;
+  mute.textContent = s.muted ? "Muted" : "Mute";
   find("volume").style.setProperty("--fill", 100 * s.volume + "%");
   if (s.state === "failed" && root.sound !== "failed") status.say("No sound in this page: " + s.reason, true);
   root.sound = s.state;

@@ -3,9 +3,6 @@
 // with resampling. Samples are also requested without sound for the meters, but not while the page is hidden and
 // silent.
 
-// longest time that a browser with an output needs to start it [ms]
-const LONGEST = 10000;
-
 export class Sound {
   // world: send(message), changed(state)
   /**
@@ -23,12 +20,7 @@ export class Sound {
     this.context = null;
     this.node = null;
     this.asked = false;
-    this.waking = false;
-    document.addEventListener("visibilitychange", () => {
-      this.ask();
-      // a screen that was off may have stopped it
-      if (!document.hidden && this.state === "on") this.wake();
-    });
+    document.addEventListener("visibilitychange", () => this.ask());
   }
 
   scene(rate, channels) {
@@ -65,10 +57,10 @@ export class Sound {
         };
         this.node.connect(this.context.destination);
         this.context.onstatechange = () => {
-          if (this.state === "on" && this.context.state === "suspended" && !document.hidden && !this.waking) this.set("off");
+          if (this.state === "on" && this.context.state === "suspended") this.set("off");
         };
       }
-      await this.begin();
+      await this.context.resume();
       this.configure();
       this.set("on");
       this.ask();
@@ -76,25 +68,6 @@ export class Sound {
       this.reason = String(error.message || error);
       this.set("failed");
     }
-  }
-
-  resume() { return this.context.resume(); }
-
-  // browsers without an output wait until there is one
-  begin() {
-    const late = new Promise((_, refuse) => setTimeout(() => refuse(new Error("the browser finds no output for sound; connect one, then press again")), LONGEST));
-    return Promise.race([this.resume(), late]);
-  }
-
-  // the browser may tell only now that it stopped the sound
-  async wake() {
-    this.waking = true;
-    try {
-      await this.begin();
-    } catch {
-      this.set("off");
-    }
-    this.waking = false;
   }
 
   configure() {

@@ -13,9 +13,9 @@ export class EngineSound extends Sound {
     // a press of the user may start the sound, and moves the instrument at once
     for (const name of ["pointerdown", "pointerup", "keydown"])
       addEventListener(name, () => connection.resume().catch(() => undefined), { capture: true });
+    // a screen that was off may have stopped it
+    document.addEventListener("visibilitychange", () => { if (!document.hidden && this.state === "on") connection.resume().catch(() => undefined); });
   }
-
-  resume() { return this.connection.resume(); }
 
   configure() { this.loud(); }
 
@@ -23,7 +23,7 @@ export class EngineSound extends Sound {
     if (this.state === "on" || this.state === "starting" || !this.rate) return;
     this.set("starting");
     try {
-      await this.begin();
+      await this.connection.resume();
       this.set("on");
       this.loud();
       this.ask();
